@@ -1,0 +1,2 @@
+//! The `fingervision` command.
+fn main() {}

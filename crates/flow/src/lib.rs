@@ -1,0 +1,5 @@
+//! Dense optical flow between two images.
+
+mod field;
+
+pub use field::FlowField;

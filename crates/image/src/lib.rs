@@ -1,0 +1,19 @@
+//! Pixels: the owned image, the frame that a source hands out, and what every stage does with them.
+//!
+//! Integer coordinates are pixel centres, `(x, y)` in that order, x right, y down; storage is row-major
+//! `[row][column]`. Nothing here knows a sensor or a file format.
+//!
+//! Grey levels are `f32` on the 8-bit scale, 0 to 255, whatever the frame's own depth: a 16-bit value `v` reads
+//! `v / 257`.
+
+mod colour;
+mod error;
+mod frame;
+mod grid;
+mod pyramid;
+
+pub use colour::{LUMA_WEIGHTS, grey_into, rgbx_into};
+pub use error::ImageError;
+pub use frame::{Frame, Pixels};
+pub use grid::{Image, Rect};
+pub use pyramid::{Pyramid, halve_into};

@@ -1,0 +1,75 @@
+//! The image pyramid: every level has half the columns and rows of the one before.
+//!
+//! Level 0 is the full size. A pixel of level `l + 1` is the mean of the 2×2 pixels of level `l` that it covers, so a
+//! point at `x` on level `l` lies at `(x + ½)/2 − ½` on level `l + 1`. An odd last column or row is left out.
+
+use crate::Image;
+
+/// Grey levels at full size and at every halving down to the coarsest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pyramid {
+    levels: Vec<Image<f32>>,
+}
+
+impl Pyramid {
+    /// An empty pyramid over an image of this size, with levels 0 to `coarsest_level`.
+    #[must_use]
+    pub fn new(width: usize, height: usize, coarsest_level: usize) -> Self {
+        let levels = (0..=coarsest_level).map(|level| Image::filled(width >> level, height >> level, 0.0));
+        Self { levels: levels.collect() }
+    }
+
+    /// The image at a level.
+    ///
+    /// # Panics
+    ///
+    /// If the pyramid ends before that level.
+    #[must_use]
+    pub fn level(&self, level: usize) -> &Image<f32> {
+        &self.levels[level]
+    }
+
+    /// The full-size image, to be written before [`Pyramid::build`].
+    pub fn base_mut(&mut self) -> &mut Image<f32> {
+        &mut self.levels[0]
+    }
+
+    /// Fills every level above the full size from the one below it.
+    pub fn build(&mut self) {
+        for level in 1..self.levels.len() {
+            let (fine, coarse) = self.levels.split_at_mut(level);
+            halve_into(&fine[level - 1], &mut coarse[0]);
+        }
+    }
+}
+
+/// Writes the means of all whole 2×2 blocks of `fine` into `coarse`.
+///
+/// # Panics
+///
+/// If `coarse` is not half as wide and high, rounded down.
+pub fn halve_into(fine: &Image<f32>, coarse: &mut Image<f32>) {
+    assert_eq!(coarse.size(), (fine.width() / 2, fine.height() / 2), "size of the coarser level");
+    for (y, coarse) in coarse.rows_mut().enumerate() {
+        let (above, below) = (fine.row(2 * y), fine.row(2 * y + 1));
+        let blocks = above.chunks_exact(2).zip(below.chunks_exact(2));
+        for (coarse, (above, below)) in coarse.iter_mut().zip(blocks) {
+            *coarse = 0.25 * (above[0] + above[1] + below[0] + below[1]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ramp_stays_a_ramp_at_pixel_centres() {
+        let mut pyramid = Pyramid::new(13, 9, 2);
+        *pyramid.base_mut() = Image::from_fn(13, 9, |x, y| x as f32 + 100.0 * y as f32);
+        pyramid.build();
+        assert_eq!(pyramid.level(2).size(), (3, 2));
+        // Pixel (1, 1) of level 2 covers columns and rows 4 to 7: its centre is 5.5.
+        assert!((pyramid.level(2).at(1, 1) - (5.5 + 550.0)).abs() < 1e-3);
+    }
+}

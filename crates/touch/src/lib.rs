@@ -1,0 +1,5 @@
+//! The sensor.
+
+mod reading;
+
+pub use reading::{Flag, Flags, Reading};
