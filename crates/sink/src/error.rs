@@ -1,0 +1,81 @@
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// Why a reading could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum SinkError {
+    /// The folder holds a previous run and overwriting was not asked for.
+    #[error("folder {} holds a previous run", .path.display())]
+    PreviousRun {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The folder holds files that are no run, so nothing in it may be replaced.
+    #[error("folder {} holds files that are not a run", .path.display())]
+    FolderNotEmpty {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The operating system refused to create, write or remove a file or folder.
+    #[error("cannot write {}: {error}", .path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the operating system said.
+        error: io::Error,
+    },
+    /// A field has another size than the run began with.
+    #[error("{field} has {}x{} px, expected {}x{} px", .actual.0, .actual.1, .expected.0, .expected.1)]
+    SizeMismatch {
+        /// The field's name.
+        field: &'static str,
+        /// Columns and rows of the run, px.
+        expected: (usize, usize),
+        /// Columns and rows of the field, px.
+        actual: (usize, usize),
+    },
+    /// A reading lacks a field that is to be written.
+    #[error("frame {sequence} has no {field}")]
+    FieldAbsent {
+        /// The field's name.
+        field: &'static str,
+        /// The frame's place in its source's count.
+        sequence: u64,
+    },
+    /// There is nothing to draw: no reading was ever written.
+    #[error("no frame was read, so there is nothing to draw")]
+    NoReadings,
+}
+
+impl SinkError {
+    /// What the person at the keyboard can do about it, where there is something to say.
+    #[must_use]
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::PreviousRun { .. } => Some("choose a new folder or pass --overwrite"),
+            Self::FolderNotEmpty { .. } => Some("choose a new or an empty folder"),
+            Self::Write { error, .. } => hint_for(error.kind()),
+            Self::SizeMismatch { .. } => Some("start a new run for every size of image"),
+            Self::FieldAbsent { .. } => Some("leave the field out of --fields, or calibrate the profile for it"),
+            Self::NoReadings => Some("check that the source hands out frames"),
+        }
+    }
+
+    /// Names the file in what the operating system said.
+    pub(crate) fn writing(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        move |error| Self::Write { path: path.to_path_buf(), error }
+    }
+}
+
+fn hint_for(kind: ErrorKind) -> Option<&'static str> {
+    match kind {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            Some("free some space or choose a folder on another disk; what was written so far can be read")
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => Some("choose a folder that you may write to"),
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+            Some("a file stands in the folder's place: choose another")
+        }
+        _ => None,
+    }
+}
