@@ -1,0 +1,20 @@
+/// Why a scene or a motion cannot be rendered.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum GelError {
+    /// A parameter of the scene lies outside its range.
+    #[error("{name} is {value}: {allowed} is allowed")]
+    OutOfRange {
+        /// The parameter.
+        name: &'static str,
+        /// Its value, in the parameter's own unit.
+        value: f64,
+        /// The range in words, with its unit.
+        allowed: &'static str,
+    },
+    /// The motion takes two points of the reference to the same place, so the image is not defined there.
+    #[error("the motion folds: its smallest stretch is {stretch:.3}, which must be above zero")]
+    Folds {
+        /// Smallest ratio of a current length to its reference length along a ray from the centre, dimensionless.
+        stretch: f64,
+    },
+}

@@ -1,0 +1,296 @@
+//! Analytic motions of the image plane: the truth, and the way back from the current image to the reference.
+//!
+//! Except for the shift, a motion stretches every ray from a centre `c`:
+//!
+//! ```text
+//! X = c + (x − c) (1 + h(n)),   n = ‖x − c‖
+//! ```
+//!
+//! where the norm is Euclidean for round motions and the largest coordinate for square ones. So the way back is one
+//! scalar equation a point, `n (1 + h(n)) = N`, whatever the shape.
+
+use crate::GelError;
+use fingervision_image::Image;
+
+/// The direction of [`Motion::shift`], clockwise from the x axis.
+const SHIFT_ANGLE_DEGREES: f64 = 33.0;
+
+/// Where the way back ends, px.
+const TOLERANCE_PX: f64 = 1e-12;
+
+/// A displacement of every point of the image plane, in px.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// The same displacement everywhere.
+    Shift {
+        /// The displacement, px.
+        by_px: [f64; 2],
+    },
+    /// A round, smooth stretch: `u(r) = A r/R · exp(½ (1 − (r/R)²))` away from the centre.
+    RadialBump {
+        /// The point that stays, px.
+        centre_px: [f64; 2],
+        /// `R`, where the displacement is largest, px.
+        radius_px: f64,
+        /// `A`, the largest displacement, px; positive outwards.
+        amplitude_px: f64,
+    },
+    /// A square scaled by `s`: `u = (s − 1)(x − c)` inside, times `exp(−d/D)` outside.
+    ///
+    /// `d` is how far the point lies beyond the square along x or y, whichever is more. With the Euclidean distance
+    /// the motion would fold at the corners for `s = 1.2`.
+    ScaledSquare {
+        /// `c`, the point that stays, px.
+        centre_px: [f64; 2],
+        /// Half a side of the square at rest, px.
+        half_side_px: f64,
+        /// `D`, the distance in which the displacement decays by `1/e`, px.
+        decay_px: f64,
+        /// `s`, dimensionless; 1 is at rest.
+        scale: f64,
+    },
+}
+
+/// The displacement of every reference pixel, in px.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrueFlow {
+    /// Displacement to the right, px.
+    pub u: Image<f32>,
+    /// Displacement downwards, px.
+    pub v: Image<f32>,
+}
+
+impl Motion {
+    /// Nothing moves.
+    pub const STILL: Self = Self::Shift { by_px: [0.0; 2] };
+
+    /// A shift by `distance_px` at 33° to the right and down, so that x and y differ in their sub-pixel parts.
+    #[must_use]
+    pub fn shift(distance_px: f64) -> Self {
+        let (sin, cos) = SHIFT_ANGLE_DEGREES.to_radians().sin_cos();
+        Self::Shift { by_px: [distance_px * cos, distance_px * sin] }
+    }
+
+    /// A round stretch, largest 80 px from the centre.
+    #[must_use]
+    pub fn radial_bump(centre_px: [f64; 2], amplitude_px: f64) -> Self {
+        Self::RadialBump { centre_px, radius_px: 80.0, amplitude_px }
+    }
+
+    /// A scaled square of 150 px whose displacement decays over 15 px outside.
+    #[must_use]
+    pub fn scaled_square(centre_px: [f64; 2], scale: f64) -> Self {
+        Self::ScaledSquare { centre_px, half_side_px: 75.0, decay_px: 15.0, scale }
+    }
+
+    /// The motion part of the way: every displacement times `fraction`.
+    ///
+    /// A press in `n` frames is `motion.at(k / n)` for `k` from 0 to `n`.
+    #[must_use]
+    pub fn at(mut self, fraction: f64) -> Self {
+        match &mut self {
+            Self::Shift { by_px } => *by_px = by_px.map(|by| fraction * by),
+            Self::RadialBump { amplitude_px, .. } => *amplitude_px *= fraction,
+            Self::ScaledSquare { scale, .. } => *scale = 1.0 + fraction * (*scale - 1.0),
+        }
+        self
+    }
+
+    /// The displacement of the reference point `(x, y)`, px.
+    #[must_use]
+    pub fn displacement(&self, x: f64, y: f64) -> (f64, f64) {
+        match *self {
+            Self::Shift { by_px } => (by_px[0], by_px[1]),
+            Self::RadialBump { centre_px, .. } | Self::ScaledSquare { centre_px, .. } => {
+                let (dx, dy) = (x - centre_px[0], y - centre_px[1]);
+                let (h, _) = self.ray_stretch(self.norm(dx, dy));
+                (h * dx, h * dy)
+            }
+        }
+    }
+
+    /// The reference point that lies at `(x, y)` in the current image, px: the inverse of
+    /// `(x, y) + displacement(x, y)`, within 1e-10 px.
+    ///
+    /// The result is meaningless where the motion folds, see [`Motion::smallest_stretch`].
+    #[must_use]
+    pub fn reference_point(&self, x: f64, y: f64) -> (f64, f64) {
+        match *self {
+            Self::Shift { by_px } => (x - by_px[0], y - by_px[1]),
+            Self::RadialBump { centre_px, .. } | Self::ScaledSquare { centre_px, .. } => {
+                let (dx, dy) = (x - centre_px[0], y - centre_px[1]);
+                let (h, _) = self.ray_stretch(self.reference_norm(self.norm(dx, dy)));
+                (centre_px[0] + dx / (1.0 + h), centre_px[1] + dy / (1.0 + h))
+            }
+        }
+    }
+
+    /// The displacement of every pixel of an image of this size.
+    #[must_use]
+    pub fn flow(&self, width: usize, height: usize) -> TrueFlow {
+        let displacement = |x: usize, y: usize| self.displacement(x as f64, y as f64);
+        TrueFlow {
+            u: Image::from_fn(width, height, |x, y| displacement(x, y).0 as f32),
+            v: Image::from_fn(width, height, |x, y| displacement(x, y).1 as f32),
+        }
+    }
+
+    /// Smallest ratio of a current length to its reference length along a ray, dimensionless.
+    ///
+    /// The motion is one-to-one if and only if it is above zero. For the round stretch it is `1 − 2A/(e R)` outwards
+    /// and `1 − √e |A|/R` inwards.
+    #[must_use]
+    pub fn smallest_stretch(&self) -> f64 {
+        // The ratio is monotone between these norms, so its least value is at one of them.
+        let turns = match *self {
+            Self::Shift { .. } => return 1.0,
+            Self::RadialBump { radius_px, .. } => [0.0, 3.0_f64.sqrt() * radius_px],
+            Self::ScaledSquare { half_side_px, decay_px, .. } => {
+                // Just outside the side, where the decay has begun; a small square has its turn farther out.
+                [0.0, half_side_px.next_up().max(2.0 * decay_px)]
+            }
+        };
+        turns.map(|norm| self.ray_stretch(norm).1).into_iter().fold(1.0, f64::min)
+    }
+
+    /// [`GelError::Folds`] unless the motion is one-to-one.
+    pub(crate) fn validate(&self) -> Result<(), GelError> {
+        let stretch = self.smallest_stretch();
+        if stretch > 0.0 { Ok(()) } else { Err(GelError::Folds { stretch }) }
+    }
+
+    fn norm(&self, dx: f64, dy: f64) -> f64 {
+        if matches!(self, Self::ScaledSquare { .. }) { dx.abs().max(dy.abs()) } else { dx.hypot(dy) }
+    }
+
+    /// `h(n)` and the stretch along the ray, `d(n (1 + h(n)))/dn`.
+    fn ray_stretch(&self, norm: f64) -> (f64, f64) {
+        match *self {
+            Self::Shift { .. } => (0.0, 1.0),
+            Self::RadialBump { radius_px, amplitude_px, .. } => {
+                let square = (norm / radius_px).powi(2);
+                let h = amplitude_px / radius_px * (0.5 * (1.0 - square)).exp();
+                (h, 1.0 + h * (1.0 - square))
+            }
+            Self::ScaledSquare { half_side_px, decay_px, scale, .. } => {
+                let beyond = norm - half_side_px;
+                if beyond <= 0.0 {
+                    return (scale - 1.0, scale);
+                }
+                let h = (scale - 1.0) * (-beyond / decay_px).exp();
+                (h, 1.0 + h * (1.0 - norm / decay_px))
+            }
+        }
+    }
+
+    /// Solves `n (1 + h(n)) = current` by Newton steps, halving the bracket where a step would leave it.
+    fn reference_norm(&self, current: f64) -> f64 {
+        // |h| is largest at the centre and keeps its sign, so the root lies between these two.
+        let (h, _) = self.ray_stretch(0.0);
+        let (mut low, mut high) = (current.min(current / (1.0 + h)), current.max(current / (1.0 + h)));
+        let mut norm = current;
+        while high - low > TOLERANCE_PX {
+            let (h, slope) = self.ray_stretch(norm);
+            let residual = norm * (1.0 + h) - current;
+            if residual > 0.0 {
+                high = norm;
+            } else {
+                low = norm;
+            }
+            let step = residual / slope;
+            if step.abs() <= TOLERANCE_PX {
+                return norm - step;
+            }
+            let middle = 0.5 * (low + high);
+            let newton = norm - step;
+            norm = if newton > low && newton < high { newton } else { middle };
+            // Neighbouring numbers have no middle.
+            if middle <= low || middle >= high {
+                return norm;
+            }
+        }
+        norm
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CENTRE: [f64; 2] = [304.5, 224.5];
+
+    fn motions() -> Vec<Motion> {
+        let bumps = [-20.0, 5.0, 25.0, 40.0].map(|amplitude| Motion::radial_bump(CENTRE, amplitude));
+        let squares = [0.8, 1.1, 1.2].map(|scale| Motion::scaled_square(CENTRE, scale));
+        [Motion::STILL, Motion::shift(0.5), Motion::shift(20.0)].into_iter().chain(bumps).chain(squares).collect()
+    }
+
+    fn points() -> impl Iterator<Item = (f64, f64)> {
+        (0..130)
+            .flat_map(|row| (0..170).map(move |column| (3.7 * f64::from(column) - 10.0, 3.6 * f64::from(row) - 9.0)))
+    }
+
+    #[test]
+    fn the_way_back_ends_where_it_began() {
+        for motion in motions() {
+            for (x, y) in points().chain([(304.5, 224.5), (379.5, 224.5), (379.5, 299.5)]) {
+                let (u, v) = motion.displacement(x, y);
+                let (back_x, back_y) = motion.reference_point(x + u, y + v);
+                let miss = (back_x - x).hypot(back_y - y);
+                assert!(miss < 1e-10, "{motion:?} misses ({x}, {y}) by {miss}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_folds() {
+        let step = 1e-4;
+        for motion in motions() {
+            assert!(motion.validate().is_ok(), "{motion:?}");
+            let place = |x: f64, y: f64| {
+                let (u, v) = motion.displacement(x, y);
+                (x + u, y + v)
+            };
+            for (x, y) in points() {
+                let (here, right, below) = (place(x, y), place(x + step, y), place(x, y + step));
+                let determinant = (right.0 - here.0) * (below.1 - here.1) - (right.1 - here.1) * (below.0 - here.0);
+                assert!(determinant > 0.0, "{motion:?} at ({x}, {y})");
+            }
+        }
+    }
+
+    #[test]
+    fn the_smallest_stretch_is_the_least_along_a_ray() {
+        for motion in motions() {
+            let ray = (0..4000).map(|k| motion.ray_stretch(0.1 * f64::from(k)).1);
+            let least = ray.fold(f64::INFINITY, f64::min);
+            let stated = motion.smallest_stretch();
+            assert!(stated <= least && least - stated < 0.01, "{motion:?}: {stated} stated, {least} found");
+        }
+    }
+
+    #[test]
+    fn a_motion_that_folds_is_refused() {
+        assert!(matches!(Motion::radial_bump(CENTRE, 110.0).validate(), Err(GelError::Folds { .. })));
+        assert!(matches!(Motion::radial_bump(CENTRE, -50.0).validate(), Err(GelError::Folds { .. })));
+        assert!(matches!(Motion::scaled_square(CENTRE, 1.26).validate(), Err(GelError::Folds { .. })));
+    }
+
+    #[test]
+    fn the_bump_is_largest_at_its_radius() {
+        let bump = Motion::radial_bump(CENTRE, 10.0);
+        let reach = |r: f64| bump.displacement(CENTRE[0] + r, CENTRE[1]).0;
+        assert!((reach(80.0) - 10.0).abs() < 1e-12);
+        assert!(reach(79.0) < 10.0 && reach(81.0) < 10.0 && reach(0.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_fraction_scales_every_displacement() {
+        for motion in motions() {
+            for (x, y) in [(300.0, 200.0), (400.0, 250.0)] {
+                let (whole, part) = (motion.displacement(x, y), motion.at(0.3).displacement(x, y));
+                assert!((part.0 - 0.3 * whole.0).abs() < 1e-12 && (part.1 - 0.3 * whole.1).abs() < 1e-12);
+            }
+        }
+    }
+}
