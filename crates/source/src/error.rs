@@ -1,0 +1,140 @@
+//! What can go wrong between a path and its frames.
+
+use crate::FrameFormat;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What is read, for hints.
+const READ: &str = "folders of PNG, JPEG, TIFF or BMP images, H.264 MP4 and motion JPEG AVI are read";
+
+/// Why a source cannot be opened or read on.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    /// Nothing lies at the path.
+    #[error("{}: no such file or folder", path.display())]
+    NotFound {
+        /// The path asked for.
+        path: PathBuf,
+    },
+    /// The system refuses to read a file or folder.
+    #[error("{}: {}", path.display(), error.kind())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// Something that is not read, or not read yet.
+    #[error("{}: {what} is not read", path.display())]
+    NotRead {
+        /// The file, folder or name.
+        path: PathBuf,
+        /// What was found there, as a noun.
+        what: String,
+        /// What to do instead.
+        hint: String,
+    },
+    /// Fewer than two frames: tracking needs a reference and at least one more.
+    #[error("{}: {}: tracking needs a reference and at least one more", path.display(), counted(*count))]
+    TooFewFrames {
+        /// The folder or video file.
+        path: PathBuf,
+        /// How many were found.
+        count: u64,
+    },
+    /// A video file whose index is damaged or missing, so that no frame can be found.
+    #[error("{}: {reason}", path.display())]
+    Container {
+        /// The video file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A frame that is damaged or cut off.
+    #[error("{}: frame {sequence}: {reason}", path.display())]
+    Frame {
+        /// The image or video file.
+        path: PathBuf,
+        /// The frame's number in its source, from 0.
+        sequence: u64,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A floating-point pixel outside 0 to 1, or not a number.
+    #[error("{}: frame {sequence}: pixel ({x}, {y}) is {value}, not within 0 to 1", path.display())]
+    PixelRange {
+        /// The image file.
+        path: PathBuf,
+        /// The frame's number in its source, from 0.
+        sequence: u64,
+        /// The pixel's column as stored, px.
+        x: usize,
+        /// The pixel's row as stored, px.
+        y: usize,
+        /// The value found, dimensionless.
+        value: f64,
+    },
+    /// A frame that differs from the first in size or pixel format.
+    #[error("{}: frame {sequence}: {found}, expected {expected} as before", path.display())]
+    FormatChanged {
+        /// The image or video file.
+        path: PathBuf,
+        /// The frame's number in its source, from 0.
+        sequence: u64,
+        /// The frame's format.
+        found: FrameFormat,
+        /// The format of the first frame.
+        expected: FrameFormat,
+    },
+    /// A rate that no camera has.
+    #[error("{frames_per_second} frames per second: a rate is a positive number")]
+    Rate {
+        /// The rate asked for, frames per second.
+        frames_per_second: f64,
+    },
+}
+
+impl SourceError {
+    /// What the user can do about it, where there is something to say.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::NotFound { .. } => Some(READ.into()),
+            Self::NotRead { hint, .. } => Some(hint.clone()),
+            Self::TooFewFrames { path, count: 0 } => Some(no_frames_hint(path)),
+            Self::TooFewFrames { .. } => Some("record the gel at rest first, then the touch".into()),
+            Self::Container { .. } => Some("the recording may not have been closed; record again".into()),
+            Self::Frame { .. } => Some("the frames before it are whole".into()),
+            Self::PixelRange { .. } => Some("scale the images to 0 to 1, or store them with 8 or 16 bit".into()),
+            Self::FormatChanged { .. } => Some("one source holds frames of one size and one pixel format".into()),
+            Self::Io { .. } | Self::Rate { .. } => None,
+        }
+    }
+
+    pub(crate) fn io(path: &Path, error: io::Error) -> Self {
+        let path = path.to_owned();
+        if error.kind() == io::ErrorKind::NotFound { Self::NotFound { path } } else { Self::Io { path, error } }
+    }
+
+    pub(crate) fn not_read_yet(path: &Path, what: &str) -> Self {
+        Self::NotRead { path: path.to_owned(), what: what.into(), hint: READ.into() }
+    }
+
+    pub(crate) fn single_image(path: &Path) -> Self {
+        let hint = "give the folder that holds the images".into();
+        Self::NotRead { path: path.to_owned(), what: "a single image".into(), hint }
+    }
+}
+
+fn counted(count: u64) -> String {
+    match count {
+        0 => "no frame".into(),
+        1 => "one frame".into(),
+        _ => format!("{count} frames"),
+    }
+}
+
+fn no_frames_hint(path: &Path) -> String {
+    let inside = path.join("frames");
+    if inside.is_dir() { format!("did you mean {}?", inside.display()) } else { READ.into() }
+}

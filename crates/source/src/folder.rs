@@ -1,0 +1,109 @@
+//! A folder of images, one frame a file.
+
+use crate::natural::natural_order;
+use crate::picture::{PictureFault, decode};
+use crate::{FrameFormat, Source, SourceError};
+use fingervision_image::Frame;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Files with these extensions are frames; all others are left alone.
+const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "tif", "tiff", "bmp"];
+
+/// Reads the images of a folder in natural order, one at a time.
+pub(crate) struct FolderSource {
+    folder: PathBuf,
+    files: Vec<PathBuf>,
+    frames_per_second: f64,
+    format: FrameFormat,
+    /// The first frame, read when the folder was opened.
+    first: Option<Frame>,
+    /// The next file to read; past the last after an error.
+    next: usize,
+}
+
+impl FolderSource {
+    pub(crate) fn open(folder: &Path, frames_per_second: f64) -> Result<Self, SourceError> {
+        let files = images_in(folder)?;
+        if files.len() < 2 {
+            return Err(SourceError::TooFewFrames { path: folder.to_owned(), count: files.len() as u64 });
+        }
+        let first = read(&files[0], 0, frames_per_second)?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            files,
+            frames_per_second,
+            format: FrameFormat::from(&first.pixels),
+            first: Some(first),
+            next: 1,
+        })
+    }
+
+    fn read_next(&self) -> Result<Frame, SourceError> {
+        let (path, sequence) = (&self.files[self.next], self.next as u64);
+        let frame = read(path, sequence, self.frames_per_second)?;
+        let found = FrameFormat::from(&frame.pixels);
+        if found == self.format {
+            Ok(frame)
+        } else {
+            Err(SourceError::FormatChanged { path: path.clone(), sequence, found, expected: self.format })
+        }
+    }
+}
+
+impl Source for FolderSource {
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        if let Some(first) = self.first.take() {
+            return Ok(Some(first));
+        }
+        if self.next >= self.files.len() {
+            return Ok(None);
+        }
+        let frame = self.read_next();
+        self.next = if frame.is_ok() { self.next + 1 } else { self.files.len() };
+        frame.map(Some)
+    }
+
+    fn frame_count(&self) -> Option<u64> {
+        Some(self.files.len() as u64)
+    }
+
+    fn size(&self) -> (usize, usize) {
+        (self.format.width, self.format.height)
+    }
+
+    fn description(&self) -> String {
+        let (folder, count, rate) = (self.folder.display(), self.files.len(), self.frames_per_second);
+        format!("{folder}: {count} images, {}, nominally {rate} frames per second", self.format)
+    }
+}
+
+/// The image files of a folder in natural order; hidden files and folders are left out.
+fn images_in(folder: &Path) -> Result<Vec<PathBuf>, SourceError> {
+    let io = |error| SourceError::io(folder, error);
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).map_err(io)? {
+        let path = entry.map_err(io)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if is_image_name(&name) && !path.is_dir() {
+            names.push((name, path));
+        }
+    }
+    names.sort_by(|(a, _), (b, _)| natural_order(a, b));
+    Ok(names.into_iter().map(|(_, path)| path).collect())
+}
+
+fn is_image_name(name: &str) -> bool {
+    let extension = name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
+    !name.starts_with('.') && extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
+}
+
+fn read(path: &Path, sequence: u64, frames_per_second: f64) -> Result<Frame, SourceError> {
+    let bytes = fs::read(path).map_err(|error| SourceError::io(path, error))?;
+    let path = path.to_owned();
+    match decode(&bytes) {
+        Ok(pixels) => Ok(Frame { sequence, capture_time_s: sequence as f64 / frames_per_second, pixels }),
+        Err(PictureFault::Damaged(reason)) => Err(SourceError::Frame { path, sequence, reason }),
+        Err(PictureFault::Range { x, y, value }) => Err(SourceError::PixelRange { path, sequence, x, y, value }),
+    }
+}

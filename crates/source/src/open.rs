@@ -1,0 +1,84 @@
+//! From what the user names to the source that reads it.
+
+use crate::folder::FolderSource;
+use crate::{Options, Source, SourceError};
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+/// How many bytes tell what a file is.
+const SIGNATURE_LEN: u64 = 64;
+
+/// Opens a folder of images or a video file; the content decides which, not the name.
+///
+/// The first frame is read at once, so that a source that opens has a size.
+///
+/// # Errors
+///
+/// [`SourceError::NotFound`] and [`SourceError::Io`] if nothing can be read there, [`SourceError::NotRead`] if it is
+/// something else than a folder or a known video, [`SourceError::TooFewFrames`] if there are fewer than two frames,
+/// [`SourceError::Container`] if a video's index is damaged, [`SourceError::Rate`] if the options make no sense, and
+/// whatever [`Source::next_frame`] reports for the first frame.
+pub fn open(location: impl AsRef<Path>, options: &Options) -> Result<Box<dyn Source>, SourceError> {
+    let path = location.as_ref();
+    options.validate()?;
+    if let Some(what) = promised(path) {
+        return Err(SourceError::not_read_yet(path, what));
+    }
+    let metadata = fs::metadata(path).map_err(|error| SourceError::io(path, error))?;
+    if metadata.is_dir() {
+        return Ok(Box::new(FolderSource::open(path, options.frames_per_second)?));
+    }
+    open_file(path)
+}
+
+/// Locations that name no file to look into.
+fn promised(path: &Path) -> Option<&'static str> {
+    let name = path.to_string_lossy();
+    match name.as_ref() {
+        name if name.starts_with("/dev/video") => Some("a camera"),
+        name if name.starts_with("sim:") => Some("a simulated scene"),
+        _ => None,
+    }
+}
+
+fn open_file(path: &Path) -> Result<Box<dyn Source>, SourceError> {
+    let io = |error| SourceError::io(path, error);
+    let mut signature = Vec::new();
+    File::open(path).and_then(|file| file.take(SIGNATURE_LEN).read_to_end(&mut signature)).map_err(io)?;
+    Err(match content(&signature) {
+        Content::Image => SourceError::single_image(path),
+        Content::Recording => SourceError::not_read_yet(path, "a recording"),
+        Content::Unknown => SourceError::not_read_yet(path, "this kind of file"),
+    })
+}
+
+/// What a file holds, by its first bytes.
+#[derive(Debug, PartialEq)]
+enum Content {
+    Image,
+    Recording,
+    Unknown,
+}
+
+fn content(signature: &[u8]) -> Content {
+    let at = |offset: usize, text: &[u8]| signature.get(offset..).is_some_and(|rest| rest.starts_with(text));
+    match () {
+        () if at(0, b"\x89MCAP0\r\n") => Content::Recording,
+        () if image::guess_format(signature).is_ok() => Content::Image,
+        () => Content::Unknown,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_is_told_by_the_first_bytes() {
+        assert_eq!(content(b"\x89PNG\r\n\x1a\n"), Content::Image);
+        assert_eq!(content(b"\x89MCAP0\r\n"), Content::Recording);
+        assert_eq!(content(b"hello"), Content::Unknown);
+        assert_eq!(content(b""), Content::Unknown);
+    }
+}

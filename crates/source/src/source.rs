@@ -1,0 +1,61 @@
+//! What every source offers, whatever takes the pictures.
+
+use crate::SourceError;
+use fingervision_image::Frame;
+use serde::{Deserialize, Serialize};
+
+/// Where frames come from: a folder of images, a video file.
+///
+/// All frames of a source have one size and one pixel format. A source can be read on another thread than the one
+/// that opened it.
+pub trait Source: Send {
+    /// The next frame, or `None` after the last.
+    ///
+    /// Frames are read one at a time and handed over whole. After an error the source is at its end: the frames
+    /// handed out so far stand, and every further call returns `None`.
+    ///
+    /// # Errors
+    ///
+    /// [`SourceError::Frame`] and [`SourceError::PixelRange`] if the frame cannot be read,
+    /// [`SourceError::FormatChanged`] if it differs from the first in size or pixel format, [`SourceError::NotFound`] and
+    /// [`SourceError::Io`] if its file cannot be read.
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError>;
+
+    /// How many frames there are from the first to the last, or `None` where that is not known beforehand.
+    ///
+    /// A file that is cut off may hand out fewer before it ends with an error.
+    fn frame_count(&self) -> Option<u64>;
+
+    /// Columns and rows of every frame, px.
+    fn size(&self) -> (usize, usize);
+
+    /// One line for logs and reports: where the frames come from and what they are.
+    fn description(&self) -> String;
+}
+
+/// How a source is read.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Options {
+    /// Nominal rate of an image folder, frames per second. Frame `n` gets the time `n / frames_per_second`: files carry
+    /// no capture time, so the time is only as true as this rate. Videos carry their own times and ignore it.
+    pub frames_per_second: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { frames_per_second: 30.0 }
+    }
+}
+
+impl Options {
+    /// Checks that every value makes sense.
+    ///
+    /// # Errors
+    ///
+    /// [`SourceError::Rate`] if the rate is not a positive finite number.
+    pub fn validate(&self) -> Result<(), SourceError> {
+        let rate = self.frames_per_second;
+        if rate.is_finite() && rate > 0.0 { Ok(()) } else { Err(SourceError::Rate { frames_per_second: rate }) }
+    }
+}
