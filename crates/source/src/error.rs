@@ -124,6 +124,14 @@ impl SourceError {
         let hint = "give the folder that holds the images".into();
         Self::NotRead { path: path.to_owned(), what: "a single image".into(), hint }
     }
+
+    pub(crate) fn unread_video(path: &Path, what: String) -> Self {
+        let input = path.display();
+        let output = path.with_extension("h264.mp4");
+        let output = output.display();
+        let hint = format!("convert it: ffmpeg -i '{input}' -c:v libx264 -crf 12 -pix_fmt yuv420p -an '{output}'");
+        Self::NotRead { path: path.to_owned(), what, hint }
+    }
 }
 
 fn counted(count: u64) -> String {

@@ -1,5 +1,8 @@
 //! JPEG pictures, in files of their own and as the frames of a motion JPEG video.
 
+use crate::picture::pixels;
+use crate::video::Decoder;
+use fingervision_image::Pixels;
 use image::metadata::Orientation;
 use image::{DynamicImage, GrayImage, RgbImage};
 use zune_core::bytestream::ZCursor;
@@ -37,4 +40,13 @@ pub(crate) fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), S
 fn is_whole(bytes: &[u8]) -> bool {
     let last = |marker: u8| bytes.windows(2).rposition(|pair| pair == [0xff, marker]);
     last(0xda) < last(0xd9)
+}
+
+/// Motion JPEG: every sample is a picture of its own.
+pub(crate) struct MotionJpeg;
+
+impl Decoder for MotionJpeg {
+    fn decode(&mut self, sample: &[u8]) -> Result<Pixels, String> {
+        decode_jpeg(sample).and_then(|(image, _)| pixels(image))
+    }
 }

@@ -1,7 +1,8 @@
 //! From what the user names to the source that reads it.
 
 use crate::folder::FolderSource;
-use crate::{Options, Source, SourceError};
+use crate::video::VideoSource;
+use crate::{Options, Source, SourceError, avi, mp4};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
@@ -46,25 +47,41 @@ fn open_file(path: &Path) -> Result<Box<dyn Source>, SourceError> {
     let io = |error| SourceError::io(path, error);
     let mut signature = Vec::new();
     File::open(path).and_then(|file| file.take(SIGNATURE_LEN).read_to_end(&mut signature)).map_err(io)?;
-    Err(match content(&signature) {
-        Content::Image => SourceError::single_image(path),
-        Content::Recording => SourceError::not_read_yet(path, "a recording"),
-        Content::Unknown => SourceError::not_read_yet(path, "this kind of file"),
-    })
+    let reader = match content(&signature) {
+        Content::Mp4 => mp4::read_track,
+        Content::Avi => avi::read_track,
+        Content::Image => return Err(SourceError::single_image(path)),
+        Content::Recording => return Err(SourceError::not_read_yet(path, "a recording")),
+        Content::Video(what) => return Err(SourceError::unread_video(path, what.into())),
+        Content::Unknown => return Err(SourceError::not_read_yet(path, "this kind of file")),
+    };
+    Ok(Box::new(VideoSource::open(path, reader)?))
 }
 
 /// What a file holds, by its first bytes.
 #[derive(Debug, PartialEq)]
 enum Content {
+    Mp4,
+    Avi,
     Image,
     Recording,
+    /// A video format that is not read; its name.
+    Video(&'static str),
     Unknown,
 }
 
 fn content(signature: &[u8]) -> Content {
     let at = |offset: usize, text: &[u8]| signature.get(offset..).is_some_and(|rest| rest.starts_with(text));
+    // A QuickTime file may open without `ftyp`.
+    let mp4 = [b"ftyp", b"moov", b"mdat", b"wide", b"free", b"skip"];
     match () {
+        () if mp4.iter().any(|kind| at(4, *kind)) => Content::Mp4,
+        () if at(0, b"RIFF") && at(8, b"AVI ") => Content::Avi,
         () if at(0, b"\x89MCAP0\r\n") => Content::Recording,
+        () if at(0, b"\x1a\x45\xdf\xa3") => Content::Video("Matroska or WebM video"),
+        () if at(0, b"OggS") => Content::Video("Ogg video"),
+        () if at(0, b"FLV") => Content::Video("Flash video"),
+        () if at(0, b"\0\0\0\x01") || at(0, b"\0\0\x01") => Content::Video("a video stream without a container"),
         () if image::guess_format(signature).is_ok() => Content::Image,
         () => Content::Unknown,
     }
@@ -76,6 +93,8 @@ mod tests {
 
     #[test]
     fn content_is_told_by_the_first_bytes() {
+        assert_eq!(content(b"\0\0\0\x20ftypisom"), Content::Mp4);
+        assert_eq!(content(b"RIFF\x10\0\0\0AVI LIST"), Content::Avi);
         assert_eq!(content(b"\x89PNG\r\n\x1a\n"), Content::Image);
         assert_eq!(content(b"\x89MCAP0\r\n"), Content::Recording);
         assert_eq!(content(b"hello"), Content::Unknown);

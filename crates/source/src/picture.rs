@@ -69,7 +69,7 @@ fn check_size(decoder: &impl ImageDecoder) -> Result<(), PictureFault> {
 }
 
 /// Pixels with the depth of `image`; transparency is dropped.
-fn pixels(image: DynamicImage) -> Result<Pixels, String> {
+pub(crate) fn pixels(image: DynamicImage) -> Result<Pixels, String> {
     let size = (image.width() as usize, image.height() as usize);
     match image {
         DynamicImage::ImageLuma8(image) => single(size, image.into_raw()).map(Pixels::Grey8),
