@@ -1,16 +1,21 @@
 //! Readings out: arrays, a table and pictures.
 //!
 //! A [`Sink`] is handed every reading of a run. [`RunFolder`] streams them into files that can be read at any moment;
+//! [`Preview`] keeps the strongest frame and draws it as one picture. The pieces of that picture, [`flow_colours`] and
 //! [`heat_map`], stand on their own.
 
 mod arrays;
 mod error;
+mod picture;
 mod run_folder;
 mod sink;
 mod table;
 
 pub use arrays::{ArrayWriter, Element};
 pub use error::SinkError;
+pub use picture::{
+    ColourMap, HeatScale, INVALID_COLOUR, Preview, PreviewOptions, colour_wheel, flow_colours, heat_map, write_png,
+};
 pub use run_folder::{Field, RunFolder, RunOptions, RunSummary};
 pub use sink::Sink;
 pub use table::{COLUMNS, Table};

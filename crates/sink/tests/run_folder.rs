@@ -1,5 +1,7 @@
 //! The folder of a run, written and read back.
 
+#![expect(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+
 mod synthetic;
 
 use std::fs::{self, File};

@@ -1,0 +1,167 @@
+//! The frame that a picture shows: the one with the largest mean flow.
+
+use fingervision_flow::FlowField;
+use fingervision_image::{Frame, Image, ImageError, Rect, grey_into};
+use fingervision_touch::{Flag, Flags, Reading};
+
+use crate::SinkError;
+
+/// Mean and largest length of the flow over valid pixels, px; NaN where no pixel is valid or tracking is lost.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Strength {
+    pub(super) mean_px: f32,
+    pub(super) max_px: f32,
+}
+
+impl Strength {
+    pub(super) fn of(reading: &Reading) -> Self {
+        if reading.flags.has(Flag::Lost) {
+            return Self { mean_px: f32::NAN, max_px: f32::NAN };
+        }
+        let (mut sum, mut count, mut max_px) = (0.0, 0.0, f32::NAN);
+        let flow = reading.flow.u.values().iter().zip(reading.flow.v.values());
+        for ((u, v), _) in flow.zip(reading.valid.values()).filter(|&(_, &valid)| valid != 0) {
+            let length = (u * u + v * v).sqrt();
+            sum += f64::from(length);
+            count += 1.0;
+            max_px = max_px.max(length);
+        }
+        Self { mean_px: (sum / count) as f32, max_px }
+    }
+
+    /// Whether this frame is to be shown rather than another; a frame without strength never is.
+    pub(super) fn exceeds(self, other: Self) -> bool {
+        self.mean_px > other.mean_px || (other.mean_px.is_nan() && !self.mean_px.is_nan())
+    }
+}
+
+/// What the third panel shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Quantity {
+    /// Depth, mm.
+    Depth,
+    /// Density feature, dimensionless.
+    Density,
+    /// Length of the flow, px.
+    FlowLength,
+}
+
+/// A copy of what a picture of one frame needs.
+#[derive(Debug)]
+pub(super) struct Strongest {
+    pub(super) sequence: u64,
+    pub(super) capture_time_s: f64,
+    /// Place in the run, from 0.
+    pub(super) frame: u64,
+    pub(super) strength: Strength,
+    pub(super) flags: Flags,
+    pub(super) max_depth_mm: Option<f32>,
+    pub(super) contact_area_mm2: Option<f32>,
+    pub(super) force_n: Option<[f32; 3]>,
+    pub(super) flow: FlowField,
+    pub(super) valid: Image<u8>,
+    /// The camera image in the region of interest, grey levels.
+    pub(super) grey: Image<f32>,
+    pub(super) quantity: Quantity,
+    /// The third panel's values, in the quantity's unit.
+    pub(super) values: Image<f32>,
+}
+
+impl Strongest {
+    /// A frame without pixels, weaker than any other.
+    pub(super) fn none() -> Self {
+        Self {
+            sequence: 0,
+            capture_time_s: 0.0,
+            frame: 0,
+            strength: Strength { mean_px: f32::NAN, max_px: f32::NAN },
+            flags: Flags::default(),
+            max_depth_mm: None,
+            contact_area_mm2: None,
+            force_n: None,
+            flow: FlowField::zero(0, 0),
+            valid: Image::filled(0, 0, 0),
+            grey: Image::filled(0, 0, 0.0),
+            quantity: Quantity::FlowLength,
+            values: Image::filled(0, 0, 0.0),
+        }
+    }
+
+    /// Takes over a reading and the region of its frame, without allocating where the sizes agree.
+    ///
+    /// # Errors
+    ///
+    /// [`SinkError::SizeMismatch`] if the region is not in the frame or differs in size from the reading's fields.
+    pub(super) fn copy_from(&mut self, reading: &Reading, frame: &Frame, region: Rect) -> Result<(), SinkError> {
+        let (expected, actual) = (reading.flow.size(), (region.width, region.height));
+        if expected != actual {
+            return Err(SinkError::SizeMismatch { field: "region of the camera image", expected, actual });
+        }
+        grey_into(&frame.pixels, region, &mut self.grey).map_err(|error| outside(&error, region, frame))?;
+        (self.sequence, self.capture_time_s) = (reading.sequence, reading.capture_time_s);
+        (self.flags, self.force_n) = (reading.flags, reading.force_n);
+        (self.max_depth_mm, self.contact_area_mm2) = (reading.max_depth_mm, reading.contact_area_mm2);
+        self.flow.copy_from(&reading.flow);
+        self.valid.copy_from(&reading.valid);
+        match (&reading.depth, &reading.density) {
+            (Some(depth), _) => self.show(Quantity::Depth, depth),
+            (None, Some(density)) => self.show(Quantity::Density, density),
+            (None, None) => self.show_flow_length(),
+        }
+        Ok(())
+    }
+
+    fn show(&mut self, quantity: Quantity, values: &Image<f32>) {
+        self.quantity = quantity;
+        self.values.copy_from(values);
+    }
+
+    fn show_flow_length(&mut self) {
+        self.quantity = Quantity::FlowLength;
+        self.values.copy_from(&self.flow.u);
+        for (length, v) in self.values.values_mut().iter_mut().zip(self.flow.v.values()) {
+            *length = length.hypot(*v);
+        }
+    }
+
+    /// The length that 999 of 1000 valid flows do not exceed, px: what scales are made for, blind to a few outliers.
+    pub(super) fn typical_flow_px(&self) -> f32 {
+        let flow = self.flow.u.values().iter().zip(self.flow.v.values());
+        self.typical(flow.map(|(u, v)| u.hypot(*v)))
+    }
+
+    /// The size that 999 of 1000 valid values of the third panel do not exceed, in the quantity's unit.
+    pub(super) fn typical_value(&self) -> f32 {
+        self.typical(self.values.values().iter().map(|value| value.abs()))
+    }
+
+    fn typical(&self, sizes: impl Iterator<Item = f32>) -> f32 {
+        let valid = sizes.zip(self.valid.values()).filter(|&(size, &valid)| valid != 0 && size.is_finite());
+        let mut sizes: Vec<f32> = valid.map(|(size, _)| size).collect();
+        if sizes.is_empty() {
+            return 0.0;
+        }
+        let place = (sizes.len() - 1) * 999 / 1000;
+        *sizes.select_nth_unstable_by(place, f32::total_cmp).1
+    }
+}
+
+fn outside(error: &ImageError, region: Rect, frame: &Frame) -> SinkError {
+    debug_assert!(matches!(error, ImageError::RegionOutside { .. }), "{error}");
+    let expected = (region.x + region.width, region.y + region.height);
+    SinkError::SizeMismatch { field: "camera image", expected, actual: frame.pixels.size() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_without_strength_never_replaces_another() {
+        let strength = |mean_px| Strength { mean_px, max_px: mean_px };
+        assert!(strength(2.0).exceeds(strength(1.0)));
+        assert!(strength(0.0).exceeds(strength(f32::NAN)));
+        assert!(!strength(f32::NAN).exceeds(strength(0.0)));
+        assert!(!strength(1.0).exceeds(strength(1.0)));
+    }
+}
