@@ -1,9 +1,11 @@
 //! The sensor.
 
 mod density;
+mod depth_line;
 mod guided_filter;
 mod reading;
 
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams, ParameterError};
+pub use depth_line::DepthLine;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
 pub use reading::{Flag, Flags, Reading};
