@@ -1,38 +1,50 @@
-//! The optics' blur: a separable Gaussian that uses up a margin.
+//! The optics' blur and the pixel's own area, in one separable step.
 //!
-//! The image must come with [`Blur::margin`] more pixels on every side than the result has, so the border is as right
-//! as the middle.
+//! Optics blur before the sensor samples. Blurring whole pixels instead would first fold all detail finer than two
+//! pixels into the image, and a tracker would find shifts up to 0.005 px too close to whole pixels. So the pattern is
+//! covered by [`SUB_PIXELS`] parts a pixel side, a Gaussian blurs the parts, and each pixel is the mean of its own.
+//!
+//! The parts must reach [`Blur::margin`] of them beyond the image on every side, so the border is as right as the middle.
 
 use fingervision_image::Image;
+
+/// Parts along a pixel's side: with two, the bias left is below 0.001 px for a blur of 0.7 px.
+pub(crate) const SUB_PIXELS: usize = 2;
 
 /// Where the Gaussian is cut, in standard deviations.
 const REACH: f64 = 4.0;
 
-/// A Gaussian sampled at whole pixels, its weights summing to 1.
+/// A pixel's weights of the parts along one axis, summing to 1.
 #[derive(Debug, Clone)]
 pub(crate) struct Blur {
     weights: Vec<f32>,
 }
 
 impl Blur {
+    /// A Gaussian of standard deviation `sigma_px`, in whole pixels.
     pub(crate) fn new(sigma_px: f64) -> Self {
-        let reach = (REACH * sigma_px).ceil() as i32;
-        let weight = |k: i32| if k == 0 { 1.0 } else { (-0.5 * (f64::from(k) / sigma_px).powi(2)).exp() };
-        let total: f64 = (-reach..=reach).map(weight).sum();
-        Self { weights: (-reach..=reach).map(|k| (weight(k) / total) as f32).collect() }
+        let sigma = sigma_px * SUB_PIXELS as f64;
+        let reach = (REACH * sigma).ceil() as i32;
+        let gaussian = |k: i32| if k == 0 { 1.0 } else { (-0.5 * (f64::from(k) / sigma).powi(2)).exp() };
+        let gaussian: Vec<f64> = (-reach..=reach).map(gaussian).collect();
+        let mut weights = vec![0.0; gaussian.len() - 1 + SUB_PIXELS];
+        for own in 0..SUB_PIXELS {
+            weights[own..].iter_mut().zip(&gaussian).for_each(|(weight, gaussian)| *weight += gaussian);
+        }
+        let total: f64 = weights.iter().sum();
+        Self { weights: weights.iter().map(|weight| (weight / total) as f32).collect() }
     }
 
-    /// Pixels on every side that the blur uses up.
+    /// Parts that are needed before the first pixel's own and after the last pixel's.
     pub(crate) fn margin(&self) -> usize {
-        self.weights.len() / 2
+        (self.weights.len() - SUB_PIXELS) / 2
     }
 
-    /// The blurred image, smaller by the margin on every side.
-    pub(crate) fn apply(&self, image: &Image<[f32; 3]>) -> Image<[f32; 3]> {
-        let (width, height) = image.size();
-        let across = 2 * self.margin();
-        let rows = Image::from_fn(width - across, height, |x, y| self.mean(|k| image.at(x + k, y)));
-        Image::from_fn(width - across, height - across, |x, y| self.mean(|k| rows.at(x, y + k)))
+    /// The image of whole pixels.
+    pub(crate) fn apply(&self, parts: &Image<[f32; 3]>) -> Image<[f32; 3]> {
+        let [width, height] = [parts.width(), parts.height()].map(|size| (size - 2 * self.margin()) / SUB_PIXELS);
+        let rows = Image::from_fn(width, parts.height(), |x, y| self.mean(|k| parts.at(SUB_PIXELS * x + k, y)));
+        Image::from_fn(width, height, |x, y| self.mean(|k| rows.at(x, SUB_PIXELS * y + k)))
     }
 
     fn mean(&self, value: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
@@ -51,24 +63,37 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_point_becomes_a_gaussian_of_the_right_width() {
+    fn the_point_response_is_as_wide_as_the_optics_and_the_pixel() {
         let blur = Blur::new(0.7);
-        assert_eq!(blur.margin(), 3);
-        let image = Image::from_fn(19, 17, |x, y| if (x, y) == (9, 8) { [1.0, 2.0, 0.0] } else { [0.0; 3] });
-        let blurred = blur.apply(&image);
-        assert_eq!(blurred.size(), (13, 11));
+        let middle = 0.5 * (blur.weights.len() as f64 - 1.0);
         let moment = |power| {
-            let values = (0..13 * 11).map(|k| (k % 13, k / 13));
-            values.map(|(x, y)| f64::from(blurred.at(x, y)[0]) * (x as f64 - 6.0).powi(power)).sum::<f64>()
+            let terms = blur.weights.iter().enumerate();
+            terms.map(|(k, weight)| f64::from(*weight) * (0.5 * (k as f64 - middle)).powi(power)).sum::<f64>()
         };
         assert!((moment(0) - 1.0).abs() < 1e-6 && moment(1).abs() < 1e-6);
-        // Sampling so narrow a Gaussian at whole pixels takes 0.0012 from its variance.
-        assert!((moment(2) - 0.49).abs() < 2e-3, "variance {}", moment(2));
+        // Two parts, a quarter of a pixel on either side of the middle, have a variance of 1/16 px².
+        assert!((moment(2) - 0.49 - 0.0625).abs() < 1e-3, "variance {}", moment(2));
     }
 
     #[test]
-    fn no_width_blurs_nothing() {
-        let image = Image::from_fn(5, 4, |x, y| [x as f32, y as f32, 1.0]);
-        assert_eq!(Blur::new(0.0).apply(&image), image);
+    fn a_ramp_keeps_its_place() {
+        let blur = Blur::new(0.7);
+        assert_eq!(blur.margin(), 6);
+        // Part k lies at (k − 6)/2 − ¼ px.
+        let place = |k: usize| (k as f32 - 6.0) / 2.0 - 0.25;
+        let pixels = blur.apply(&Image::from_fn(32, 22, |x, y| [place(x), place(y), 1.0]));
+        assert_eq!(pixels.size(), (10, 5));
+        for (x, y) in (0..10).flat_map(|x| (0..5).map(move |y| (x, y))) {
+            let expected = [x as f32, y as f32, 1.0];
+            let misses = pixels.at(x, y).into_iter().zip(expected).map(|(value, expected)| (value - expected).abs());
+            assert!(misses.fold(0.0, f32::max) < 1e-5, "({x}, {y}): {:?}", pixels.at(x, y));
+        }
+    }
+
+    #[test]
+    fn without_optics_a_pixel_is_the_mean_of_its_parts() {
+        let parts = Image::from_fn(6, 4, |x, y| [x as f32, y as f32, 1.0]);
+        let pixels = Blur::new(0.0).apply(&parts);
+        assert_eq!(pixels, Image::from_fn(3, 2, |x, y| [2.0 * x as f32 + 0.5, 2.0 * y as f32 + 0.5, 1.0]));
     }
 }

@@ -1,4 +1,4 @@
-//! Exact area coverage: what a pixel sees of a grid of cells.
+//! Exact area coverage: what a pixel, or a part of one, sees of a grid of cells.
 //!
 //! A pixel's four corners, taken back to the pattern, span a quadrilateral there. Cutting it at the grid lines gives
 //! one polygon a cell; the pixel is the mean of the cells' colours weighted by the polygons' areas. Nothing is sampled.

@@ -1,8 +1,8 @@
 //! The simulated sensor: images of a moving colour pattern **with exact truth**.
 //!
 //! A [`Scene`] says what the camera sees at rest, a [`Motion`] where every point of it goes. [`Renderer`] draws the
-//! frame: every pixel is the area-weighted mean of the pattern cells that it covers, then optics blur it, light
-//! scales it, noise falls on it and it is rounded to 8 bits. [`Motion::flow`] is the displacement that a tracker
+//! frame: every quarter of a pixel is the area-weighted mean of the pattern cells that it covers, then optics blur it,
+//! pixels collect it, light scales it, noise falls on it and it is rounded to 8 bits. [`Motion::flow`] is the displacement that a tracker
 //! should find, exact by construction.
 //!
 //! Coordinates are image px: x right, y down, integer = pixel centre. A point at `x` in the reference lies at

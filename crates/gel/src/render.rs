@@ -1,10 +1,10 @@
 //! From a scene and a motion to the camera's 8-bit frame.
 //!
-//! The order is a camera's: the pattern's exact coverage of every pixel, the optics' blur, the light, the noise, then
+//! The order is a camera's: the pattern's exact coverage, the optics' blur, the pixel's area, the light, the noise, then
 //! rounding. Every step before rounding is in floating point, and a margin is rendered for the blur, so no pixel
 //! depends on the image's size.
 
-use crate::blur::Blur;
+use crate::blur::{Blur, SUB_PIXELS};
 use crate::coverage::{Point, mean_colours};
 use crate::{ColourPattern, GelError, Motion, Scene};
 use fingervision_image::Image;
@@ -98,9 +98,10 @@ impl Renderer {
     pub fn colours(&self, motion: &Motion) -> Result<Image<[f32; 3]>, GelError> {
         motion.validate()?;
         let margin = self.blur.margin();
-        let corners = Image::from_fn(self.scene.width + 2 * margin + 1, self.scene.height + 2 * margin + 1, |x, y| {
-            // Corner 0 is half a pixel before the first pixel's centre.
-            let corner = |index: usize| index as f64 - margin as f64 - 0.5;
+        let corners = |pixels: usize| pixels * SUB_PIXELS + 2 * margin + 1;
+        // The first pixel begins half a pixel before its centre, and the margin before that.
+        let corner = |index: usize| (index as f64 - margin as f64) / SUB_PIXELS as f64 - 0.5;
+        let corners = Image::from_fn(corners(self.scene.width), corners(self.scene.height), |x, y| {
             let (x, y) = motion.reference_point(corner(x), corner(y));
             self.cell_coordinates(x, y)
         });
