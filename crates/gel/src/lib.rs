@@ -2,8 +2,8 @@
 //!
 //! A [`Scene`] says what the camera sees at rest, a [`Motion`] where every point of it goes. [`Renderer`] draws the
 //! frame: every quarter of a pixel is the area-weighted mean of the pattern cells that it covers, then optics blur it,
-//! pixels collect it, light scales it, noise falls on it and it is rounded to 8 bits. [`Motion::flow`] is the displacement that a tracker
-//! should find, exact by construction.
+//! pixels collect it, light scales it, noise falls on it and it is rounded to 8 bits. [`Motion::flow`] is the
+//! displacement that a tracker should find, exact by construction.
 //!
 //! Coordinates are image px: x right, y down, integer = pixel centre. A point at `x` in the reference lies at
 //! `x + displacement(x)` in the current image.

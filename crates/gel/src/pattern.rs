@@ -1,8 +1,8 @@
 //! The dense random colour pattern.
 //!
 //! Every cell's colour is random, and differs from its eight neighbours by at least [`NEIGHBOUR_DISTANCE`] in RGB, so
-//! that every cell edge shows. [Du2021] §III-A. The pattern repeats like a torus, its seam included in the rule: it has
-//! no border.
+//! that every cell edge shows (Du, Zhang, Zhang, Wang 2021, doi 10.1109/LRA.2021.3061306). The pattern repeats like a
+//! torus, its seam included in the rule: it has no border.
 
 use crate::GelError;
 use fingervision_image::Image;
