@@ -4,7 +4,8 @@
 //! pixels into the image, and a tracker would find shifts up to 0.005 px too close to whole pixels. So the pattern is
 //! covered by [`SUB_PIXELS`] parts a pixel side, a Gaussian blurs the parts, and each pixel is the mean of its own.
 //!
-//! The parts must reach [`Blur::margin`] of them beyond the image on every side, so the border is as right as the middle.
+//! The parts must reach [`Blur::margin`] of them beyond the image on every side, so the border is as right as the
+//! middle.
 
 use fingervision_image::Image;
 

@@ -1,7 +1,7 @@
 //! From a scene and a motion to the camera's 8-bit frame.
 //!
-//! The order is a camera's: the pattern's exact coverage, the optics' blur, the pixel's area, the light, the noise, then
-//! rounding. Every step before rounding is in floating point, and a margin is rendered for the blur, so no pixel
+//! The order is a camera's: the pattern's exact coverage, the optics' blur, the pixel's area, the light, the noise,
+//! then rounding. Every step before rounding is in floating point, and a margin is rendered for the blur, so no pixel
 //! depends on the image's size.
 
 use crate::blur::{Blur, SUB_PIXELS};

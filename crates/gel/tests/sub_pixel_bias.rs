@@ -11,7 +11,7 @@ const HALF_STEP: f64 = 1e-3;
 
 type Colours = Image<[f32; 3]>;
 
-/// Weights of the neighbours `-REACH + 1..=REACH` at a fraction of a pixel: the ideal low-pass, cut by a Lanczos window.
+/// Weights of the neighbours `-REACH + 1..=REACH` at a fraction of a pixel: the ideal low-pass under a Lanczos window.
 fn weights(fraction: f64) -> Vec<f64> {
     let sinc = |t: f64| if t.abs() < 1e-12 { 1.0 } else { t.sin() / t };
     let weight = |k: i32| {
