@@ -27,9 +27,9 @@ pub(super) fn taps(sigma: f64) -> Vec<f32> {
     taps.iter().map(|tap| (tap / sum) as f32).collect()
 }
 
-/// How far the taps for this σ reach from their centre, px. Even, so that they can be taken in twos.
+/// How far the taps for this σ reach from their centre, px. A multiple of four: they are taken in fours.
 pub(super) fn reach(sigma: f64) -> usize {
-    2 * (2.0 * sigma).ceil() as usize
+    4 * sigma.ceil() as usize
 }
 
 /// Smooths `from` by `taps` along columns and rows into `to`, leaving a border of `border` px as it is.
@@ -58,19 +58,22 @@ fn weigh<'a, S: Simd>(simd: S, taps: &[f32], at: impl Fn(usize) -> &'a [f32], to
     for (to, centre) in to.iter_mut().zip(at(reach)) {
         *to = taps[0] * centre;
     }
-    for n in (1..reach).step_by(2) {
-        let (inner, outer) = ([at(reach - n), at(reach + n)], [at(reach - n - 1), at(reach + n + 1)]);
-        add_taps(simd, to, [taps[n], taps[n + 1]], inner, outer);
+    for n in (1..reach).step_by(4) {
+        let before = std::array::from_fn(|k| at(reach - n - k));
+        let behind = std::array::from_fn(|k| at(reach + n + k));
+        add_taps(simd, to, &taps[n..n + 4], before, behind);
     }
 }
 
-/// `to += taps[0] · (inner[0] + inner[1]) + taps[1] · (outer[0] + outer[1])`.
+/// `to += Σ taps[k] · (before[k] + behind[k])` over four taps.
 #[simd]
-fn add_taps<S: Simd>(_: S, to: &mut [f32], taps: [f32; 2], inner: [&[f32]; 2], outer: [&[f32]; 2]) {
-    let inner = inner[0].iter().zip(inner[1]);
-    let outer = outer[0].iter().zip(outer[1]);
-    for ((to, inner), outer) in to.iter_mut().zip(inner).zip(outer) {
-        *to += taps[0] * (inner.0 + inner.1) + taps[1] * (outer.0 + outer.1);
+fn add_taps<S: Simd>(_: S, to: &mut [f32], taps: &[f32], before: [&[f32]; 4], behind: [&[f32]; 4]) {
+    let [first, second, third, fourth] = std::array::from_fn(|k| before[k].iter().zip(behind[k]));
+    let inputs = first.zip(second).zip(third.zip(fourth));
+    for (to, ((first, second), (third, fourth))) in to.iter_mut().zip(inputs) {
+        let near = taps[0] * (first.0 + first.1) + taps[1] * (second.0 + second.1);
+        let far = taps[2] * (third.0 + third.1) + taps[3] * (fourth.0 + fourth.1);
+        *to += near + far;
     }
 }
 

@@ -59,12 +59,11 @@ impl Spacings {
     /// either is not finite.
     #[simd]
     pub(super) fn clear_gaps<S: Simd>(&self, _: S, limit: f32, valid: &mut [u8]) {
-        let squared = limit * limit;
-        let width = valid.len();
-        for spacings in [&self.across[..width], &self.across[1..], &self.above, &self.below] {
-            for (valid, &spacing) in valid.iter_mut().zip(spacings) {
-                *valid &= u8::from(spacing < squared);
-            }
+        let (left, right) = (&self.across[..valid.len()], &self.across[1..]);
+        let sides = left.iter().zip(right).zip(self.above.iter().zip(&self.below));
+        for (valid, ((left, right), (above, below))) in valid.iter_mut().zip(sides) {
+            let widest = larger(larger(*left, *right), larger(*above, *below));
+            *valid &= u8::from(widest < limit * limit);
         }
     }
 
@@ -79,14 +78,21 @@ fn squared_spacings<S: Simd>(_: S, to: &mut [f32], here: (&[f32], &[f32]), there
     let (here, there) = (here.0.iter().zip(here.1), there.0.iter().zip(there.1));
     for ((to, (u, v)), (u_there, v_there)) in to.iter_mut().zip(here).zip(there) {
         let (dx, dy) = (u_there - u + step.0, v_there - v + step.1);
-        *to = dx * dx + dy * dy;
+        let squared = dx * dx + dy * dy;
+        // What is not a number is a gap, too, and must not get lost in a comparison.
+        *to = if squared < f32::INFINITY { squared } else { f32::INFINITY };
     }
 }
 
 #[simd]
 fn keep_largest<S: Simd>(_: S, largest: &mut [f32], spacings: &[f32]) {
     for (largest, &spacing) in largest.iter_mut().zip(spacings) {
-        // A spacing that is not a number compares as smaller and leaves no trace.
-        *largest = if spacing > *largest && spacing < f32::INFINITY { spacing } else { *largest };
+        *largest = if spacing < f32::INFINITY { larger(spacing, *largest) } else { *largest };
     }
+}
+
+/// The larger of two numbers: one instruction, where `f32::max` also looks for what is not a number.
+#[inline]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }

@@ -39,52 +39,75 @@ pub(super) struct Grid {
 ///
 /// Node `(i, j)` of a point is node `first + i + j · columns` of the grid and weighs `across[i] · down[j]`. The weights of
 /// a point sum to 1; they are 0 if its block does not lie on the grid or its flow is not finite.
-struct Blocks<S: Simd> {
-    first: i32x16<S>,
+struct Blocks<S: Simd, F> {
+    first: F,
     across: [f32x16<S>; SUPPORT],
     down: [f32x16<S>; SUPPORT],
-    /// Whether the first nodes follow each other.
-    is_even: bool,
 }
 
-impl<S: Simd> Blocks<S> {
-    /// The blocks of the points of row `y` from `x` on, whose row moves by `(u, v)` px.
+/// Blocks whose first nodes follow each other; `first` is that of the first point.
+type SharedBlocks<S> = Blocks<S, usize>;
+
+/// Blocks wherever each point takes them.
+type OwnBlocks<S> = Blocks<S, i32x16<S>>;
+
+impl Grid {
+    /// The blocks of the points from `(x, y)` on, which move by `(u, v)` px, if their flows lie close together.
     #[inline(always)]
-    fn new(simd: S, grid: Grid, (x, y): (usize, usize), u: &[f32], v: &[f32]) -> Self {
-        let (u, v) = (load_group(simd, &u[x..]), load_group(simd, &v[x..]));
-        let (shared_u, shared_v) = (shared_node(simd, u), shared_node(simd, v));
-        let is_even = is_within_two(u, shared_u) && is_within_two(v, shared_v);
-        let (passed_u, passed_v) = if is_even { (shared_u, shared_v) } else { (u.floor(), v.floor()) };
-        // The block begins a node before the one that the point has passed.
-        let origin = grid.margin as f32 - 1.0;
-        let column = passed_u + f32x16::from_slice(simd, &LANES) + (origin + x as f32);
-        let row = passed_v + (origin + y as f32);
-        let (last_column, last_row) = ((grid.columns - SUPPORT) as f32, (grid.rows - SUPPORT) as f32);
+    fn shared_blocks<S: Simd>(
+        self,
+        simd: S,
+        (x, y): (usize, usize),
+        (u, v): (f32x16<S>, f32x16<S>),
+    ) -> Option<SharedBlocks<S>> {
+        let (passed_u, passed_v) = (shared_node(simd, u), shared_node(simd, v));
+        if !(is_within_two(u, passed_u) && is_within_two(v, passed_v)) {
+            return None;
+        }
+        let (column, row) = (passed_u[0] + self.origin(x), passed_v[0] + self.origin(y));
+        let is_on_grid = (0.0..=(self.columns - REACH) as f32).contains(&column)
+            && (0.0..=(self.rows - SUPPORT) as f32).contains(&row);
+        if !is_on_grid {
+            return None;
+        }
+        let first = row as usize * self.columns + column as usize;
+        Some(Blocks { first, across: weights(simd, u - passed_u), down: weights(simd, v - passed_v) })
+    }
+
+    /// The blocks of the points from `(x, y)` on, which move by `(u, v)` px.
+    #[inline(always)]
+    fn own_blocks<S: Simd>(self, simd: S, (x, y): (usize, usize), (u, v): (f32x16<S>, f32x16<S>)) -> OwnBlocks<S> {
+        let column = u.floor() + f32x16::from_slice(simd, &LANES) + self.origin(x);
+        let row = v.floor() + self.origin(y);
+        let (last_column, last_row) = ((self.columns - SUPPORT) as f32, (self.rows - SUPPORT) as f32);
         let is_on_grid = column.simd_ge(0.0) & column.simd_le(last_column) & row.simd_ge(0.0) & row.simd_le(last_row);
         let zero = f32x16::splat(simd, 0.0);
         #[expect(clippy::cast_possible_wrap, reason = "a row has far fewer than 2³¹ nodes")]
-        let columns = grid.columns as i32;
+        let columns = self.columns as i32;
         let column: i32x16<S> = is_on_grid.select(column, zero).to_int();
         let row: i32x16<S> = is_on_grid.select(row, zero).to_int();
-        let mut down = weights(simd, is_on_grid.select(v - passed_v, zero));
+        let mut down = weights(simd, is_on_grid.select(v - v.floor(), zero));
         for weight in &mut down {
             *weight = is_on_grid.select(*weight, zero);
         }
-        Self {
-            first: row * columns + column,
-            across: weights(simd, is_on_grid.select(u - passed_u, zero)),
-            down,
-            is_even: is_even && is_on_grid.all_true(),
-        }
+        let across = weights(simd, is_on_grid.select(u - u.floor(), zero));
+        Blocks { first: row * columns + column, across, down }
     }
 
-    /// The field at the points of an even group.
+    /// The node at which the block of a point at rest begins, along one axis: one before the point.
+    #[inline(always)]
+    fn origin(self, pixel: usize) -> f32 {
+        (self.margin + pixel) as f32 - 1.0
+    }
+}
+
+impl<S: Simd> SharedBlocks<S> {
+    /// The field at the points.
     #[inline(always)]
     fn read(&self, simd: S, columns: usize, nodes: &[f32]) -> f32x16<S> {
-        let first = self.first[0] as usize;
         let mut sum = f32x16::splat(simd, 0.0);
         for (j, &down) in self.down.iter().enumerate() {
-            let row = &nodes[first + j * columns..][..REACH];
+            let row = &nodes[self.first + j * columns..][..REACH];
             let mut along = f32x16::splat(simd, 0.0);
             for (i, &across) in self.across.iter().enumerate() {
                 along += f32x16::from_slice(simd, &row[i..][..GROUP]) * across;
@@ -98,11 +121,17 @@ impl<S: Simd> Blocks<S> {
 /// [`Blocks`] in memory.
 #[derive(Debug, Clone, Copy)]
 struct StoredBlocks {
-    first: [i32; GROUP],
-    is_even: bool,
+    first: First,
     /// Five rows of weights across, five down, with zeros before, between and behind them: a register may begin
     /// before its row or end behind it.
     weights: [f32; 2 * SUPPORT * REACH + SUPPORT - 1],
+}
+
+/// First nodes of [`Blocks`].
+#[derive(Debug, Clone, Copy)]
+enum First {
+    Shared(usize),
+    Own([i32; GROUP]),
 }
 
 /// Where [`spread_row`] and [`read_row`] keep weights; no value outlives a call.
@@ -112,24 +141,30 @@ pub(super) struct Scratch(Vec<StoredBlocks>);
 impl Scratch {
     pub(super) fn new() -> Self {
         let weights = [0.0; 2 * SUPPORT * REACH + SUPPORT - 1];
-        Self(vec![StoredBlocks { first: [0; GROUP], is_even: false, weights }; BATCH])
+        Self(vec![StoredBlocks { first: First::Shared(0), weights }; BATCH])
     }
 }
 
 impl StoredBlocks {
     #[inline(always)]
-    fn store<S: Simd>(&mut self, blocks: &Blocks<S>) {
-        blocks.first.store_slice(&mut self.first);
-        self.is_even = blocks.is_even;
+    fn store<S: Simd, F>(&mut self, first: First, blocks: &Blocks<S, F>) {
+        self.first = first;
         for (row, weight) in blocks.across.iter().chain(&blocks.down).enumerate() {
             weight.store_slice(&mut self.weights[row * REACH + SUPPORT - 1..][..GROUP]);
         }
     }
 
-    /// Adds an even group to the grid.
     #[inline(always)]
-    fn spread<S: Simd>(&self, simd: S, columns: usize, nodes: &mut [f32]) {
-        let first = self.first[0] as usize;
+    fn store_own<S: Simd>(&mut self, blocks: &OwnBlocks<S>) -> [i32; GROUP] {
+        let mut first = [0; GROUP];
+        blocks.first.store_slice(&mut first);
+        self.store(First::Own(first), blocks);
+        first
+    }
+
+    /// Adds points that share their block to the grid.
+    #[inline(always)]
+    fn spread<S: Simd>(&self, simd: S, first: usize, columns: usize, nodes: &mut [f32]) {
         // A node takes weight `i` of the point `i` places before it: the row of weights moves by as many. The four
         // nodes behind the group take nothing of the first weight.
         let mut across = [f32x16::splat(simd, 0.0); SUPPORT];
@@ -165,10 +200,10 @@ impl StoredBlocks {
         self.weights[row * REACH + SUPPORT - 1 + x]
     }
 
-    /// Adds a group to the grid point by point.
+    /// Adds points to the grid one by one.
     #[inline(always)]
-    fn spread_each<S: Simd>(&self, simd: S, columns: usize, nodes: &mut [f32]) {
-        for (x, &first) in self.first.iter().enumerate() {
+    fn spread_each<S: Simd>(&self, simd: S, first: &[i32; GROUP], columns: usize, nodes: &mut [f32]) {
+        for (x, &first) in first.iter().enumerate() {
             let across = f32x4::from_fn(simd, |i| self.weight(i, x));
             for j in 0..OWN_SUPPORT {
                 let nodes = &mut nodes[first as usize + j * columns..][..OWN_SUPPORT];
@@ -177,10 +212,10 @@ impl StoredBlocks {
         }
     }
 
-    /// Writes the field at the points of a group, or at the first of them, point by point.
+    /// Writes the field at the points, or as many as there are values, one by one.
     #[inline(always)]
-    fn read_each<S: Simd>(&self, simd: S, columns: usize, nodes: &[f32], values: &mut [f32]) {
-        for (x, (value, &first)) in values.iter_mut().zip(&self.first).enumerate() {
+    fn read_each<S: Simd>(&self, simd: S, first: &[i32; GROUP], columns: usize, nodes: &[f32], values: &mut [f32]) {
+        for (x, (value, &first)) in values.iter_mut().zip(first).enumerate() {
             let mut sum = f32x4::splat(simd, 0.0);
             for j in 0..OWN_SUPPORT {
                 let row = &nodes[first as usize + j * columns..][..OWN_SUPPORT];
@@ -203,13 +238,17 @@ pub(super) fn spread_row<S: Simd>(
     for start in (0..u.len()).step_by(BATCH * GROUP) {
         let groups = (start..u.len()).step_by(GROUP);
         for (stored, x) in scratch.0.iter_mut().zip(groups.clone()) {
-            stored.store(&Blocks::new(simd, grid, (x, y), u, v));
+            let flow = (load_group(simd, &u[x..]), load_group(simd, &v[x..]));
+            if let Some(blocks) = grid.shared_blocks(simd, (x, y), flow) {
+                stored.store(First::Shared(blocks.first), &blocks);
+            } else {
+                stored.store_own(&grid.own_blocks(simd, (x, y), flow));
+            }
         }
         for (stored, _) in scratch.0.iter().zip(groups) {
-            if stored.is_even {
-                stored.spread(simd, grid.columns, nodes);
-            } else {
-                stored.spread_each(simd, grid.columns, nodes);
+            match &stored.first {
+                First::Shared(first) => stored.spread(simd, *first, grid.columns, nodes),
+                First::Own(first) => stored.spread_each(simd, first, grid.columns, nodes),
             }
         }
     }
@@ -227,13 +266,14 @@ pub(super) fn read_row<S: Simd>(
     values: &mut [f32],
 ) {
     let stored = &mut scratch.0[0];
-    for (i, values) in values.chunks_mut(GROUP).enumerate() {
-        let blocks = Blocks::new(simd, grid, (i * GROUP, y), u, v);
-        if blocks.is_even {
+    for (group, values) in values.chunks_mut(GROUP).enumerate() {
+        let x = group * GROUP;
+        let flow = (load_group(simd, &u[x..]), load_group(simd, &v[x..]));
+        if let Some(blocks) = grid.shared_blocks(simd, (x, y), flow) {
             blocks.read(simd, grid.columns, nodes).store_slice(values);
         } else {
-            stored.store(&blocks);
-            stored.read_each(simd, grid.columns, nodes, values);
+            let first = stored.store_own(&grid.own_blocks(simd, (x, y), flow));
+            stored.read_each(simd, &first, grid.columns, nodes, values);
         }
     }
 }
