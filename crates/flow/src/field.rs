@@ -25,6 +25,12 @@ impl FlowField {
         self.u.size()
     }
 
+    /// Sets both components everywhere.
+    pub fn fill(&mut self, value: f32) {
+        self.u.values_mut().fill(value);
+        self.v.values_mut().fill(value);
+    }
+
     /// Takes the values of `other`, without allocating where the sizes agree.
     pub fn copy_from(&mut self, other: &Self) {
         self.u.copy_from(&other.u);

@@ -1,5 +1,50 @@
-//! Dense optical flow between two images.
+//! Dense optical flow between two images of a textured surface, to a hundredth of a pixel.
+//!
+//! The flow at reference pixel `x` says where that point went: `x + flow(x)` is its place in the current image, px. Two
+//! methods are built, both on templates that are made once per reference:
+//!
+//! - **Dense inverse search** ([Kroeger2016]) with variational refinement ([Brox2004]): patches moved without a start,
+//!   from coarse to fine. The presets people know are [`SearchParams::ultrafast`], [`SearchParams::fast`] and
+//!   [`SearchParams::medium`].
+//! - **Coupled affine patches**, the default: 16×16 patches at full size, each with a displacement, its gradient and a
+//!   change of light, moved by whole Gauss–Newton steps that all patches take together. Neighbours pull on each other
+//!   as far as the image noise lets the flow be smooth, so rich texture is followed sharply and poor texture is bridged.
+//!
+//! An [`Estimate`] says at every pixel how far to trust it: a predicted standard deviation in px and a validity.
+//! Patches that fail carry no weight and are marked.
+//!
+//! ```
+//! use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Start};
+//! use fingervision_image::{Image, Pixels, Rect};
+//!
+//! let shot = |shift: usize| Pixels::Grey8(Image::from_fn(96, 64, |x, y| {
+//!     let (x, y) = (((x + 8 - shift) / 3) as u32, (y / 3) as u32);
+//!     ((x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663)).wrapping_mul(2_654_435_761) >> 24) as u8
+//! }));
+//! let mut estimator = FlowEstimator::new(96, 64, &FlowParams::default())?;
+//! let (mut rest, mut pressed) = (estimator.picture(), estimator.picture());
+//! rest.load(&shot(0), Rect::whole(96, 64))?;
+//! pressed.load(&shot(2), Rect::whole(96, 64))?;
+//!
+//! let mut reference = estimator.reference();
+//! estimator.prepare(&rest, &mut reference);
+//! let mut estimate = Estimate::new(96, 64);
+//! estimator.estimate(&reference, &pressed, Start::Search(None), &mut estimate);
+//! assert!((estimate.flow.u.at(48, 32) - 2.0).abs() < 0.02);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
+mod affine;
+mod error;
+mod estimator;
 mod field;
+mod params;
+mod picture;
+mod search;
 
+pub use error::FlowError;
+pub use estimator::{Estimate, FlowEstimator, Reference, Start};
 pub use field::FlowField;
+pub use params::{AffineParams, FlowParams, Preset, ValidityParams};
+pub use picture::Picture;
+pub use search::{RefineParams, SearchParams};

@@ -1,0 +1,69 @@
+//! Where the patches lie.
+//!
+//! Patches are `WINDOW` px wide and stand every `STRIDE` px, so their windows overlap by half and every pixel belongs
+//! to four of them. The grid starts half a stride outside the image: patch `(i, j)` covers the *padded* columns
+//! `[STRIDE·i, STRIDE·i + WINDOW)`, where padded column `X` is image column `X − MARGIN`; its centre, the *node*, lies at
+//! image column `STRIDE·i + STRIDE/2 − ½`.
+
+/// Distance between neighbouring patches, px.
+pub(crate) const STRIDE: usize = 8;
+/// Width and height of a patch, px.
+pub(crate) const WINDOW: usize = 2 * STRIDE;
+/// Padded column of the image's first column.
+pub(crate) const MARGIN: usize = STRIDE / 2;
+/// Pixels that a kernel handles at once; padded rows are a multiple of it.
+pub(crate) const LANES: usize = 16;
+
+/// The grid of patches over an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct PatchGrid {
+    /// Image columns, px.
+    pub(crate) width: usize,
+    /// Image rows, px.
+    pub(crate) height: usize,
+    /// Patches in a row.
+    pub(crate) columns: usize,
+    /// Patches in a column.
+    pub(crate) rows: usize,
+}
+
+impl PatchGrid {
+    /// The grid over an image of this size.
+    pub(crate) fn over(width: usize, height: usize) -> Self {
+        Self { width, height, columns: width.div_ceil(STRIDE), rows: height.div_ceil(STRIDE) }
+    }
+
+    /// Number of patches, rounded up to whole registers: the length of every plane over the nodes.
+    pub(crate) fn plane_len(&self) -> usize {
+        (self.columns * self.rows).next_multiple_of(LANES)
+    }
+
+    /// Rows of a padded image.
+    pub(crate) fn padded_height(&self) -> usize {
+        STRIDE * (self.rows + 1)
+    }
+
+    /// Columns of a padded row, a multiple of [`LANES`].
+    pub(crate) fn padded_width(&self) -> usize {
+        (STRIDE * (self.columns + 1)).next_multiple_of(LANES)
+    }
+
+    /// Image coordinate of node `i` along either axis, px.
+    #[cfg(test)]
+    pub(crate) fn centre(i: usize) -> f32 {
+        (STRIDE * i + MARGIN) as f32 - 0.5
+    }
+}
+
+/// Weight of the window along one axis, dimensionless, 1 at the centre: a raised cosine.
+pub(crate) fn window_weights() -> [f32; WINDOW] {
+    std::array::from_fn(|k| {
+        let phase = std::f32::consts::PI * offset(k) * STRIDE as f32 / (WINDOW + 1) as f32;
+        phase.cos().powi(2)
+    })
+}
+
+/// Distance of the window's pixel `k` from its centre along one axis, in strides.
+pub(crate) fn offset(k: usize) -> f32 {
+    (k as f32 + 0.5 - STRIDE as f32) / STRIDE as f32
+}

@@ -1,0 +1,11 @@
+//! Affine patches at full resolution, coupled to their neighbours.
+
+pub(crate) mod coupling;
+pub(crate) mod grid;
+mod judge;
+pub(crate) mod moments;
+pub(crate) mod nodes;
+pub(crate) mod patches;
+pub(crate) mod refinement;
+pub(crate) mod template;
+pub(crate) mod texel;

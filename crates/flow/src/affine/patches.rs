@@ -1,0 +1,176 @@
+//! Coupled affine patches from the coarsest level to full size.
+
+use super::coupling::Stiffness;
+use super::grid::PatchGrid;
+use super::judge::{mark_pixels, spread_variance};
+use super::nodes::NodeField;
+use super::refinement::Refinement;
+use super::template::Template;
+use super::texel::Texel;
+use crate::{Estimate, FlowField, FlowParams, Picture};
+use fearless_simd::Level;
+use fingervision_image::Image;
+
+/// The reference on every level.
+#[derive(Debug, Clone)]
+pub(crate) struct AffineReference {
+    full: FullTemplate,
+    /// Levels 1 to the coarsest.
+    coarse: Vec<Template<f32>>,
+}
+
+/// The full-size template, grey or colour.
+#[derive(Debug, Clone)]
+enum FullTemplate {
+    Grey(Template<f32>),
+    Colour(Template<[f32; 4]>),
+}
+
+/// The patches of every level and their scratch.
+#[derive(Debug, Clone)]
+pub(crate) struct AffinePatches {
+    params: FlowParams,
+    /// Level 0 to the coarsest.
+    levels: Vec<LevelState>,
+    variance: Vec<f32>,
+}
+
+#[derive(Debug, Clone)]
+struct LevelState {
+    refinement: Refinement,
+    field: NodeField,
+    before: NodeField,
+}
+
+/// Least width and height of a level that holds patches, px.
+const LEAST_SIZE: usize = 16;
+
+impl AffinePatches {
+    pub(crate) fn new(width: usize, height: usize, params: &FlowParams, simd: Level) -> Self {
+        let affine = &params.affine;
+        let stiffness = Stiffness {
+            continuity: affine.continuity_px.powi(-2),
+            curvature: affine.curvature_px.powi(-2),
+            tolerance: affine.bond_tolerance,
+        };
+        let level = |level: usize| {
+            let grid = PatchGrid::over(width >> level, height >> level);
+            LevelState {
+                refinement: Refinement::new(grid, simd, params.noise_levels, stiffness),
+                field: NodeField::zero(grid),
+                before: NodeField::zero(grid),
+            }
+        };
+        let levels: Vec<_> = (0..=coarsest_level(width, height, params)).map(level).collect();
+        let variance = vec![0.0; levels[0].field.grid.plane_len()];
+        Self { params: *params, levels, variance }
+    }
+
+    /// An empty reference.
+    pub(crate) fn reference(&self) -> AffineReference {
+        let grid = |level: &LevelState| level.field.grid;
+        let full = if self.params.colour {
+            FullTemplate::Colour(Template::new(grid(&self.levels[0])))
+        } else {
+            FullTemplate::Grey(Template::new(grid(&self.levels[0])))
+        };
+        AffineReference { full, coarse: self.levels[1..].iter().map(|level| Template::new(grid(level))).collect() }
+    }
+
+    /// Takes a new reference.
+    pub(crate) fn prepare(&self, picture: &Picture, reference: &mut AffineReference) {
+        match (&mut reference.full, &picture.colour) {
+            (FullTemplate::Colour(template), Some(colour)) => self.levels[0].refinement.prepare(colour, template),
+            (FullTemplate::Grey(template), _) => {
+                self.levels[0].refinement.prepare(picture.grey.level(0), template);
+            }
+            (FullTemplate::Colour(_), None) => unreachable!("a picture is made with the estimator's channels"),
+        }
+        for (level, template) in reference.coarse.iter_mut().enumerate() {
+            self.levels[level + 1].refinement.prepare(picture.grey.level(level + 1), template);
+        }
+    }
+
+    /// Takes `flow` as the present flow.
+    pub(crate) fn start(&mut self, flow: &FlowField) {
+        self.levels[0].field.sample(flow);
+    }
+
+    /// Follows the motion since the start from level `coarsest` down to full size, with `steps` steps there.
+    pub(crate) fn follow(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize, steps: usize) {
+        let coarsest = coarsest.min(self.levels.len() - 1);
+        for level in 1..=coarsest {
+            let (fine, coarse) = self.levels.split_at_mut(level);
+            coarse[0].field.coarsen(&fine[level - 1].field);
+        }
+        for level in (1..=coarsest).rev() {
+            let LevelState { refinement, field, .. } = &mut self.levels[level];
+            let (template, picture) = (&reference.coarse[level - 1], current.grey.level(level));
+            refinement.step(template, picture, field, self.params.affine.iterations);
+            let (fine, coarse) = self.levels.split_at_mut(level);
+            let (fine, coarse) = (&mut fine[level - 1].field, &mut coarse[0]);
+            coarse.before.coarsen(fine);
+            fine.add_change(&coarse.field, &coarse.before);
+        }
+        match (&reference.full, &current.colour) {
+            (FullTemplate::Colour(template), Some(colour)) => self.finish(template, colour, steps),
+            (FullTemplate::Grey(template), _) => self.finish(template, current.grey.level(0), steps),
+            (FullTemplate::Colour(_), None) => unreachable!("a picture is made with the estimator's channels"),
+        }
+    }
+
+    /// The steps at full size. Patches that fail in one step carry no weight in the next.
+    fn finish<T: Texel>(&mut self, template: &Template<T>, current: &Image<T>, steps: usize) {
+        let LevelState { refinement, field, .. } = &mut self.levels[0];
+        refinement.trust_all();
+        for _ in 0..steps {
+            refinement.step(template, current, field, self.params.affine.iterations);
+            refinement.judge(template, &self.params.validity);
+        }
+    }
+
+    /// Tells which patches match at the present flow, without moving them.
+    pub(crate) fn inspect(&mut self, reference: &AffineReference, current: &Picture) {
+        let LevelState { refinement, field, .. } = &mut self.levels[0];
+        refinement.trust_all();
+        match (&reference.full, &current.colour) {
+            (FullTemplate::Colour(template), Some(colour)) => {
+                refinement.inspect(template, colour, field);
+                refinement.judge(template, &self.params.validity);
+            }
+            (FullTemplate::Grey(template), _) => {
+                refinement.inspect(template, current.grey.level(0), field);
+                refinement.judge(template, &self.params.validity);
+            }
+            (FullTemplate::Colour(_), None) => unreachable!("a picture is made with the estimator's channels"),
+        }
+    }
+
+    /// Writes the flow, its deviation and its validity.
+    pub(crate) fn write(&mut self, reference: &AffineReference, out: &mut Estimate) {
+        let LevelState { refinement, field, .. } = &mut self.levels[0];
+        refinement.expand(field, &mut out.flow);
+        self.write_validity(reference, out);
+    }
+
+    /// Writes the deviation and the validity of the flow in `out`.
+    pub(crate) fn write_validity(&mut self, reference: &AffineReference, out: &mut Estimate) {
+        let affine = &self.params.affine;
+        let LevelState { refinement, field, .. } = &mut self.levels[0];
+        let own = match &reference.full {
+            FullTemplate::Grey(template) => &template.own_variance,
+            FullTemplate::Colour(template) => &template.own_variance,
+        };
+        let step_variance = affine.continuity_px.powi(2) + affine.curvature_px.powi(2);
+        refinement.scale_variance(own, &mut self.variance);
+        spread_variance(field.grid, step_variance, &mut self.variance);
+        out.matched = refinement.matched(own, self.params.validity.max_deviation_px.powi(2));
+        mark_pixels(field.grid, &self.variance, refinement.trust(), self.params.validity.max_deviation_px, out);
+    }
+}
+
+/// Coarsest level that the patches use on pictures of this size.
+pub(crate) fn coarsest_level(width: usize, height: usize, params: &FlowParams) -> usize {
+    let deepest = (width.min(height) / LEAST_SIZE).max(1).ilog2() as usize;
+    params.affine.coarsest_level.min(deepest)
+}

@@ -1,0 +1,333 @@
+//! Gauss–Newton steps of all patches at once.
+//!
+//! One step warps the current picture onto the reference with the present flow, forms every patch's right-hand side
+//! from the residual, solves the coupled system and composes the increments with the flow. Rows are worked off in bands
+//! of one stride, so that what a patch needs is still in the cache when its window is complete.
+
+use super::coupling::{Coupling, Stiffness, System};
+use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
+use super::judge::own_variance;
+use super::moments::{Window, sum_columns, sum_rows, sum_rows_twice};
+use super::nodes::{Expander, NodeField, UNKNOWNS};
+use super::template::{Template, packed};
+use super::texel::{Taps, Texel};
+use crate::ValidityParams;
+use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+use fearless_simd_macros::simd;
+use fingervision_image::Image;
+
+/// Products under a row of patches: two gradient sums, two light sums, energy.
+const PRODUCTS: usize = 5;
+
+/// State of the refinement for one picture size.
+#[derive(Debug, Clone)]
+pub(crate) struct Refinement {
+    grid: PatchGrid,
+    level: Level,
+    window: Window,
+    noise_variance: f32,
+    expander: Expander,
+    coupling: Coupling,
+    bands: [[Vec<f32>; PRODUCTS]; 2],
+    positions: [Vec<f32>; 2],
+    row_sums: [Vec<f32>; 2],
+    gradient: [Vec<f32>; UNKNOWNS],
+    light: [Vec<f32>; 2],
+    energy: Vec<f32>,
+    /// Residual left per sample, grey levels².
+    mean_energy: Vec<f32>,
+    trust: Vec<f32>,
+    increment: NodeField,
+}
+
+impl Refinement {
+    pub(crate) fn new(grid: PatchGrid, level: Level, noise: f32, stiffness: Stiffness) -> Self {
+        let plane = || vec![0.0; grid.plane_len()];
+        let line = || vec![0.0; grid.padded_width()];
+        let band = || std::array::from_fn(|_| vec![0.0; STRIDE * grid.padded_width()]);
+        Self {
+            grid,
+            level,
+            window: Window::new(),
+            // Both pictures carry noise.
+            noise_variance: 2.0 * noise * noise,
+            expander: Expander::new(grid),
+            coupling: Coupling::new(grid, stiffness),
+            bands: [band(), band()],
+            positions: [line(), line()],
+            row_sums: [line(), line()],
+            gradient: std::array::from_fn(|_| plane()),
+            light: [plane(), plane()],
+            energy: plane(),
+            mean_energy: plane(),
+            trust: vec![1.0; grid.plane_len()],
+            increment: NodeField::zero(grid),
+        }
+    }
+
+    fn scale(&self) -> f32 {
+        1.0 / (self.noise_variance * self.window.overlap())
+    }
+
+    /// Takes a new reference.
+    pub(crate) fn prepare<T: Texel>(&self, picture: &Image<T>, template: &mut Template<T>) {
+        template.prepare(self.level, picture);
+        let scale = self.scale();
+        self.coupling.precondition(&template.normal, scale, &mut template.preconditioner);
+        let slope_stiffness = self.coupling.stiffness().curvature;
+        own_variance(self.grid, &template.normal, scale, slope_stiffness, &mut template.own_variance);
+    }
+
+    /// One Gauss–Newton step from `field`.
+    pub(crate) fn step<T: Texel>(
+        &mut self,
+        template: &Template<T>,
+        current: &Image<T>,
+        field: &mut NodeField,
+        iterations: usize,
+    ) {
+        let level = self.level;
+        dispatch!(level, simd => self.step_simd(simd, template, current, field, iterations));
+    }
+
+    #[inline(always)]
+    fn step_simd<S: Simd, T: Texel>(
+        &mut self,
+        simd: S,
+        template: &Template<T>,
+        current: &Image<T>,
+        field: &mut NodeField,
+        iterations: usize,
+    ) {
+        self.expander.prepare(field);
+        self.measure(simd, template, current, field);
+        self.form_right(template);
+        let system = System {
+            normal: &template.normal,
+            preconditioner: &template.preconditioner,
+            scale: self.scale(),
+            trust: &self.trust,
+            right: &self.gradient,
+        };
+        self.coupling.solve(simd, &system, field, &mut self.increment, iterations);
+        field.compose(&self.increment);
+        self.predict_energy(template);
+    }
+
+    /// Measures the residual at `field` without moving it.
+    pub(crate) fn inspect<T: Texel>(&mut self, template: &Template<T>, current: &Image<T>, field: &NodeField) {
+        let level = self.level;
+        self.expander.prepare(field);
+        dispatch!(level, simd => self.measure(simd, template, current, field));
+        self.form_right(template);
+        for plane in &mut self.increment.planes {
+            plane.fill(0.0);
+        }
+        self.predict_energy(template);
+    }
+
+    /// Turns the measured energy into what is left of it after the step and the change of light:
+    /// `Σ r² − l·D⁻¹l − 2 b·δ + δ·Aδ`, exact for the linear model.
+    fn predict_energy<T: Texel>(&mut self, template: &Template<T>) {
+        let unscale = 1.0 / self.scale();
+        let [gain, offset] = &self.light;
+        let [d00, d01, d11] = &template.light_inverse;
+        let delta = &self.increment.planes;
+        for (n, energy) in self.energy.iter_mut().enumerate() {
+            let (l0, l1) = (gain[n], offset[n]);
+            let mut left = *energy - (d00[n] * l0 * l0 + 2.0 * d01[n] * l0 * l1 + d11[n] * l1 * l1);
+            for i in 0..UNKNOWNS {
+                let mut image = 0.0;
+                for (j, delta) in delta.iter().enumerate() {
+                    image += template.normal[packed(i, j)][n] * delta[n];
+                }
+                left += delta[i][n] * (image - 2.0 * unscale * self.gradient[i][n]);
+            }
+            *energy = left.max(0.0);
+        }
+    }
+
+    /// Forgets which patches failed.
+    pub(crate) fn trust_all(&mut self) {
+        self.trust.fill(1.0);
+    }
+
+    /// 1 for every patch that is trusted, 0 where it failed.
+    pub(crate) fn trust(&self) -> &[f32] {
+        &self.trust
+    }
+
+    /// Decides which patches failed: those whose residual the noise does not explain, nor the template's own contrast.
+    pub(crate) fn judge<T: Texel>(&mut self, template: &Template<T>, rules: &ValidityParams) {
+        let floor = rules.noise_floor.powi(2) * self.noise_variance;
+        for (node, trust) in self.trust.iter_mut().enumerate() {
+            let allowed = floor.max(rules.max_unexplained * template.variance[node]);
+            *trust = f32::from(u8::from(self.energy[node] <= allowed * template.samples[node]));
+            self.mean_energy[node] = self.energy[node] / template.samples[node].max(1.0);
+        }
+    }
+
+    /// Scales the patches' own variance by the residual where that exceeds the noise; failed patches know nothing.
+    pub(crate) fn scale_variance(&self, own: &[f32], variance: &mut [f32]) {
+        for (node, variance) in variance.iter_mut().enumerate() {
+            let excess = (self.mean_energy[node] / self.noise_variance).max(1.0);
+            *variance = if self.trust[node] > 0.0 { own[node] * excess } else { f32::MAX };
+        }
+    }
+
+    /// Part of the patches with a variance up to `textured` that are trusted.
+    pub(crate) fn matched(&self, own: &[f32], textured: f32) -> f32 {
+        let nodes = self.grid.columns * self.grid.rows;
+        let (mut all, mut good) = (0.0, 0.0);
+        for (own, trust) in own[..nodes].iter().zip(&self.trust) {
+            if *own <= textured {
+                all += 1.0;
+                good += trust;
+            }
+        }
+        if all > 0.0 { good / all } else { 0.0 }
+    }
+
+    /// The patches' sums over the residual.
+    #[inline(always)]
+    fn measure<S: Simd, T: Texel>(&mut self, simd: S, template: &Template<T>, current: &Image<T>, field: &NodeField) {
+        self.fill_band(simd, template, current, field, 0);
+        for j in 0..self.grid.rows {
+            self.fill_band(simd, template, current, field, j + 1);
+            let nodes = j * self.grid.columns..(j + 1) * self.grid.columns;
+            let upper = &self.bands[j % 2];
+            let lower = &self.bands[(j + 1) % 2];
+            for component in 0..2 {
+                let [plain, first] = &mut self.row_sums;
+                sum_rows_twice(simd, &self.window, [&upper[component], &lower[component]], [plain, first]);
+                let gradient = &mut self.gradient[3 * component..];
+                sum_columns(simd, &self.window, 0, plain, &mut gradient[0][nodes.clone()]);
+                sum_columns(simd, &self.window, 1, plain, &mut gradient[1][nodes.clone()]);
+                sum_columns(simd, &self.window, 0, first, &mut gradient[2][nodes.clone()]);
+            }
+            let [gain, offset] = &mut self.light;
+            let [sums, _] = &mut self.row_sums;
+            for (k, plane) in [gain, offset, &mut self.energy].into_iter().enumerate() {
+                sum_rows(simd, &self.window, 0, [&upper[2 + k], &lower[2 + k]], sums);
+                sum_columns(simd, &self.window, 0, sums, &mut plane[nodes.clone()]);
+            }
+        }
+    }
+
+    /// Warps the current picture onto one row of cells and multiplies the residual with the template.
+    #[inline(always)]
+    fn fill_band<S: Simd, T: Texel>(
+        &mut self,
+        simd: S,
+        template: &Template<T>,
+        current: &Image<T>,
+        field: &NodeField,
+        cell_row: usize,
+    ) {
+        for k in 0..STRIDE {
+            let row = cell_row * STRIDE + k;
+            let band = &mut self.bands[cell_row % 2];
+            let start = k * self.grid.padded_width();
+            if !(MARGIN..MARGIN + self.grid.height).contains(&row) {
+                for plane in band {
+                    plane[start..][..self.grid.padded_width()].fill(0.0);
+                }
+                continue;
+            }
+            let [xs, ys] = &mut self.positions;
+            self.expander.row(field, row, [xs, ys]);
+            to_positions(self.grid, row, xs, ys);
+            multiply_row(simd, template, current, row, [xs, ys], band, start);
+        }
+    }
+
+    /// Eliminates the change of light from the gradient sums and scales them by the noise.
+    fn form_right<T: Texel>(&mut self, template: &Template<T>) {
+        let scale = self.scale();
+        for (gradient, gain) in self.gradient.iter_mut().zip(&template.light_gain) {
+            for (node, gradient) in gradient.iter_mut().enumerate() {
+                let explained = gain[0][node] * self.light[0][node] + gain[1][node] * self.light[1][node];
+                *gradient = scale * (*gradient - explained);
+            }
+        }
+    }
+
+    /// Writes the flow at every pixel.
+    pub(crate) fn expand(&mut self, field: &NodeField, flow: &mut crate::FlowField) {
+        let level = self.level;
+        dispatch!(level, simd => self.expand_simd(simd, field, flow));
+    }
+
+    #[inline(always)]
+    fn expand_simd<S: Simd>(&mut self, simd: S, field: &NodeField, flow: &mut crate::FlowField) {
+        let _ = simd;
+        self.expander.prepare(field);
+        let [u, v] = &mut self.positions;
+        for y in 0..self.grid.height {
+            self.expander.row(field, y + MARGIN, [u, v]);
+            flow.u.row_mut(y).copy_from_slice(&u[MARGIN..][..self.grid.width]);
+            flow.v.row_mut(y).copy_from_slice(&v[MARGIN..][..self.grid.width]);
+        }
+    }
+}
+
+/// Turns displacements along padded row `row` into places in the current picture; far outside beyond the image.
+#[inline(always)]
+fn to_positions(grid: PatchGrid, row: usize, xs: &mut [f32], ys: &mut [f32]) {
+    let y = row as f32 - MARGIN as f32;
+    for (column, (x, v)) in xs.iter_mut().zip(ys.iter_mut()).enumerate() {
+        *x += column as f32 - MARGIN as f32;
+        *v += y;
+    }
+    xs[..MARGIN].fill(-1.0);
+    xs[MARGIN + grid.width..].fill(-1.0);
+}
+
+#[simd]
+fn multiply_row<S: Simd, T: Texel>(
+    simd: S,
+    template: &Template<T>,
+    current: &Image<T>,
+    row: usize,
+    [xs, ys]: [&[f32]; 2],
+    band: &mut [Vec<f32>; PRODUCTS],
+    start: usize,
+) {
+    for column in (0..xs.len()).step_by(LANES) {
+        let x = f32x16::from_slice(simd, &xs[column..][..LANES]);
+        let y = f32x16::from_slice(simd, &ys[column..][..LANES]);
+        let (taps, inside) = locate(simd, x, y, current.size());
+        let products = T::products(simd, current, &taps, template.block(column, row));
+        let [gx, gy] = products.gradient;
+        let [gain, offset] = products.light;
+        for (plane, product) in band.iter_mut().zip([gx, gy, gain, offset, products.energy]) {
+            (product * inside).store_slice(&mut plane[start + column..][..LANES]);
+        }
+    }
+}
+
+/// Taps and weights for sixteen places, and 1 where the place and its taps lie in a picture of this size, else 0.
+#[inline(always)]
+fn locate<S: Simd>(simd: S, x: f32x16<S>, y: f32x16<S>, (width, height): (usize, usize)) -> (Taps<S>, f32x16<S>) {
+    // A NaN clamps to the lower bound and then differs from itself: outside.
+    let clamp = |place: f32x16<S>, size: usize| place.max(1.0).min(size as f32 - 2.0 - 1.0 / 64.0);
+    let (clamped_x, clamped_y) = (clamp(x, width), clamp(y, height));
+    let (left, top) = (clamped_x.floor(), clamped_y.floor());
+    let near = |place: f32x16<S>, clamped: f32x16<S>| (place - clamped).abs().simd_le(1.0 / 64.0);
+    let inside = near(x, clamped_x) & near(y, clamped_y);
+    let base = (top - 1.0) * width as f32 + (left - 1.0);
+    let taps = Taps {
+        base: base.to_int::<fearless_simd::u32x16<S>>().to_array(),
+        weights_x: spline_weights(clamped_x - left),
+        weights_y: spline_weights(clamped_y - top),
+    };
+    let one = f32x16::splat(simd, 1.0);
+    (taps, inside.select(one, f32x16::splat(simd, 0.0)))
+}
+
+/// Cubic B-spline weights of the taps at −1, 0, 1 and 2 for a fraction `t`.
+#[inline(always)]
+fn spline_weights<S: Simd>(t: f32x16<S>) -> [f32x16<S>; 4] {
+    let (sixth, s) = (1.0 / 6.0, t * -1.0 + 1.0);
+    [s * s * s * sixth, (t * 0.5 - 1.0) * t * t + 2.0 / 3.0, (s * 0.5 - 1.0) * s * s + 2.0 / 3.0, t * t * t * sixth]
+}

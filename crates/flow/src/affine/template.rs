@@ -1,0 +1,256 @@
+//! What is computed once per reference: its texels, gradients and normal matrices.
+
+use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
+use super::moments::{Window, sum_columns, sum_rows};
+use super::nodes::UNKNOWNS;
+use super::texel::{MID_LEVEL, TemplateBlock, Texel};
+use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd_macros::simd;
+use fingervision_image::Image;
+
+/// Entries of a symmetric matrix over a node's unknowns.
+pub(crate) const PACKED: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
+
+/// Place of entry `(i, j)` of a symmetric matrix in packed storage.
+pub(crate) const fn packed(i: usize, j: usize) -> usize {
+    let (low, high) = if i < j { (i, j) } else { (j, i) };
+    high * (high + 1) / 2 + low
+}
+
+/// A reference picture made ready for matching.
+#[derive(Debug, Clone)]
+pub(crate) struct Template<T> {
+    pub(crate) grid: PatchGrid,
+    /// Padded by the grid's margin; outside the image all is zero.
+    texels: Vec<T>,
+    gradient_x: Vec<T>,
+    gradient_y: Vec<T>,
+    /// `Σ w J Jᵀ` of every node with the change of light eliminated, packed, in grey levels² per px².
+    pub(crate) normal: [Vec<f32>; PACKED],
+    /// Inverse of every node's own block of the coupled system, packed; see [`super::coupling`].
+    pub(crate) preconditioner: [Vec<f32>; PACKED],
+    /// Regression of the six gradient sums on the two light sums: `b ← b − light_gain · l`.
+    pub(crate) light_gain: [[Vec<f32>; 2]; UNKNOWNS],
+    /// Inverse of the light block: entries `(0,0)`, `(0,1)`, `(1,1)`.
+    pub(crate) light_inverse: [Vec<f32>; 3],
+    /// Weight of the pixels that lie in the image times their channels.
+    pub(crate) samples: Vec<f32>,
+    /// Variance of the texels in the window, grey levels².
+    pub(crate) variance: Vec<f32>,
+    /// Variance of the displacement from the node's own patch, px²; see [`super::judge`].
+    pub(crate) own_variance: Vec<f32>,
+}
+
+impl<T: Texel> Template<T> {
+    /// An empty template for pictures of this size.
+    pub(crate) fn new(grid: PatchGrid) -> Self {
+        let pixels = grid.padded_width() * grid.padded_height();
+        let plane = || vec![0.0; grid.plane_len()];
+        Self {
+            grid,
+            texels: vec![T::default(); pixels],
+            gradient_x: vec![T::default(); pixels],
+            gradient_y: vec![T::default(); pixels],
+            normal: std::array::from_fn(|_| plane()),
+            preconditioner: std::array::from_fn(|_| plane()),
+            light_gain: std::array::from_fn(|_| std::array::from_fn(|_| plane())),
+            light_inverse: std::array::from_fn(|_| plane()),
+            samples: plane(),
+            variance: plane(),
+            own_variance: plane(),
+        }
+    }
+
+    /// Sixteen pixels of padded row `row` from padded column `column` on.
+    #[inline(always)]
+    pub(crate) fn block(&self, column: usize, row: usize) -> TemplateBlock<'_, T> {
+        let start = row * self.grid.padded_width() + column;
+        TemplateBlock {
+            texels: &self.texels[start..][..LANES],
+            gradient_x: &self.gradient_x[start..][..LANES],
+            gradient_y: &self.gradient_y[start..][..LANES],
+        }
+    }
+
+    /// Takes a new reference of the grid's size.
+    pub(crate) fn prepare(&mut self, level: Level, picture: &Image<T>) {
+        self.smooth(picture);
+        let mut sums = PatchSums::new(self.grid);
+        dispatch!(level, simd => sums.fill(simd, self));
+        for node in 0..self.grid.columns * self.grid.rows {
+            self.assemble(node, &sums.planes);
+        }
+    }
+
+    /// Takes the picture as the cubic B-splines see it at whole pixels, with its gradient.
+    fn smooth(&mut self, picture: &Image<T>) {
+        const VALUE: [f32; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
+        const SLOPE: [f32; 3] = [-0.5, 0.0, 0.5];
+        let (width, height) = picture.size();
+        let stride = self.grid.padded_width();
+        for y in 0..height {
+            let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| picture.row(y));
+            for x in 0..width {
+                let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+                let texels = rows.map(|row| columns.map(|x| row[x].channels()));
+                let place = (y + MARGIN) * stride + x + MARGIN;
+                self.texels[place] = T::from_channels(weigh(&texels, VALUE, VALUE));
+                self.gradient_x[place] = T::from_channels(weigh(&texels, SLOPE, VALUE));
+                self.gradient_y[place] = T::from_channels(weigh(&texels, VALUE, SLOPE));
+            }
+        }
+    }
+
+    /// Forms a node's normal matrix and eliminates the change of light from it.
+    fn assemble(&mut self, node: usize, planes: &[Vec<f32>; PatchSums::COUNT]) {
+        let at = |plane: usize| f64::from(planes[plane][node]);
+        // Powers (x, y) of unknowns 1, ξ, η and the moments' places for their products.
+        let product = |p: usize, q: usize| [[0, 1, 2], [1, 3, 4], [2, 4, 5]][p][q];
+        let mut normal = [[0.0; UNKNOWNS]; UNKNOWNS];
+        let mut cross = [[0.0; 2]; UNKNOWNS];
+        for (i, (row, cross)) in normal.iter_mut().zip(&mut cross).enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = at(6 * (i / 3 + j / 3) + product(i % 3, j % 3));
+            }
+            *cross = [at(PatchSums::LIGHT + 6 * (i / 3) + i % 3), at(PatchSums::LIGHT + 6 * (i / 3) + 3 + i % 3)];
+        }
+        let (tt, t1, n) = (at(PatchSums::LIGHT + 12), at(PatchSums::LIGHT + 13), at(PatchSums::LIGHT + 14));
+        // One grey level² of ridge keeps a uniform window invertible.
+        let (tt, n_ridged) = (tt + n + 1.0, n + 1.0);
+        let determinant = tt * n_ridged - t1 * t1;
+        let inverse = [n_ridged / determinant, -t1 / determinant, tt / determinant];
+        for i in 0..UNKNOWNS {
+            let gain = [
+                cross[i][0] * inverse[0] + cross[i][1] * inverse[1],
+                cross[i][0] * inverse[1] + cross[i][1] * inverse[2],
+            ];
+            for j in 0..=i {
+                let explained = gain[0] * cross[j][0] + gain[1] * cross[j][1];
+                self.normal[packed(i, j)][node] = (normal[i][j] - explained) as f32;
+            }
+            self.light_gain[i][0][node] = gain[0] as f32;
+            self.light_gain[i][1][node] = gain[1] as f32;
+        }
+        for (plane, value) in self.light_inverse.iter_mut().zip(inverse) {
+            plane[node] = value as f32;
+        }
+        self.samples[node] = n as f32;
+        self.variance[node] = if n > 0.0 { ((tt - n - 1.0) / n - (t1 / n).powi(2)).max(0.0) as f32 } else { 0.0 };
+    }
+}
+
+/// The sum of 3×3 texels with separable weights.
+fn weigh(texels: &[[[f32; 4]; 3]; 3], across: [f32; 3], down: [f32; 3]) -> [f32; 4] {
+    let mut sum = [0.0; 4];
+    for (row, down) in texels.iter().zip(down) {
+        for (texel, across) in row.iter().zip(across) {
+            for (sum, value) in sum.iter_mut().zip(texel) {
+                *sum += down * across * value;
+            }
+        }
+    }
+    sum
+}
+
+/// Moments of the template alone, a plane over the nodes for each.
+///
+/// Six moments (1, ξ, η, ξ², ξη, η²) of each of `gx gx`, `gx gy`, `gy gy`; then (1, ξ, η) of `gx t`, `gx`, `gy t`,
+/// `gy`; then the sums of `t²`, `t` and 1, where `t` is the texel less [`MID_LEVEL`].
+struct PatchSums {
+    grid: PatchGrid,
+    window: Window,
+    planes: [Vec<f32>; Self::COUNT],
+    /// The ten products under a row of patches: upper and lower half.
+    bands: [[Vec<f32>; 10]; 2],
+    row_sums: Vec<f32>,
+}
+
+impl PatchSums {
+    const LIGHT: usize = 18;
+    const COUNT: usize = Self::LIGHT + 15;
+
+    fn new(grid: PatchGrid) -> Self {
+        let band = || std::array::from_fn(|_| vec![0.0; STRIDE * grid.padded_width()]);
+        Self {
+            grid,
+            window: Window::new(),
+            planes: std::array::from_fn(|_| vec![0.0; grid.plane_len()]),
+            bands: [band(), band()],
+            row_sums: vec![0.0; grid.padded_width()],
+        }
+    }
+
+    #[inline(always)]
+    fn fill<S: Simd, T: Texel>(&mut self, simd: S, template: &Template<T>) {
+        fill_band(simd, template, 0, &mut self.bands[1]);
+        for j in 0..self.grid.rows {
+            self.bands.swap(0, 1);
+            fill_band(simd, template, j + 1, &mut self.bands[1]);
+            for product in 0..10 {
+                self.reduce(simd, j, product);
+            }
+        }
+    }
+
+    /// All moments of one product for a row of patches.
+    #[inline(always)]
+    fn reduce<S: Simd>(&mut self, simd: S, j: usize, product: usize) {
+        // First plane and highest total power of the product's moments.
+        let (first, degree) = match product {
+            0..=2 => (6 * product, 2),
+            3..=6 => (Self::LIGHT + 3 * (product - 3), 1),
+            _ => (Self::LIGHT + 12 + product - 7, 0),
+        };
+        let band = [self.bands[0][product].as_slice(), self.bands[1][product].as_slice()];
+        let nodes = j * self.grid.columns..(j + 1) * self.grid.columns;
+        for power_y in 0..=degree {
+            sum_rows(simd, &self.window, power_y, band, &mut self.row_sums);
+            for power_x in 0..=degree - power_y {
+                let place = match (power_x, power_y) {
+                    (0, 0) => 0,
+                    (1, 0) => 1,
+                    (0, 1) => 2,
+                    (2, _) => 3,
+                    (1, _) => 4,
+                    _ => 5,
+                };
+                let moments = &mut self.planes[first + place][nodes.clone()];
+                sum_columns(simd, &self.window, power_x, &self.row_sums, moments);
+            }
+        }
+    }
+}
+
+/// The ten products over the [`STRIDE`] padded rows of a cell row.
+#[simd]
+fn fill_band<S: Simd, T: Texel>(simd: S, template: &Template<T>, cell_row: usize, band: &mut [Vec<f32>; 10]) {
+    let _ = simd;
+    let PatchGrid { width, height, .. } = template.grid;
+    let stride = template.grid.padded_width();
+    for k in 0..STRIDE {
+        let row = cell_row * STRIDE + k;
+        let inside_y = (MARGIN..MARGIN + height).contains(&row);
+        for column in 0..stride {
+            let place = row * stride + column;
+            let inside = inside_y && (MARGIN..MARGIN + width).contains(&column);
+            let products = if inside { products(template, place) } else { [0.0; 10] };
+            for (band, product) in band.iter_mut().zip(products) {
+                band[k * stride + column] = product;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn products<T: Texel>(template: &Template<T>, place: usize) -> [f32; 10] {
+    let texel = template.texels[place].channels();
+    let (gx, gy) = (template.gradient_x[place].channels(), template.gradient_y[place].channels());
+    let mut sums = [0.0; 10];
+    for c in 0..T::CHANNELS {
+        let (t, gx, gy) = (texel[c] - MID_LEVEL, gx[c], gy[c]);
+        for (sum, product) in sums.iter_mut().zip([gx * gx, gx * gy, gy * gy, gx * t, gx, gy * t, gy, t * t, t, 1.0]) {
+            *sum += product;
+        }
+    }
+    sums
+}

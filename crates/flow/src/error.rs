@@ -1,0 +1,31 @@
+/// What keeps a flow from being computed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FlowError {
+    /// A parameter is outside its range.
+    #[error("flow.{name} = {value} is out of range: it takes {range}")]
+    Parameter {
+        /// Path of the parameter below `flow`.
+        name: &'static str,
+        /// The value given.
+        value: f64,
+        /// What it takes.
+        range: &'static str,
+    },
+    /// The picture is too small to hold patches.
+    #[error("a picture of {width}x{height} px is too small: flow needs {least} px either way")]
+    TooSmall {
+        /// Columns, px.
+        width: usize,
+        /// Rows, px.
+        height: usize,
+        /// The least width and height, px.
+        least: usize,
+    },
+}
+
+impl FlowError {
+    /// An error for parameter `name` unless it holds.
+    pub(crate) fn check(holds: bool, name: &'static str, value: f64, range: &'static str) -> Result<(), Self> {
+        if holds { Ok(()) } else { Err(Self::Parameter { name, value, range }) }
+    }
+}

@@ -1,0 +1,140 @@
+//! The flow estimator: one object per picture size, used for every frame.
+
+use crate::affine::patches::{self, AffinePatches, AffineReference};
+use crate::search::{self, InverseSearch, SearchReference};
+use crate::{FlowError, FlowField, FlowParams, Picture, Preset};
+use fearless_simd::Level;
+use fingervision_image::Image;
+
+/// A reference made ready for matching: everything that depends on it alone.
+#[derive(Debug, Clone)]
+pub struct Reference {
+    search: SearchReference,
+    affine: AffineReference,
+}
+
+/// Where the estimate starts.
+#[derive(Debug, Clone, Copy)]
+pub enum Start<'a> {
+    /// From nowhere: the dense inverse search finds the flow, whatever its length. Given a flow, the search tries it too.
+    Search(Option<&'a FlowField>),
+    /// From a flow that is a few px off at most, such as that of the frame before.
+    Flow(&'a FlowField),
+}
+
+/// A flow and what it is worth. Made once and written for every frame.
+#[derive(Debug, Clone)]
+pub struct Estimate {
+    /// Displacement of every reference pixel, px. Where it is not valid it is what the surroundings suggest.
+    pub flow: FlowField,
+    /// Predicted standard deviation of the displacement (both components together), px; infinite where the patch
+    /// failed or the point has left the image.
+    pub deviation: Image<f32>,
+    /// 1 where the flow is a measurement, else 0.
+    pub valid: Image<u8>,
+    /// Part of the textured patches that match, 0 to 1; 0 where no patch has texture.
+    pub matched: f32,
+}
+
+impl Estimate {
+    /// An estimate at rest over pictures of this size, nowhere valid.
+    #[must_use]
+    pub fn new(width: usize, height: usize) -> Self {
+        Self {
+            flow: FlowField::zero(width, height),
+            deviation: Image::filled(width, height, f32::INFINITY),
+            valid: Image::filled(width, height, 0),
+            matched: 0.0,
+        }
+    }
+}
+
+/// Estimates flow between pictures of one size. It owns its scratch: an estimate allocates nothing.
+#[derive(Debug, Clone)]
+pub struct FlowEstimator {
+    width: usize,
+    height: usize,
+    params: FlowParams,
+    search: InverseSearch,
+    affine: AffinePatches,
+    found: FlowField,
+}
+
+/// Least width and height of a picture, px.
+const LEAST_SIZE: usize = 32;
+
+impl FlowEstimator {
+    /// An estimator for pictures of this size.
+    ///
+    /// # Errors
+    ///
+    /// [`FlowError::TooSmall`] below 32 px either way; [`FlowError::Parameter`] for a parameter out of range.
+    pub fn new(width: usize, height: usize, params: &FlowParams) -> Result<Self, FlowError> {
+        params.validate()?;
+        if width.min(height) < LEAST_SIZE {
+            return Err(FlowError::TooSmall { width, height, least: LEAST_SIZE });
+        }
+        let simd = Level::new();
+        Ok(Self {
+            width,
+            height,
+            params: *params,
+            search: InverseSearch::new(width, height, params.search(), simd),
+            affine: AffinePatches::new(width, height, params, simd),
+            found: FlowField::zero(width, height),
+        })
+    }
+
+    /// An empty picture with the levels and channels that this estimator needs.
+    #[must_use]
+    pub fn picture(&self) -> Picture {
+        let coarsest = search::coarsest_level(self.width, self.height);
+        let coarsest = coarsest.max(patches::coarsest_level(self.width, self.height, &self.params));
+        Picture::new(self.width, self.height, coarsest, self.params.colour)
+    }
+
+    /// An empty reference, to be filled by [`FlowEstimator::prepare`].
+    #[must_use]
+    pub fn reference(&self) -> Reference {
+        Reference { search: self.search.reference(), affine: self.affine.reference() }
+    }
+
+    /// Makes a picture the reference. Allocates nothing.
+    pub fn prepare(&self, picture: &Picture, reference: &mut Reference) {
+        self.search.prepare(picture, &mut reference.search);
+        self.affine.prepare(picture, &mut reference.affine);
+    }
+
+    /// Writes the flow from a reference to the current picture.
+    pub fn estimate(&mut self, reference: &Reference, current: &Picture, start: Start<'_>, out: &mut Estimate) {
+        let affine = self.params.affine;
+        match (self.params.preset, start) {
+            (Preset::Affine, Start::Flow(flow)) => {
+                self.affine.start(flow);
+                self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
+                self.affine.write(&reference.affine, out);
+            }
+            (Preset::Affine, Start::Search(guess)) => {
+                self.search.flow(&reference.search, current, guess, &mut self.found);
+                self.affine.start(&self.found);
+                self.affine.follow(&reference.affine, current, 1, affine.search_steps);
+                self.affine.write(&reference.affine, out);
+            }
+            (_, Start::Search(guess)) => self.search_alone(reference, current, guess, out),
+            (_, Start::Flow(guess)) => self.search_alone(reference, current, Some(guess), out),
+        }
+    }
+
+    fn search_alone(
+        &mut self,
+        reference: &Reference,
+        current: &Picture,
+        guess: Option<&FlowField>,
+        out: &mut Estimate,
+    ) {
+        self.search.flow(&reference.search, current, guess, &mut out.flow);
+        self.affine.start(&out.flow);
+        self.affine.inspect(&reference.affine, current);
+        self.affine.write_validity(&reference.affine, out);
+    }
+}

@@ -1,0 +1,178 @@
+//! What a user can set about flow.
+
+use crate::{FlowError, SearchParams};
+use serde::{Deserialize, Serialize};
+
+/// How the flow is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// Dense inverse search alone, little work: finest level 2, no refinement.
+    Ultrafast,
+    /// Dense inverse search alone, refined: finest level 2.
+    Fast,
+    /// Dense inverse search alone, denser patches, refined: finest level 1.
+    Medium,
+    /// Coupled affine patches at full size; dense inverse search only finds their start where there is none.
+    #[default]
+    Affine,
+}
+
+impl Preset {
+    /// The inverse search that belongs to the preset.
+    #[must_use]
+    pub fn search(self) -> SearchParams {
+        match self {
+            Self::Ultrafast => SearchParams::ultrafast(),
+            Self::Fast => SearchParams::fast(),
+            Self::Medium => SearchParams::medium(),
+            // The affine patches start from the search only where nothing better is known, so it can be thorough.
+            Self::Affine => SearchParams { finest_level: 0, ..SearchParams::medium() },
+        }
+    }
+}
+
+/// Parameters of the flow.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FlowParams {
+    /// How the flow is found.
+    pub preset: Preset,
+    /// Pyramid level where the inverse search ends, 0 for full size; absent: what the preset says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub finest_level: Option<usize>,
+    /// Whether the full-size patches use red, green and blue where the frames have them.
+    pub colour: bool,
+    /// Standard deviation of the image noise, grey levels a channel. It scales the pull between neighbouring patches and
+    /// the predicted deviation.
+    pub noise_levels: f32,
+    /// The inverse search in full; absent: what the preset says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchParams>,
+    /// The affine patches.
+    pub affine: AffineParams,
+    /// What counts as a measurement.
+    pub validity: ValidityParams,
+}
+
+impl Default for FlowParams {
+    fn default() -> Self {
+        Self {
+            preset: Preset::Affine,
+            finest_level: None,
+            colour: true,
+            noise_levels: 2.0,
+            search: None,
+            affine: AffineParams::default(),
+            validity: ValidityParams::default(),
+        }
+    }
+}
+
+impl FlowParams {
+    /// The inverse search that these parameters ask for.
+    #[must_use]
+    pub fn search(&self) -> SearchParams {
+        let search = self.search.unwrap_or_else(|| self.preset.search());
+        SearchParams { finest_level: self.finest_level.unwrap_or(search.finest_level), ..search }
+    }
+
+    /// Checks that every value makes sense.
+    ///
+    /// # Errors
+    ///
+    /// [`FlowError::Parameter`] naming the first value that does not.
+    pub fn validate(&self) -> Result<(), FlowError> {
+        let noise = f64::from(self.noise_levels);
+        FlowError::check((0.01..=64.0).contains(&noise), "noise_levels", noise, "0.01 to 64 grey levels")?;
+        self.search().validate()?;
+        self.affine.validate()?;
+        self.validity.validate()
+    }
+}
+
+/// Parameters of the coupled affine patches.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AffineParams {
+    /// Coarsest pyramid level at which patches follow the motion since the start.
+    pub coarsest_level: usize,
+    /// Gauss–Newton steps at full size after a start from the previous flow.
+    pub steps: usize,
+    /// Gauss–Newton steps at full size after a start from the search.
+    pub search_steps: usize,
+    /// Conjugate-gradient iterations of every step.
+    pub iterations: usize,
+    /// Expected mismatch of two neighbouring patches half-way between them, px.
+    pub continuity_px: f32,
+    /// Expected change of the flow's gradient from a patch to its neighbour, px per patch distance.
+    pub curvature_px: f32,
+    /// How often these expectations must be exceeded, squared, for the pull to halve, dimensionless.
+    pub bond_tolerance: f32,
+}
+
+impl Default for AffineParams {
+    fn default() -> Self {
+        Self {
+            coarsest_level: 3,
+            steps: 2,
+            search_steps: 3,
+            iterations: 10,
+            continuity_px: 0.01,
+            curvature_px: 0.012,
+            bond_tolerance: 9.0,
+        }
+    }
+}
+
+impl AffineParams {
+    fn validate(&self) -> Result<(), FlowError> {
+        let check = FlowError::check;
+        check(self.coarsest_level <= 8, "affine.coarsest_level", self.coarsest_level as f64, "0 to 8")?;
+        for (name, count) in [
+            ("affine.steps", self.steps),
+            ("affine.search_steps", self.search_steps),
+            ("affine.iterations", self.iterations),
+        ] {
+            check((1..=1000).contains(&count), name, count as f64, "1 to 1000")?;
+        }
+        for (name, value) in [
+            ("affine.continuity_px", self.continuity_px),
+            ("affine.curvature_px", self.curvature_px),
+            ("affine.bond_tolerance", self.bond_tolerance),
+        ] {
+            check((1e-6..=1e12).contains(&value), name, f64::from(value), "1e-6 to 1e12")?;
+        }
+        Ok(())
+    }
+}
+
+/// What counts as a measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ValidityParams {
+    /// A patch fails where more than this part of its variance stays unexplained, dimensionless.
+    pub max_unexplained: f32,
+    /// A patch never fails while its residual is below so many standard deviations of the noise, dimensionless.
+    pub noise_floor: f32,
+    /// A pixel is valid while its predicted standard deviation is at most this, px.
+    pub max_deviation_px: f32,
+}
+
+impl Default for ValidityParams {
+    fn default() -> Self {
+        Self { max_unexplained: 0.4, noise_floor: 4.0, max_deviation_px: 0.25 }
+    }
+}
+
+impl ValidityParams {
+    fn validate(&self) -> Result<(), FlowError> {
+        let check = FlowError::check;
+        let part = f64::from(self.max_unexplained);
+        check(part > 0.0 && part <= 1.0, "validity.max_unexplained", part, "above 0, at most 1")?;
+        let floor = f64::from(self.noise_floor);
+        check((0.0..=1000.0).contains(&floor), "validity.noise_floor", floor, "0 to 1000")?;
+        let deviation = f64::from(self.max_deviation_px);
+        check(deviation > 0.0 && deviation.is_finite(), "validity.max_deviation_px", deviation, "above 0 px")
+    }
+}

@@ -1,0 +1,41 @@
+//! A picture made ready for matching: its grey pyramid and, where asked for, its colours.
+
+use fingervision_image::{Image, ImageError, Pixels, Pyramid, Rect, grey_into, rgbx_into};
+
+/// One image at every pyramid level. Made once per stream and reloaded for every frame.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    pub(crate) grey: Pyramid,
+    pub(crate) colour: Option<Image<[f32; 4]>>,
+}
+
+impl Picture {
+    /// An empty picture of this size with levels 0 to `coarsest_level`; `colour` keeps the channels at full size.
+    #[must_use]
+    pub fn new(width: usize, height: usize, coarsest_level: usize, colour: bool) -> Self {
+        Self {
+            grey: Pyramid::new(width, height, coarsest_level),
+            colour: colour.then(|| Image::filled(width, height, [0.0; 4])),
+        }
+    }
+
+    /// Takes a region of a frame. The region has the picture's size.
+    ///
+    /// # Errors
+    ///
+    /// [`ImageError::RegionOutside`] if the region reaches outside the frame.
+    pub fn load(&mut self, pixels: &Pixels, region: Rect) -> Result<(), ImageError> {
+        grey_into(pixels, region, self.grey.base_mut())?;
+        if let Some(colour) = &mut self.colour {
+            rgbx_into(pixels, region, colour)?;
+        }
+        self.grey.build();
+        Ok(())
+    }
+
+    /// Columns and rows at full size, px.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        self.grey.level(0).size()
+    }
+}

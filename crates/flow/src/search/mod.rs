@@ -1,0 +1,261 @@
+//! Dense inverse search with variational refinement: a coarse-to-fine flow that needs no start.
+//!
+//! At every pyramid level the patches of the reference are moved by the inverse search, their displacements averaged to
+//! a dense field and the field refined; then the next finer level starts from it. [Kroeger2016], [Brox2004].
+
+mod densify;
+mod patches;
+mod resize;
+mod variational;
+
+use crate::{FlowError, FlowField, Picture};
+use densify::Densifier;
+use fearless_simd::{Level, Simd, dispatch};
+use patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules, fill_unfound, reconsider, search};
+use resize::{double_into, shrink_into};
+use serde::{Deserialize, Serialize};
+use variational::VariationalRefinement;
+
+pub use variational::RefineParams;
+
+/// Parameters of the dense inverse search.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SearchParams {
+    /// Pyramid level where the search ends; its field is enlarged to full size. 0 is the full size.
+    pub finest_level: usize,
+    /// Distance between neighbouring patches, px on their level, 1 to 8.
+    pub stride: usize,
+    /// Most Gauss–Newton steps of a patch.
+    pub iterations: usize,
+    /// A patch step shorter than this ends the patch's search, px on its level.
+    pub tolerance_px: f32,
+    /// Smallest eigenvalue of a textured patch's mean structure tensor, grey levels² per px².
+    pub min_texture: f32,
+    /// The variational refinement at the end of every level.
+    pub refine: RefineParams,
+}
+
+impl SearchParams {
+    /// The preset of little work: finest level 2, no refinement.
+    #[must_use]
+    pub fn ultrafast() -> Self {
+        let refine = RefineParams { passes: 0, ..RefineParams::default() };
+        Self { finest_level: 2, stride: 4, iterations: 4, refine, ..Self::medium() }
+    }
+
+    /// The preset in between: finest level 2, refined.
+    #[must_use]
+    pub fn fast() -> Self {
+        Self { finest_level: 2, stride: 4, iterations: 5, ..Self::medium() }
+    }
+
+    /// The thorough preset: finest level 1, denser patches, refined.
+    #[must_use]
+    pub fn medium() -> Self {
+        Self {
+            finest_level: 1,
+            stride: 3,
+            iterations: 6,
+            tolerance_px: 0.01,
+            min_texture: 0.5,
+            refine: RefineParams::default(),
+        }
+    }
+
+    /// Checks that every value makes sense.
+    ///
+    /// # Errors
+    ///
+    /// [`FlowError::Parameter`] naming the first value that does not.
+    pub fn validate(&self) -> Result<(), FlowError> {
+        let check = FlowError::check;
+        check((1..=PATCH).contains(&self.stride), "search.stride", self.stride as f64, "1 to 8 px")?;
+        check(self.iterations > 0, "search.iterations", self.iterations as f64, "at least 1")?;
+        check(self.finest_level <= 8, "search.finest_level", self.finest_level as f64, "0 to 8")?;
+        let tolerance = f64::from(self.tolerance_px);
+        check(tolerance > 0.0 && tolerance < 1.0, "search.tolerance_px", tolerance, "between 0 and 1 px")?;
+        check(self.min_texture >= 0.0, "search.min_texture", f64::from(self.min_texture), "0 or more")?;
+        for (name, weight) in [
+            ("search.refine.smoothness_weight", self.refine.smoothness_weight),
+            ("search.refine.brightness_weight", self.refine.brightness_weight),
+            ("search.refine.gradient_weight", self.refine.gradient_weight),
+        ] {
+            check(weight >= 0.0 && weight.is_finite(), name, f64::from(weight), "0 or more")?;
+        }
+        Ok(())
+    }
+}
+
+impl Default for SearchParams {
+    fn default() -> Self {
+        Self::medium()
+    }
+}
+
+/// The reference on every level of the search.
+#[derive(Debug, Clone)]
+pub(crate) struct SearchReference {
+    /// From the finest level of the search to the coarsest.
+    templates: Vec<PatchTemplate>,
+}
+
+/// The search and its scratch for one picture size.
+#[derive(Debug, Clone)]
+pub(crate) struct InverseSearch {
+    params: SearchParams,
+    simd: Level,
+    /// From the finest level of the search to the coarsest.
+    levels: Vec<SearchLevel>,
+    /// Fields on the way from the finest level to full size, if that is not level 0.
+    enlarged: Vec<FlowField>,
+}
+
+#[derive(Debug, Clone)]
+struct SearchLevel {
+    layout: PatchLayout,
+    flow: FlowField,
+    start: FlowField,
+    matches: Vec<Match>,
+    filled: Vec<bool>,
+    densifier: Densifier,
+    refinement: VariationalRefinement,
+}
+
+/// Coarsest pyramid level that a search over pictures of this size uses: its longer side spans about four patches.
+pub(crate) fn coarsest_level(width: usize, height: usize) -> usize {
+    let longer = (width.max(height) / (4 * PATCH)).max(1).ilog2();
+    let shorter = (width.min(height) / (PATCH + 1)).max(1).ilog2();
+    longer.min(shorter) as usize
+}
+
+impl InverseSearch {
+    /// A search over pictures of this size, at least 16 px wide and high.
+    pub(crate) fn new(width: usize, height: usize, params: SearchParams, simd: Level) -> Self {
+        let coarsest = coarsest_level(width, height);
+        let finest = params.finest_level.min(coarsest);
+        let level = |level: usize| {
+            let (width, height) = (width >> level, height >> level);
+            let layout = PatchLayout::over(width, height, params.stride);
+            SearchLevel {
+                layout,
+                flow: FlowField::zero(width, height),
+                start: FlowField::zero(width, height),
+                matches: vec![Match { u: 0.0, v: 0.0, error: f32::INFINITY }; layout.len()],
+                filled: vec![false; layout.len()],
+                densifier: Densifier::new(width, height),
+                refinement: VariationalRefinement::new(width, height),
+            }
+        };
+        let enlarged = (1..finest).rev().map(|level| FlowField::zero(width >> level, height >> level));
+        Self { params, simd, levels: (finest..=coarsest).map(level).collect(), enlarged: enlarged.collect() }
+    }
+
+    fn finest_level(&self, picture: &Picture) -> usize {
+        self.params.finest_level.min(coarsest_level(picture.size().0, picture.size().1))
+    }
+
+    /// An empty reference.
+    pub(crate) fn reference(&self) -> SearchReference {
+        SearchReference { templates: self.levels.iter().map(|level| PatchTemplate::new(level.layout)).collect() }
+    }
+
+    /// Takes a new reference.
+    pub(crate) fn prepare(&self, picture: &Picture, reference: &mut SearchReference) {
+        let finest = self.finest_level(picture);
+        for (k, template) in reference.templates.iter_mut().enumerate() {
+            template.prepare(picture.grey.level(finest + k), self.params.min_texture);
+        }
+    }
+
+    /// Writes the flow from the reference to `current` into `flow`, full size. `start` is a further guess, if any.
+    pub(crate) fn flow(
+        &mut self,
+        reference: &SearchReference,
+        current: &Picture,
+        start: Option<&FlowField>,
+        flow: &mut FlowField,
+    ) {
+        let finest = self.finest_level(current);
+        let simd = self.simd;
+        for k in (0..self.levels.len()).rev() {
+            let (fine, coarse) = self.levels.split_at_mut(k + 1);
+            let level = &mut fine[k];
+            match coarse.first() {
+                Some(coarse) => double_into(&coarse.flow, &mut level.flow),
+                None => level.flow.fill(0.0),
+            }
+            if let Some(start) = start {
+                shrink_into(start, finest + k, &mut level.start);
+            }
+            let (template, image) = (&reference.templates[k], current.grey.level(finest + k));
+            let has_start = start.is_some();
+            dispatch!(simd, simd => level.run(simd, template, image, has_start, &self.params));
+            level.refinement.refine(&self.params.refine, &template.grey, image, &mut level.flow);
+        }
+        self.enlarge(finest, flow);
+    }
+
+    /// Doubles the finest field up to full size.
+    fn enlarge(&mut self, finest: usize, flow: &mut FlowField) {
+        let found = &self.levels[0].flow;
+        if finest == 0 {
+            flow.copy_from(found);
+            return;
+        }
+        let mut from = found;
+        for larger in &mut self.enlarged {
+            double_into(from, larger);
+            from = larger;
+        }
+        double_into(from, flow);
+    }
+}
+
+impl SearchLevel {
+    /// Searches all patches in reading order, each also from its left and upper neighbour's displacement, and then those
+    /// in reverse order whose right or lower neighbour's displacement suits them better.
+    #[inline(always)]
+    fn run<S: Simd>(
+        &mut self,
+        simd: S,
+        template: &PatchTemplate,
+        current: &fingervision_image::Image<f32>,
+        has_start: bool,
+        params: &SearchParams,
+    ) {
+        let rules = SearchRules { iterations: params.iterations, tolerance: params.tolerance_px };
+        let columns = self.layout.columns;
+        for j in 0..self.layout.rows {
+            for i in 0..columns {
+                let (left, top) = self.layout.corner(i, j);
+                let (x, y) = (left + PATCH / 2, top + PATCH / 2);
+                let at = |flow: &FlowField| (flow.u.at(x, y), flow.v.at(x, y));
+                let coarser = at(&self.flow);
+                let mut starts = [coarser; 4];
+                if has_start {
+                    starts[1] = at(&self.start);
+                }
+                if i > 0 {
+                    let beside = self.matches[j * columns + i - 1];
+                    starts[2] = (beside.u, beside.v);
+                }
+                if j > 0 {
+                    let above = self.matches[(j - 1) * columns + i];
+                    starts[3] = (above.u, above.v);
+                }
+                self.matches[j * columns + i] = search(simd, template, current, (i, j), &starts, rules);
+            }
+        }
+        for node in (0..self.layout.len()).rev() {
+            let (i, j) = (node % columns, node / columns);
+            let beside = if i + 1 < columns { self.matches[node + 1] } else { self.matches[node] };
+            let below = if j + 1 < self.layout.rows { self.matches[node + columns] } else { self.matches[node] };
+            let starts = [(beside.u, beside.v), (below.u, below.v)];
+            let found = reconsider(simd, template, current, (i, j), &self.matches[node], starts, rules);
+            self.matches[node] = found;
+        }
+        fill_unfound(&self.layout, &mut self.matches, &mut self.filled);
+        self.densifier.densify(simd, template, current, &self.matches, &mut self.flow);
+    }
+}

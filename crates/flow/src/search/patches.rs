@@ -1,0 +1,356 @@
+//! The patches of one pyramid level and the inverse search that moves them.
+//!
+//! Each 8×8 patch of the reference is moved by the displacement `u` that minimises
+//! `Σ (I(x + u) − T(x) − mean)²`, by Gauss–Newton in the inverse-compositional form ([Kroeger2016] §3.1,
+//! [Baker2004]): the gradient and the 2×2 matrix belong to the template and are made once per reference. The gradient
+//! is scaled as a derivative, so a step is a whole Gauss–Newton step.
+
+use fearless_simd::{Simd, f32x8, prelude::*};
+use fearless_simd_macros::simd;
+use fingervision_image::Image;
+
+/// Width and height of a patch, px.
+pub(crate) const PATCH: usize = 8;
+
+/// A level of the reference made ready for the search.
+#[derive(Debug, Clone)]
+pub(crate) struct PatchTemplate {
+    pub(crate) layout: PatchLayout,
+    pub(crate) grey: Image<f32>,
+    gradient_x: Image<f32>,
+    gradient_y: Image<f32>,
+    patches: Vec<PatchNormal>,
+}
+
+/// Inverse structure tensor of a patch and the sums that take out a change of mean.
+#[derive(Debug, Clone, Copy, Default)]
+struct PatchNormal {
+    inverse: [f32; 3],
+    sum_x: f32,
+    sum_y: f32,
+    is_textured: bool,
+}
+
+/// Where the patches of a level lie: every `stride` px, the last ones flush with the border.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct PatchLayout {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) stride: usize,
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+}
+
+impl PatchLayout {
+    /// The layout over a level of this size, which holds at least one patch.
+    pub(crate) fn over(width: usize, height: usize, stride: usize) -> Self {
+        let count = |size: usize| (size - PATCH).div_ceil(stride) + 1;
+        Self { width, height, stride, columns: count(width), rows: count(height) }
+    }
+
+    /// Upper left pixel of patch `(i, j)`.
+    pub(crate) fn corner(&self, i: usize, j: usize) -> (usize, usize) {
+        ((i * self.stride).min(self.width - PATCH), (j * self.stride).min(self.height - PATCH))
+    }
+
+    /// Number of patches.
+    pub(crate) fn len(&self) -> usize {
+        self.columns * self.rows
+    }
+}
+
+/// A patch's displacement and how well it matches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Match {
+    pub(crate) u: f32,
+    pub(crate) v: f32,
+    /// Mean squared residual after the change of mean, grey levels²; infinite where nothing was matched.
+    pub(crate) error: f32,
+}
+
+impl Match {
+    /// Whether the patch was found in the current image.
+    pub(crate) fn is_found(&self) -> bool {
+        self.error.is_finite()
+    }
+}
+
+/// Gives every patch that was not found the displacement of a neighbour that was, however far away.
+pub(crate) fn fill_unfound(layout: &PatchLayout, matches: &mut [Match], filled: &mut [bool]) {
+    for (filled, found) in filled.iter_mut().zip(matches.iter()) {
+        *filled = found.is_found();
+    }
+    let mut take = |node: usize, neighbours: [Option<usize>; 2]| {
+        if !filled[node]
+            && let Some(from) = neighbours.into_iter().flatten().find(|&from| filled[from])
+        {
+            (matches[node].u, matches[node].v) = (matches[from].u, matches[from].v);
+            filled[node] = true;
+        }
+    };
+    let columns = layout.columns;
+    for node in 0..layout.len() {
+        take(node, [(node % columns > 0).then(|| node - 1), node.checked_sub(columns)]);
+    }
+    for node in (0..layout.len()).rev() {
+        let below = node + columns;
+        take(node, [((node + 1) % columns > 0).then_some(node + 1), (below < layout.len()).then_some(below)]);
+    }
+}
+
+impl PatchTemplate {
+    /// An empty template over a level.
+    pub(crate) fn new(layout: PatchLayout) -> Self {
+        let plane = || Image::filled(layout.width, layout.height, 0.0);
+        Self {
+            layout,
+            grey: plane(),
+            gradient_x: plane(),
+            gradient_y: plane(),
+            patches: vec![PatchNormal::default(); layout.len()],
+        }
+    }
+
+    /// Takes a new reference; a patch whose structure tensor has an eigenvalue below `min_texture` (grey levels² per
+    /// px² and pixel) counts as untextured.
+    pub(crate) fn prepare(&mut self, grey: &Image<f32>, min_texture: f32) {
+        self.grey.copy_from(grey);
+        differentiate(grey, &mut self.gradient_x, &mut self.gradient_y);
+        for j in 0..self.layout.rows {
+            for i in 0..self.layout.columns {
+                let normal = self.normal(self.layout.corner(i, j), min_texture);
+                self.patches[j * self.layout.columns + i] = normal;
+            }
+        }
+    }
+
+    fn normal(&self, (left, top): (usize, usize), min_texture: f32) -> PatchNormal {
+        let (mut xx, mut xy, mut yy, mut sum_x, mut sum_y) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for y in top..top + PATCH {
+            let row = self.gradient_x.row(y)[left..][..PATCH].iter().zip(&self.gradient_y.row(y)[left..][..PATCH]);
+            for (gx, gy) in row {
+                xx += gx * gx;
+                xy += gx * gy;
+                yy += gy * gy;
+                sum_x += gx;
+                sum_y += gy;
+            }
+        }
+        let n = (PATCH * PATCH) as f32;
+        let (xx, xy, yy) = (xx - sum_x * sum_x / n, xy - sum_x * sum_y / n, yy - sum_y * sum_y / n);
+        let determinant = xx * yy - xy * xy;
+        let smallest = 0.5 * (xx + yy) - (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
+        if smallest <= n * min_texture || determinant <= 0.0 {
+            return PatchNormal { is_textured: false, ..PatchNormal::default() };
+        }
+        let inverse = [yy / determinant, -xy / determinant, xx / determinant];
+        PatchNormal { inverse, sum_x, sum_y, is_textured: true }
+    }
+}
+
+/// The rules of the search.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SearchRules {
+    /// Most Gauss–Newton steps.
+    pub(crate) iterations: usize,
+    /// A step shorter than this ends the search, px.
+    pub(crate) tolerance: f32,
+}
+
+/// Moves one patch from the best of several starts and returns where it ends.
+///
+/// A patch that drifts farther than its own width from its start, that leaves the image or that has no texture stays at
+/// the start.
+#[simd]
+pub(crate) fn search<S: Simd>(
+    simd: S,
+    template: &PatchTemplate,
+    current: &Image<f32>,
+    (i, j): (usize, usize),
+    starts: &[(f32, f32)],
+    rules: SearchRules,
+) -> Match {
+    let corner = template.layout.corner(i, j);
+    let normal = &template.patches[j * template.layout.columns + i];
+    let mut start = Match { u: starts[0].0, v: starts[0].1, error: f32::INFINITY };
+    for &(u, v) in starts {
+        let error = compare(simd, template, current, corner, (u, v)).map_or(f32::INFINITY, |sums| sums.error());
+        if error < start.error {
+            start = Match { u, v, error };
+        }
+    }
+    if !normal.is_textured {
+        return start;
+    }
+    let mut best = start;
+    let (mut u, mut v) = (start.u, start.v);
+    for _ in 0..rules.iterations {
+        let Some(sums) = compare(simd, template, current, corner, (u, v)) else { break };
+        let error = sums.error();
+        if error < best.error {
+            best = Match { u, v, error };
+        }
+        let mean = sums.residual / (PATCH * PATCH) as f32;
+        let (bx, by) = (sums.gradient_x - mean * normal.sum_x, sums.gradient_y - mean * normal.sum_y);
+        let [xx, xy, yy] = normal.inverse;
+        let (du, dv) = (xx * bx + xy * by, xy * bx + yy * by);
+        u -= du;
+        v -= dv;
+        let has_strayed = (u - start.u).abs().max((v - start.v).abs()) > PATCH as f32;
+        if has_strayed || !(u.is_finite() && v.is_finite()) {
+            break;
+        }
+        if du.abs().max(dv.abs()) < rules.tolerance {
+            best.u = u;
+            best.v = v;
+            break;
+        }
+    }
+    best
+}
+
+/// Searches a patch anew if one of the starts matches better than what was found so far.
+#[simd]
+pub(crate) fn reconsider<S: Simd>(
+    simd: S,
+    template: &PatchTemplate,
+    current: &Image<f32>,
+    patch: (usize, usize),
+    found: &Match,
+    starts: [(f32, f32); 2],
+    rules: SearchRules,
+) -> Match {
+    let corner = template.layout.corner(patch.0, patch.1);
+    let is_better = |&start: &(f32, f32)| {
+        // A neighbour that moves alike has nothing to offer.
+        let differs = (start.0 - found.u).abs().max((start.1 - found.v).abs()) > 0.5;
+        differs && compare(simd, template, current, corner, start).is_some_and(|sums| sums.error() < found.error)
+    };
+    if !starts.iter().any(is_better) {
+        return *found;
+    }
+    let new = search(simd, template, current, patch, &starts, rules);
+    if new.error < found.error { new } else { *found }
+}
+
+/// Sums over a patch of the residual `I(x + u) − T(x)`.
+struct Sums {
+    residual: f32,
+    squared: f32,
+    gradient_x: f32,
+    gradient_y: f32,
+}
+
+impl Sums {
+    fn error(&self) -> f32 {
+        let n = (PATCH * PATCH) as f32;
+        ((self.squared - self.residual * self.residual / n) / n).max(0.0)
+    }
+}
+
+/// The sums at a displacement, by bilinear sampling; none where the patch leaves the current image.
+#[inline(always)]
+fn compare<S: Simd>(
+    simd: S,
+    template: &PatchTemplate,
+    current: &Image<f32>,
+    (left, top): (usize, usize),
+    (u, v): (f32, f32),
+) -> Option<Sums> {
+    let (x, y) = (left as f32 + u, top as f32 + v);
+    let (width, height) = current.size();
+    let is_inside = x >= 0.0 && y >= 0.0 && x < (width - PATCH) as f32 && y < (height - PATCH) as f32;
+    if !is_inside {
+        return None;
+    }
+    let (column, row) = (x as usize, y as usize);
+    let (fx, fy) = (x - column as f32, y - row as f32);
+    let across = |row: usize| {
+        let values = &current.row(row)[column..][..=PATCH];
+        let near = f32x8::from_slice(simd, &values[..PATCH]);
+        let far = f32x8::from_slice(simd, &values[1..]);
+        (far - near).mul_add(fx, near)
+    };
+    let zero = f32x8::splat(simd, 0.0);
+    let (mut residual, mut squared, mut gradient_x, mut gradient_y) = (zero, zero, zero, zero);
+    let mut above = across(row);
+    for k in 0..PATCH {
+        let below = across(row + k + 1);
+        let load = |image: &Image<f32>| f32x8::from_slice(simd, &image.row(top + k)[left..][..PATCH]);
+        let r = (below - above).mul_add(fy, above) - load(&template.grey);
+        residual += r;
+        squared = r.mul_add(r, squared);
+        gradient_x = r.mul_add(load(&template.gradient_x), gradient_x);
+        gradient_y = r.mul_add(load(&template.gradient_y), gradient_y);
+        above = below;
+    }
+    Some(Sums {
+        residual: residual.reduce_sum(),
+        squared: squared.reduce_sum(),
+        gradient_x: gradient_x.reduce_sum(),
+        gradient_y: gradient_y.reduce_sum(),
+    })
+}
+
+/// Central differences; one-sided at the border.
+pub(crate) fn differentiate(image: &Image<f32>, gradient_x: &mut Image<f32>, gradient_y: &mut Image<f32>) {
+    let (width, height) = image.size();
+    for y in 0..height {
+        let (row, above, below) = (image.row(y), image.row(y.saturating_sub(1)), image.row((y + 1).min(height - 1)));
+        let span_y = if y == 0 || y + 1 == height { 1.0 } else { 0.5 };
+        for (gradient, (below, above)) in gradient_y.row_mut(y).iter_mut().zip(below.iter().zip(above)) {
+            *gradient = span_y * (below - above);
+        }
+        let gradient = gradient_x.row_mut(y);
+        for (gradient, sides) in gradient[1..].iter_mut().zip(row.windows(3)) {
+            *gradient = 0.5 * (sides[2] - sides[0]);
+        }
+        gradient[0] = row[1] - row[0];
+        gradient[width - 1] = row[width - 1] - row[width - 2];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    fn wave(dx: f32, dy: f32) -> Image<f32> {
+        Image::from_fn(40, 40, |x, y| {
+            let (x, y) = (x as f32 - dx, y as f32 - dy);
+            100.0 + 40.0 * (0.5 * x + 0.2 * y).sin() + 30.0 * (0.55 * y - 0.15 * x).cos()
+        })
+    }
+
+    #[test]
+    fn a_patch_finds_its_shift_in_a_few_whole_steps() {
+        let mut template = PatchTemplate::new(PatchLayout::over(40, 40, 4));
+        template.prepare(&wave(0.0, 0.0), 0.1);
+        let current = wave(1.3, -0.8);
+        let rules = SearchRules { iterations: 5, tolerance: 1e-3 };
+        let found = dispatch!(Level::new(), simd => search(simd, &template, &current, (3, 4), &[(0.0, 0.0)], rules));
+        assert!((found.u - 1.3).abs() < 0.03 && (found.v + 0.8).abs() < 0.03, "{found:?}");
+    }
+
+    #[test]
+    fn a_patch_without_texture_stays_at_its_start() {
+        let flat = Image::filled(40, 40, 77.0);
+        let mut template = PatchTemplate::new(PatchLayout::over(40, 40, 4));
+        template.prepare(&flat, 0.1);
+        let rules = SearchRules { iterations: 5, tolerance: 1e-3 };
+        let found = dispatch!(Level::new(), simd => search(simd, &template, &flat, (3, 4), &[(0.5, 0.25)], rules));
+        assert_eq!((found.u, found.v), (0.5, 0.25));
+    }
+
+    #[test]
+    fn a_patch_outside_the_image_matches_nothing() {
+        let mut template = PatchTemplate::new(PatchLayout::over(40, 40, 4));
+        template.prepare(&wave(0.0, 0.0), 0.1);
+        let current = wave(0.0, 0.0);
+        let rules = SearchRules { iterations: 5, tolerance: 1e-3 };
+        for start in [(-50.0, 0.0), (0.0, f32::NAN), (f32::INFINITY, 0.0)] {
+            let found = dispatch!(Level::new(), simd => search(simd, &template, &current, (3, 4), &[start], rules));
+            assert!(found.error.is_infinite(), "{start:?}: {found:?}");
+        }
+    }
+}
