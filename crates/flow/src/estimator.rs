@@ -13,6 +13,14 @@ pub struct Reference {
     affine: AffineReference,
 }
 
+impl Reference {
+    /// Part of the picture's patches that have enough texture to be measured, 0 to 1.
+    #[must_use]
+    pub fn textured(&self) -> f32 {
+        self.affine.textured
+    }
+}
+
 /// Where the estimate starts.
 #[derive(Debug, Clone, Copy)]
 pub enum Start<'a> {
@@ -34,6 +42,8 @@ pub struct Estimate {
     pub valid: Image<u8>,
     /// Part of the textured patches that match, 0 to 1; 0 where no patch has texture.
     pub matched: f32,
+    /// Root mean square of what the matching patches leave unexplained, grey levels a channel.
+    pub residual_levels: f32,
 }
 
 impl Estimate {
@@ -45,6 +55,7 @@ impl Estimate {
             deviation: Image::filled(width, height, f32::INFINITY),
             valid: Image::filled(width, height, 0),
             matched: 0.0,
+            residual_levels: 0.0,
         }
     }
 }

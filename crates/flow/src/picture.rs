@@ -33,6 +33,25 @@ impl Picture {
         Ok(())
     }
 
+    /// Takes a grey image of the picture's size. A picture with colours keeps the ones it has.
+    pub fn load_grey(&mut self, grey: &Image<f32>) {
+        self.grey.base_mut().copy_from(grey);
+        self.grey.build();
+    }
+
+    /// Grey levels at full size.
+    #[must_use]
+    pub fn grey(&self) -> &Image<f32> {
+        self.grey.level(0)
+    }
+
+    /// Mean grey level.
+    #[must_use]
+    pub fn mean_level(&self) -> f32 {
+        let coarsest = self.grey.coarsest().values();
+        coarsest.iter().sum::<f32>() / coarsest.len() as f32
+    }
+
     /// Columns and rows at full size, px.
     #[must_use]
     pub fn size(&self) -> (usize, usize) {

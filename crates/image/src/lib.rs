@@ -16,4 +16,4 @@ pub use colour::{LUMA_WEIGHTS, grey_into, rgbx_into};
 pub use error::ImageError;
 pub use frame::{Frame, Pixels};
 pub use grid::{Image, Rect};
-pub use pyramid::{Pyramid, halve_into};
+pub use pyramid::{Pyramid, average_into, halve_into};

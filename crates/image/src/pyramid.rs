@@ -29,6 +29,12 @@ impl Pyramid {
         &self.levels[level]
     }
 
+    /// The image at the coarsest level.
+    #[must_use]
+    pub fn coarsest(&self) -> &Image<f32> {
+        &self.levels[self.levels.len() - 1]
+    }
+
     /// The full-size image, to be written before [`Pyramid::build`].
     pub fn base_mut(&mut self) -> &mut Image<f32> {
         &mut self.levels[0]
@@ -59,6 +65,35 @@ pub fn halve_into(fine: &Image<f32>, coarse: &mut Image<f32>) {
     }
 }
 
+/// Writes the mean of `fine` over the area of every pixel of `coarse`, whatever the two sizes.
+pub fn average_into(fine: &Image<f32>, coarse: &mut Image<f32>) {
+    let (width, height) = coarse.size();
+    let step_x = fine.width() as f32 / width as f32;
+    let step_y = fine.height() as f32 / height as f32;
+    for (y, row) in coarse.rows_mut().enumerate() {
+        let (top, bottom) = (y as f32 * step_y, (y + 1) as f32 * step_y);
+        for (x, value) in row.iter_mut().enumerate() {
+            let (left, right) = (x as f32 * step_x, (x + 1) as f32 * step_x);
+            let mut sum = 0.0;
+            for (row, weight_y) in covered(top, bottom, fine.height()) {
+                for (column, weight_x) in covered(left, right, fine.width()) {
+                    sum += weight_x * weight_y * fine.at(column, row);
+                }
+            }
+            *value = sum / (step_x * step_y);
+        }
+    }
+}
+
+/// The pixels that `[start, end)` covers, each with the covered part of it.
+fn covered(start: f32, end: f32, size: usize) -> impl Iterator<Item = (usize, f32)> {
+    let last = (end.ceil() as usize).min(size);
+    (start as usize..last).map(move |pixel| {
+        let (low, high) = (pixel as f32, (pixel + 1) as f32);
+        (pixel, high.min(end) - low.max(start))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -71,5 +106,16 @@ mod tests {
         assert_eq!(pyramid.level(2).size(), (3, 2));
         // Pixel (1, 1) of level 2 covers columns and rows 4 to 7: its centre is 5.5.
         assert!((pyramid.level(2).at(1, 1) - (5.5 + 550.0)).abs() < 1e-3);
+    }
+
+    #[test]
+    fn averaging_keeps_the_mean_for_any_size() {
+        let fine = Image::from_fn(61, 45, |x, y| ((x * 7 + y * 13) % 29) as f32);
+        let mean = |image: &Image<f32>| image.values().iter().sum::<f32>() / image.values().len() as f32;
+        for (width, height) in [(61, 45), (20, 15), (7, 9)] {
+            let mut coarse = Image::filled(width, height, 0.0);
+            average_into(&fine, &mut coarse);
+            assert!((mean(&coarse) - mean(&fine)).abs() < 1e-3, "{width}x{height}: {}", mean(&coarse));
+        }
     }
 }

@@ -67,7 +67,7 @@ impl Coupling {
 
     /// Writes the packed inverse of every node's own block: patch and stiffness.
     pub(crate) fn precondition(&self, normal: &[Vec<f32>; PACKED], scale: f32, inverses: &mut [Vec<f32>; PACKED]) {
-        for node in 0..self.grid.columns * self.grid.rows {
+        for node in 0..self.grid.nodes() {
             let mut block = [[0.0; UNKNOWNS]; UNKNOWNS];
             for (i, row) in block.iter_mut().enumerate() {
                 for (j, entry) in row.iter_mut().enumerate() {

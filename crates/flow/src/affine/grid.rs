@@ -33,9 +33,14 @@ impl PatchGrid {
         Self { width, height, columns: width.div_ceil(STRIDE), rows: height.div_ceil(STRIDE) }
     }
 
+    /// Number of patches.
+    pub(crate) fn nodes(&self) -> usize {
+        self.columns * self.rows
+    }
+
     /// Number of patches, rounded up to whole registers: the length of every plane over the nodes.
     pub(crate) fn plane_len(&self) -> usize {
-        (self.columns * self.rows).next_multiple_of(LANES)
+        self.nodes().next_multiple_of(LANES)
     }
 
     /// Rows of a padded image.

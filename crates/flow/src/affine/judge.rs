@@ -21,7 +21,7 @@ pub(crate) fn own_variance(
     slope_stiffness: f32,
     variance: &mut [f32],
 ) {
-    for node in 0..grid.columns * grid.rows {
+    for node in 0..grid.nodes() {
         let mut block = [[0.0; UNKNOWNS]; UNKNOWNS];
         for (i, row) in block.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
@@ -43,7 +43,7 @@ pub(crate) fn spread_variance(grid: PatchGrid, step_variance: f32, variance: &mu
             variance[node] = variance[node].min(variance[from] + step_variance);
         }
     };
-    let nodes = columns * grid.rows;
+    let nodes = grid.nodes();
     for node in 0..nodes {
         lower(node, (node % columns > 0).then(|| node - 1));
         lower(node, node.checked_sub(columns));

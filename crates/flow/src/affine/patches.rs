@@ -17,6 +17,8 @@ pub(crate) struct AffineReference {
     full: FullTemplate,
     /// Levels 1 to the coarsest.
     coarse: Vec<Template<f32>>,
+    /// Part of the patches that have texture, 0 to 1.
+    pub(crate) textured: f32,
 }
 
 /// The full-size template, grey or colour.
@@ -24,6 +26,15 @@ pub(crate) struct AffineReference {
 enum FullTemplate {
     Grey(Template<f32>),
     Colour(Template<[f32; 4]>),
+}
+
+impl FullTemplate {
+    fn own_variance(&self) -> &[f32] {
+        match self {
+            Self::Grey(template) => &template.own_variance,
+            Self::Colour(template) => &template.own_variance,
+        }
+    }
 }
 
 /// The patches of every level and their scratch.
@@ -74,7 +85,8 @@ impl AffinePatches {
         } else {
             FullTemplate::Grey(Template::new(grid(&self.levels[0])))
         };
-        AffineReference { full, coarse: self.levels[1..].iter().map(|level| Template::new(grid(level))).collect() }
+        let coarse = self.levels[1..].iter().map(|level| Template::new(grid(level))).collect();
+        AffineReference { full, coarse, textured: 0.0 }
     }
 
     /// Takes a new reference.
@@ -86,6 +98,9 @@ impl AffinePatches {
             }
             (FullTemplate::Colour(_), None) => unreachable!("a picture is made with the estimator's channels"),
         }
+        let nodes = &reference.full.own_variance()[..self.levels[0].field.grid.nodes()];
+        let textured = nodes.iter().filter(|&&variance| variance <= self.params.validity.max_deviation_px.powi(2));
+        reference.textured = textured.count() as f32 / nodes.len() as f32;
         for (level, template) in reference.coarse.iter_mut().enumerate() {
             self.levels[level + 1].refinement.prepare(picture.grey.level(level + 1), template);
         }
@@ -157,14 +172,12 @@ impl AffinePatches {
     pub(crate) fn write_validity(&mut self, reference: &AffineReference, out: &mut Estimate) {
         let affine = &self.params.affine;
         let LevelState { refinement, field, .. } = &mut self.levels[0];
-        let own = match &reference.full {
-            FullTemplate::Grey(template) => &template.own_variance,
-            FullTemplate::Colour(template) => &template.own_variance,
-        };
+        let own = reference.full.own_variance();
         let step_variance = affine.continuity_px.powi(2) + affine.curvature_px.powi(2);
         refinement.scale_variance(own, &mut self.variance);
         spread_variance(field.grid, step_variance, &mut self.variance);
-        out.matched = refinement.matched(own, self.params.validity.max_deviation_px.powi(2));
+        let textured = self.params.validity.max_deviation_px.powi(2);
+        (out.matched, out.residual_levels) = refinement.summarise(own, textured);
         mark_pixels(field.grid, &self.variance, refinement.trust(), self.params.validity.max_deviation_px, out);
     }
 }

@@ -175,17 +175,18 @@ impl Refinement {
         }
     }
 
-    /// Part of the patches with a variance up to `textured` that are trusted.
-    pub(crate) fn matched(&self, own: &[f32], textured: f32) -> f32 {
-        let nodes = self.grid.columns * self.grid.rows;
-        let (mut all, mut good) = (0.0, 0.0);
-        for (own, trust) in own[..nodes].iter().zip(&self.trust) {
+    /// Of the patches with a variance up to `textured`: the part that is trusted, and the root mean square of what
+    /// these leave unexplained, grey levels.
+    pub(crate) fn summarise(&self, own: &[f32], textured: f32) -> (f32, f32) {
+        let (mut all, mut good, mut energy) = (0.0, 0.0, 0.0);
+        for (node, own) in own[..self.grid.nodes()].iter().enumerate() {
             if *own <= textured {
                 all += 1.0;
-                good += trust;
+                good += self.trust[node];
+                energy += self.trust[node] * self.mean_energy[node];
             }
         }
-        if all > 0.0 { good / all } else { 0.0 }
+        if good > 0.0 { (good / all, (energy / good).sqrt()) } else { (0.0, 0.0) }
     }
 
     /// The patches' sums over the residual.

@@ -77,7 +77,7 @@ impl<T: Texel> Template<T> {
         self.smooth(picture);
         let mut sums = PatchSums::new(self.grid);
         dispatch!(level, simd => sums.fill(simd, self));
-        for node in 0..self.grid.columns * self.grid.rows {
+        for node in 0..self.grid.nodes() {
             self.assemble(node, &sums.planes);
         }
     }
