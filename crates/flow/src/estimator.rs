@@ -58,6 +58,15 @@ impl Estimate {
             residual_levels: 0.0,
         }
     }
+
+    /// Takes the values of `other`, without allocating where the sizes agree.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.flow.copy_from(&other.flow);
+        self.deviation.copy_from(&other.deviation);
+        self.valid.copy_from(&other.valid);
+        self.matched = other.matched;
+        self.residual_levels = other.residual_levels;
+    }
 }
 
 /// Estimates flow between pictures of one size. It owns its scratch: an estimate allocates nothing.
@@ -110,7 +119,7 @@ impl FlowEstimator {
         Reference { search: self.search.reference(), affine: self.affine.reference() }
     }
 
-    /// Makes a picture the reference. Allocates nothing.
+    /// Makes a picture the reference.
     pub fn prepare(&self, picture: &Picture, reference: &mut Reference) {
         self.search.prepare(picture, &mut reference.search);
         self.affine.prepare(picture, &mut reference.affine);

@@ -33,6 +33,15 @@ impl Picture {
         Ok(())
     }
 
+    /// Takes the pixels of a picture of the same kind, without allocating where the sizes agree.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.grey.copy_from(&other.grey);
+        match (&mut self.colour, &other.colour) {
+            (Some(mine), Some(other)) => mine.copy_from(other),
+            (mine, other) => mine.clone_from(other),
+        }
+    }
+
     /// Takes a grey image of the picture's size. A picture with colours keeps the ones it has.
     pub fn load_grey(&mut self, grey: &Image<f32>) {
         self.grey.base_mut().copy_from(grey);

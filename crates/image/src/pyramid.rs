@@ -40,6 +40,14 @@ impl Pyramid {
         &mut self.levels[0]
     }
 
+    /// Takes the levels of `other`, without allocating where the sizes agree.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.levels.resize_with(other.levels.len(), || Image::filled(0, 0, 0.0));
+        for (level, other) in self.levels.iter_mut().zip(&other.levels) {
+            level.copy_from(other);
+        }
+    }
+
     /// Fills every level above the full size from the one below it.
     pub fn build(&mut self) {
         for level in 1..self.levels.len() {

@@ -4,8 +4,10 @@ mod density;
 mod depth_line;
 mod guided_filter;
 mod reading;
+mod references;
 
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams, ParameterError};
 pub use depth_line::DepthLine;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
 pub use reading::{Flag, Flags, Reading};
+pub use references::{Policy, ReferenceParams};

@@ -16,7 +16,8 @@ pub struct Reading {
     pub reference_id: u64,
     /// References held when the frame was matched.
     pub reference_count: usize,
-    /// Largest photometric error of the coarse check that decides about references, grey levels.
+    /// Photometric error, grey levels: under the stack policy the largest of the coarse check that decides about
+    /// references, otherwise the root mean square of what the matching patches leave unexplained.
     pub photometric_error: f32,
     /// Time from the frame's arrival to this reading, ms. The one value that differs from run to run.
     pub latency_ms: f64,
@@ -28,7 +29,8 @@ pub struct Reading {
     pub deviation: Image<f32>,
     /// 1 where every field holds, 0 elsewhere.
     pub valid: Image<u8>,
-    /// Density feature `1 − density`, dimensionless, 0 at rest, positive where the surface spreads; if asked for.
+    /// Density feature `1 − density` after the guided filter, dimensionless, 0 at rest, positive where the surface
+    /// spreads, 0 where it is not valid; if asked for.
     pub density: Option<Image<f32>>,
     /// Depth, mm, positive pressed in; if asked for and the profile is calibrated.
     pub depth: Option<Image<f32>>,
@@ -38,6 +40,30 @@ pub struct Reading {
     pub contact_area_mm2: Option<f32>,
     /// Force on the gel `(x, y, z)`, N.
     pub force_n: Option<[f32; 3]>,
+}
+
+impl Reading {
+    /// A reading at rest on a reference grid of this size, with the given planes for density and depth.
+    pub(crate) fn new(width: usize, height: usize, density: Option<Image<f32>>, depth: Option<Image<f32>>) -> Self {
+        Self {
+            sequence: 0,
+            capture_time_s: 0.0,
+            dropped_frames: 0,
+            reference_id: 0,
+            reference_count: 0,
+            photometric_error: 0.0,
+            latency_ms: 0.0,
+            flags: Flags::default(),
+            flow: FlowField::zero(width, height),
+            deviation: Image::filled(width, height, f32::INFINITY),
+            valid: Image::filled(width, height, 0),
+            density,
+            depth,
+            max_depth_mm: None,
+            contact_area_mm2: None,
+            force_n: None,
+        }
+    }
 }
 
 /// One thing that can be out of order in a reading.

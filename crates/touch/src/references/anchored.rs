@@ -1,0 +1,194 @@
+//! Our policy: one reference, kept in reach.
+//!
+//! Every frame is matched with the first image, starting from where the frame before was found, so errors do not
+//! accumulate. A *keyframe*, the last frame but a few that matched well, stands by. Where the first image no longer
+//! matches, the frame is searched from nowhere against the first image and against the keyframe; the better result, after
+//! a refinement of the composed flow against the first image, is taken. Only while the first image cannot be matched at
+//! all is the keyframe the reference, and the composed flow the answer.
+//!
+//! A gel that was pressed at the start is recognised by its flow pointing inwards; once it has come to rest, that rest
+//! becomes the reference.
+
+use super::compose::compose_into;
+use super::start_up::StartUp;
+use super::{Matched, ReferenceParams};
+use fingervision_flow::{Estimate, FlowEstimator, FlowField, Picture, Reference, Start};
+
+/// A picture that matched well and the flow that leads to it.
+#[derive(Debug)]
+struct Keyframe {
+    id: u64,
+    picture: Picture,
+    /// Flow from the first reference to the keyframe.
+    from_first: Estimate,
+    reference: Reference,
+    is_prepared: bool,
+}
+
+/// The anchored policy.
+#[derive(Debug)]
+pub(crate) struct Anchored {
+    params: ReferenceParams,
+    first: Reference,
+    first_id: u64,
+    has_first: bool,
+    ids: u64,
+    keyframe: Option<Box<Keyframe>>,
+    /// Flow of the last frame that was found.
+    before: FlowField,
+    /// Flow from the keyframe.
+    from_key: Estimate,
+    trial: Estimate,
+    frames_lost: u64,
+    frames_since_key: u64,
+    start_up: StartUp,
+}
+
+/// A frame that matches this much worse than it must is too poor to become a keyframe.
+const KEYFRAME_MATCHED: f32 = 0.9;
+/// Frames between two keyframes.
+const KEYFRAME_INTERVAL: u64 = 10;
+
+impl Anchored {
+    pub(crate) fn new(estimator: &FlowEstimator, (width, height): (usize, usize), params: &ReferenceParams) -> Self {
+        Self {
+            params: *params,
+            first: estimator.reference(),
+            first_id: 0,
+            has_first: false,
+            ids: 0,
+            keyframe: None,
+            before: FlowField::zero(width, height),
+            from_key: Estimate::new(width, height),
+            trial: Estimate::new(width, height),
+            frames_lost: 0,
+            frames_since_key: 0,
+            start_up: StartUp::new(params.rest_frames),
+        }
+    }
+
+    /// The first reference.
+    pub(crate) fn first(&self) -> Option<&Reference> {
+        self.has_first.then_some(&self.first)
+    }
+
+    /// Whether the reference seems to show a pressed gel.
+    pub(crate) fn is_pressed_at_start(&self) -> bool {
+        self.start_up.is_pressed()
+    }
+
+    /// Matches a frame and writes its flow from the first reference.
+    pub(crate) fn track(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Matched {
+        if !self.has_first {
+            estimator.prepare(current, &mut self.first);
+            self.has_first = true;
+        }
+        estimator.estimate(&self.first, current, Start::Flow(&self.before), out);
+        let mut reference_id = self.first_id;
+        if out.matched < self.params.min_matched {
+            reference_id = self.rescue(estimator, current, out);
+        }
+        if out.matched >= self.params.min_matched {
+            self.frames_lost = 0;
+            self.remember(estimator, current, out, reference_id);
+        } else {
+            self.frames_lost += 1;
+        }
+        Matched {
+            reference_id,
+            reference_count: 1 + usize::from(self.keyframe.is_some()),
+            photometric_error: out.residual_levels,
+        }
+    }
+
+    /// Tries harder to find a frame that the start from the frame before did not find. Returns the reference's id.
+    fn rescue(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> u64 {
+        if let Some(id) = self.follow_keyframe(estimator, current, out) {
+            return id;
+        }
+        if !self.frames_lost.is_multiple_of(self.params.search_interval) {
+            return self.first_id;
+        }
+        estimator.estimate(&self.first, current, Start::Search(Some(&self.before)), &mut self.trial);
+        if self.trial.matched > out.matched {
+            out.copy_from(&self.trial);
+        }
+        self.first_id
+    }
+
+    /// Goes by way of the keyframe and, where that leads back to the first image, refines there.
+    fn follow_keyframe(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Option<u64> {
+        let key = self.keyframe.as_deref_mut()?;
+        if !key.is_prepared {
+            estimator.prepare(&key.picture, &mut key.reference);
+            key.is_prepared = true;
+            self.from_key.flow.fill(0.0);
+        }
+        std::mem::swap(&mut self.from_key.flow, &mut self.trial.flow);
+        estimator.estimate(&key.reference, current, Start::Flow(&self.trial.flow), &mut self.from_key);
+        if self.from_key.matched < self.params.min_matched
+            && self.frames_lost.is_multiple_of(self.params.search_interval)
+        {
+            estimator.estimate(&key.reference, current, Start::Search(None), &mut self.from_key);
+        }
+        if self.from_key.matched < self.params.min_matched {
+            return None;
+        }
+        compose_into(&key.from_first, &self.from_key, &mut self.trial);
+        estimator.estimate(&self.first, current, Start::Flow(&self.trial.flow), out);
+        if out.matched >= self.params.min_matched {
+            return Some(self.first_id);
+        }
+        out.copy_from(&self.trial);
+        Some(key.id)
+    }
+
+    /// Takes note of a frame that was found.
+    fn remember(&mut self, estimator: &FlowEstimator, current: &Picture, out: &Estimate, reference_id: u64) {
+        self.start_up.watch(&self.before, out);
+        self.before.copy_from(&out.flow);
+        if self.start_up.has_come_to_rest() {
+            self.adopt(estimator, current);
+            return;
+        }
+        self.frames_since_key += 1;
+        // While the keyframe serves as reference it is renewed only when it, too, begins to fail.
+        let is_due = if reference_id == self.first_id {
+            self.frames_since_key >= KEYFRAME_INTERVAL && out.matched >= KEYFRAME_MATCHED
+        } else {
+            self.frames_since_key >= KEYFRAME_INTERVAL && out.matched < KEYFRAME_MATCHED
+        };
+        if self.keyframe.is_none() || is_due {
+            self.keep(estimator, current, out);
+        }
+    }
+
+    /// Makes the present frame the keyframe.
+    fn keep(&mut self, estimator: &FlowEstimator, current: &Picture, out: &Estimate) {
+        self.ids += 1;
+        self.frames_since_key = 0;
+        let key = self.keyframe.get_or_insert_with(|| {
+            Box::new(Keyframe {
+                id: 0,
+                picture: estimator.picture(),
+                from_first: out.clone(),
+                reference: estimator.reference(),
+                is_prepared: false,
+            })
+        });
+        key.id = self.ids;
+        key.picture.copy_from(current);
+        key.from_first.copy_from(out);
+        key.is_prepared = false;
+    }
+
+    /// Makes the present rest the first reference.
+    fn adopt(&mut self, estimator: &FlowEstimator, current: &Picture) {
+        estimator.prepare(current, &mut self.first);
+        self.ids += 1;
+        self.first_id = self.ids;
+        self.before.fill(0.0);
+        self.keyframe = None;
+        self.start_up.settle();
+    }
+}

@@ -1,0 +1,93 @@
+//! Which reference a frame is matched with, and how flows over several references are put together.
+
+mod anchored;
+mod compose;
+mod params;
+mod stack;
+mod start_up;
+
+use anchored::Anchored;
+use fingervision_flow::{Estimate, FlowError, FlowEstimator, FlowField, Picture, Reference, Start};
+use stack::Stack;
+
+pub use params::{Policy, ReferenceParams};
+
+/// How a frame was matched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Matched {
+    /// Reference that the frame was matched with, counted from 0.
+    pub(crate) reference_id: u64,
+    /// References held.
+    pub(crate) reference_count: usize,
+    /// Photometric error, grey levels.
+    pub(crate) photometric_error: f32,
+}
+
+/// The references of a stream under one policy.
+#[derive(Debug)]
+pub(crate) enum References {
+    Anchored(Box<Anchored>),
+    Stack(Box<Stack>),
+    Single(Box<Single>),
+}
+
+/// The first image alone.
+#[derive(Debug)]
+pub(crate) struct Single {
+    reference: Reference,
+    is_prepared: bool,
+    before: FlowField,
+}
+
+impl References {
+    pub(crate) fn new(
+        estimator: &FlowEstimator,
+        size: (usize, usize),
+        params: &ReferenceParams,
+    ) -> Result<Self, FlowError> {
+        Ok(match params.policy {
+            Policy::Anchored => Self::Anchored(Box::new(Anchored::new(estimator, size, params))),
+            Policy::Stack => Self::Stack(Box::new(Stack::new(size, params)?)),
+            Policy::Single => Self::Single(Box::new(Single {
+                reference: estimator.reference(),
+                is_prepared: false,
+                before: FlowField::zero(size.0, size.1),
+            })),
+        })
+    }
+
+    /// Matches a frame and writes its flow from the first reference.
+    pub(crate) fn track(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Matched {
+        match self {
+            Self::Anchored(references) => references.track(estimator, current, out),
+            Self::Stack(references) => references.track(estimator, current, out),
+            Self::Single(references) => references.track(estimator, current, out),
+        }
+    }
+
+    /// The first reference, once there is one.
+    pub(crate) fn first(&self) -> Option<&Reference> {
+        match self {
+            Self::Anchored(references) => references.first(),
+            Self::Stack(references) => references.first(),
+            Self::Single(references) => references.is_prepared.then_some(&references.reference),
+        }
+    }
+
+    /// Whether the reference seems to show a pressed gel.
+    pub(crate) fn is_pressed_at_start(&self) -> bool {
+        matches!(self, Self::Anchored(references) if references.is_pressed_at_start())
+    }
+}
+
+impl Single {
+    fn track(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Matched {
+        if !self.is_prepared {
+            estimator.prepare(current, &mut self.reference);
+            self.is_prepared = true;
+        }
+        estimator.estimate(&self.reference, current, Start::Flow(&self.before), out);
+        self.before.copy_from(&out.flow);
+        Matched { reference_id: 0, reference_count: 1, photometric_error: out.residual_levels }
+    }
+}

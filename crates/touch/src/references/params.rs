@@ -1,0 +1,82 @@
+use crate::ParameterError;
+use serde::{Deserialize, Serialize};
+
+/// Which reference image a frame is matched with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Policy {
+    /// Every frame is matched with the first image, from where the frame before was found; a later image only helps
+    /// where the first no longer matches, and no longer than that. Nothing accumulates.
+    #[default]
+    Anchored,
+    /// The stack of references of [Du2021] §III-B, as published.
+    Stack,
+    /// The first image alone, started from the frame before.
+    Single,
+}
+
+/// Parameters of the references.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ReferenceParams {
+    /// Which reference a frame is matched with.
+    pub policy: Policy,
+    /// Anchored: a frame counts as matched while at least this part of the textured patches match, 0 to 1.
+    pub min_matched: f32,
+    /// Anchored: frames between two searches from nowhere while the gel is lost.
+    pub search_interval: u64,
+    /// Anchored: frames that the gel must have been still after a release from a start under pressure, before its new
+    /// rest becomes the reference.
+    pub rest_frames: u64,
+    /// Stack: a largest photometric error above this adds the frame to the stack, grey levels.
+    pub push_error: f32,
+    /// Stack: a largest photometric error below this against an older reference drops all later ones, grey levels.
+    pub loop_error: f32,
+    /// Stack: columns and rows of the coarse flow.
+    pub coarse_grid: [usize; 2],
+    /// Stack: most references held.
+    pub max_references: usize,
+}
+
+impl Default for ReferenceParams {
+    fn default() -> Self {
+        Self {
+            policy: Policy::Anchored,
+            min_matched: 0.7,
+            search_interval: 15,
+            rest_frames: 30,
+            push_error: 10.0,
+            loop_error: 5.0,
+            coarse_grid: [61, 45],
+            max_references: 64,
+        }
+    }
+}
+
+impl ReferenceParams {
+    /// Checks that every value makes sense.
+    ///
+    /// # Errors
+    ///
+    /// [`ParameterError`] naming the first value that does not.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        let check = |holds: bool, key: &'static str, value: f64, allowed: &'static str| {
+            if holds { Ok(()) } else { Err(ParameterError { key, value, allowed }) }
+        };
+        let matched = f64::from(self.min_matched);
+        check(matched > 0.0 && matched <= 1.0, "references.min_matched", matched, "above 0, at most 1")?;
+        for (key, count) in
+            [("references.search_interval", self.search_interval), ("references.rest_frames", self.rest_frames)]
+        {
+            check(count > 0, key, count as f64, "at least 1 frame")?;
+        }
+        for (key, error) in [("references.push_error", self.push_error), ("references.loop_error", self.loop_error)] {
+            check(error > 0.0 && error <= 255.0, key, f64::from(error), "above 0, at most 255 grey levels")?;
+        }
+        for size in self.coarse_grid {
+            check((32..=4096).contains(&size), "references.coarse_grid", size as f64, "32 to 4096 either way")?;
+        }
+        let most = self.max_references;
+        check((1..=10_000).contains(&most), "references.max_references", most as f64, "1 to 10000")
+    }
+}
