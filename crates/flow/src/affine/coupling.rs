@@ -13,32 +13,18 @@
 //! the nodes' own 6×6 blocks as preconditioner. This is the regularised digital image correlation of [Hild2012] on
 //! patches instead of elements.
 
+use super::bonds::{Bonds, Stiffness};
 use super::grid::{LANES, PatchGrid};
-use super::nodes::{NodeField, UNKNOWNS};
+use super::nodes::{NodeField, Planes, UNKNOWNS};
 use super::template::{PACKED, packed};
 use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
-
-type Planes = [Vec<f32>; UNKNOWNS];
-
-/// Stiffness of the pull between neighbours, per px².
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Stiffness {
-    /// `1/s_c²`: on the mismatch half-way.
-    pub(crate) continuity: f32,
-    /// `1/s_k²`: on the difference of the gradients, px per stride.
-    pub(crate) curvature: f32,
-    /// Roughness at which a pair's pull has halved, in units of what the two stiffnesses make of it, dimensionless.
-    pub(crate) tolerance: f32,
-}
 
 /// The solver and its scratch.
 #[derive(Debug, Clone)]
 pub(crate) struct Coupling {
     grid: PatchGrid,
-    stiffness: Stiffness,
-    /// Weight of the pull of every node's pair to the right and below, 0 to 1.
-    bonds: [Vec<f32>; 2],
+    bonds: Bonds,
     residual: Planes,
     preconditioned: Planes,
     direction: Planes,
@@ -51,8 +37,7 @@ impl Coupling {
         let planes = || std::array::from_fn(|_| plane());
         Self {
             grid,
-            stiffness,
-            bonds: [vec![1.0; grid.plane_len()], vec![1.0; grid.plane_len()]],
+            bonds: Bonds::new(grid, stiffness),
             residual: planes(),
             preconditioned: planes(),
             direction: planes(),
@@ -62,7 +47,7 @@ impl Coupling {
 
     /// The stiffness of the pull.
     pub(crate) fn stiffness(&self) -> Stiffness {
-        self.stiffness
+        self.bonds.stiffness()
     }
 
     /// Writes the packed inverse of every node's own block: patch and stiffness.
@@ -92,7 +77,8 @@ impl Coupling {
         let (i, j) = (node % self.grid.columns, node / self.grid.columns);
         let beside = f64::from(u8::from(i > 0) + u8::from(i + 1 < self.grid.columns));
         let above = f64::from(u8::from(j > 0) + u8::from(j + 1 < self.grid.rows));
-        let (continuity, curvature) = (f64::from(self.stiffness.continuity), f64::from(self.stiffness.curvature));
+        let stiffness = self.bonds.stiffness();
+        let (continuity, curvature) = (f64::from(stiffness.continuity), f64::from(stiffness.curvature));
         // A lone patch has no neighbour; a trace keeps its block invertible.
         let slopes = curvature * (beside + above) + 1e-6;
         [continuity * (beside + above) + 1e-6, slopes + 0.25 * continuity * beside, slopes + 0.25 * continuity * above]
@@ -110,10 +96,9 @@ impl Coupling {
         increment: &mut NodeField,
         iterations: usize,
     ) {
-        let grid = self.grid;
-        self.weigh_bonds(field);
+        self.bonds.weigh(simd, &field.planes);
         clear(&mut self.image);
-        pull(simd, grid, self.stiffness, &self.bonds, &field.planes, &mut self.image);
+        self.bonds.pull(simd, &field.planes, &mut self.image);
         for (residual, (right, image)) in self.residual.iter_mut().zip(system.right.iter().zip(&self.image)) {
             let terms = right.iter().zip(image).zip(system.trust);
             for (residual, ((right, image), trust)) in residual.iter_mut().zip(terms) {
@@ -130,7 +115,7 @@ impl Coupling {
             previous = product;
             advance(simd, &mut self.direction, &self.preconditioned, momentum);
             system.apply(simd, &self.direction, &mut self.image);
-            pull(simd, grid, self.stiffness, &self.bonds, &self.direction, &mut self.image);
+            self.bonds.pull(simd, &self.direction, &mut self.image);
             let curvature = dot(simd, &self.direction, &self.image);
             if curvature <= f32::MIN_POSITIVE || product <= f32::MIN_POSITIVE {
                 return; // converged to the last bit: nothing left to correct
@@ -138,35 +123,6 @@ impl Coupling {
             let step = product / curvature;
             accumulate(simd, &mut increment.planes, &self.direction, step);
             accumulate(simd, &mut self.residual, &self.image, -step);
-        }
-    }
-}
-
-impl Coupling {
-    /// Weakens the pull of pairs between which the present field is rougher than the prior expects.
-    fn weigh_bonds(&mut self, field: &NodeField) {
-        let Stiffness { continuity, curvature, tolerance } = self.stiffness;
-        let columns = self.grid.columns;
-        let x = &field.planes;
-        for j in 0..self.grid.rows {
-            for i in 0..columns {
-                let n = j * columns + i;
-                for (k, exists, m) in [(0, i + 1 < columns, n + 1), (1, j + 1 < self.grid.rows, n + columns)] {
-                    if !exists {
-                        continue;
-                    }
-                    let mut q = 0.0;
-                    for c in [0, 3] {
-                        let mismatch = x[c][n] - x[c][m] + 0.5 * (x[c + 1 + k][n] + x[c + 1 + k][m]);
-                        q += continuity * mismatch * mismatch;
-                        for s in [1, 2] {
-                            let d = x[c + s][n] - x[c + s][m];
-                            q += curvature * d * d;
-                        }
-                    }
-                    self.bonds[k][n] = 1.0 / (1.0 + q / tolerance);
-                }
-            }
         }
     }
 }
@@ -209,51 +165,6 @@ fn multiply<S: Simd>(simd: S, matrix: &[Vec<f32>; PACKED], x: &Planes, y: &mut P
             }
             sum.store_slice(&mut y[start..][..LANES]);
         }
-    }
-}
-
-/// `y += K x` with the stiffness between neighbours.
-#[simd]
-fn pull<S: Simd>(simd: S, grid: PatchGrid, stiffness: Stiffness, bonds: &[Vec<f32>; 2], x: &Planes, y: &mut Planes) {
-    let _ = simd;
-    let columns = grid.columns;
-    for component in 0..2 {
-        let x: &[Vec<f32>; 3] = x[3 * component..].first_chunk().expect("three planes of one component");
-        let y: &mut [Vec<f32>; 3] = y[3 * component..].first_chunk_mut().expect("three planes of one component");
-        for j in 0..grid.rows {
-            let row = j * columns..(j + 1) * columns;
-            for i in row.start..row.end - 1 {
-                pull_pair(stiffness, bonds[0][i], x, y, (i, i + 1), 1);
-            }
-            if j + 1 < grid.rows {
-                for i in row {
-                    pull_pair(stiffness, bonds[1][i], x, y, (i, i + columns), 2);
-                }
-            }
-        }
-    }
-}
-
-/// The pull of one pair, `first` before `second` along axis `slope` (1 for x, 2 for y).
-#[inline(always)]
-fn pull_pair(
-    stiffness: Stiffness,
-    bond: f32,
-    x: &[Vec<f32>; 3],
-    y: &mut [Vec<f32>; 3],
-    (first, second): (usize, usize),
-    slope: usize,
-) {
-    let mismatch = x[0][first] - x[0][second] + 0.5 * (x[slope][first] + x[slope][second]);
-    let force = bond * stiffness.continuity * mismatch;
-    y[0][first] += force;
-    y[0][second] -= force;
-    y[slope][first] += 0.5 * force;
-    y[slope][second] += 0.5 * force;
-    for k in [1, 2] {
-        let force = bond * stiffness.curvature * (x[k][first] - x[k][second]);
-        y[k][first] += force;
-        y[k][second] -= force;
     }
 }
 

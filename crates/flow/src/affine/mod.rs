@@ -1,5 +1,6 @@
 //! Affine patches at full resolution, coupled to their neighbours.
 
+mod bonds;
 pub(crate) mod coupling;
 pub(crate) mod grid;
 mod judge;

@@ -10,11 +10,14 @@ use crate::FlowField;
 /// Unknowns of a node.
 pub(crate) const UNKNOWNS: usize = 6;
 
+/// One value per unknown and node.
+pub(crate) type Planes = [Vec<f32>; UNKNOWNS];
+
 /// Six planes over the nodes, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NodeField {
     pub(crate) grid: PatchGrid,
-    pub(crate) planes: [Vec<f32>; UNKNOWNS],
+    pub(crate) planes: Planes,
 }
 
 impl NodeField {

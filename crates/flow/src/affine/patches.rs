@@ -1,6 +1,6 @@
 //! Coupled affine patches from the coarsest level to full size.
 
-use super::coupling::Stiffness;
+use super::bonds::Stiffness;
 use super::grid::PatchGrid;
 use super::judge::{mark_pixels, spread_variance};
 use super::nodes::NodeField;

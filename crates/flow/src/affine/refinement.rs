@@ -4,7 +4,8 @@
 //! from the residual, solves the coupled system and composes the increments with the flow. Rows are worked off in bands
 //! of one stride, so that what a patch needs is still in the cache when its window is complete.
 
-use super::coupling::{Coupling, Stiffness, System};
+use super::bonds::Stiffness;
+use super::coupling::{Coupling, System};
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::judge::own_variance;
 use super::moments::{Window, sum_columns, sum_rows, sum_rows_twice};

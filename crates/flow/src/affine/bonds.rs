@@ -1,0 +1,270 @@
+//! The pull between neighbouring patches, and how it gives way where the flow is rough.
+//!
+//! A pair is bound by the mismatch of its affine predictions half-way and by the difference of its gradients. Its *bond*
+//! is 1 where the present field is as smooth as the prior expects and falls as `1/(1 + q/t)` with its roughness `q`: a
+//! robust prior of Cauchy's kind, so that the rim of a press or an edge of motion is not smoothed away.
+
+use super::grid::PatchGrid;
+use super::nodes::Planes;
+use fearless_simd::Simd;
+use fearless_simd_macros::simd;
+
+/// Stiffness of the pull between neighbours, per px².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Stiffness {
+    /// `1/s_c²`: on the mismatch half-way.
+    pub(crate) continuity: f32,
+    /// `1/s_k²`: on the difference of the gradients, px per stride.
+    pub(crate) curvature: f32,
+    /// Roughness at which a pair's pull has halved, in units of what the two stiffnesses make of it, dimensionless.
+    pub(crate) tolerance: f32,
+}
+
+/// The bonds of all pairs of neighbours and their scratch.
+#[derive(Debug, Clone)]
+pub(crate) struct Bonds {
+    grid: PatchGrid,
+    stiffness: Stiffness,
+    /// Weight of every node's pair to the right, 0 to 1; a row ends with one that has no partner.
+    right: Vec<f32>,
+    /// Weight of every node's pair below, 0 to 1.
+    below: Vec<f32>,
+    /// What the pairs of a row exert: on the mismatch, on the x slope and on the y slope. Along a row, entry `i` belongs
+    /// to the pair `(i − 1, i)`; the first and the last stay zero.
+    forces: [Vec<f32>; 3],
+}
+
+/// Value, x slope and y slope of one component along a row of nodes.
+type Row<'a> = [&'a [f32]; 3];
+
+impl Bonds {
+    pub(crate) fn new(grid: PatchGrid, stiffness: Stiffness) -> Self {
+        Self {
+            grid,
+            stiffness,
+            right: vec![1.0; grid.nodes()],
+            below: vec![1.0; grid.nodes()],
+            forces: std::array::from_fn(|_| vec![0.0; grid.columns + 1]),
+        }
+    }
+
+    /// The stiffness of a whole bond.
+    pub(crate) fn stiffness(&self) -> Stiffness {
+        self.stiffness
+    }
+
+    /// Weakens the bonds between which a field is rougher than the prior expects.
+    #[simd]
+    pub(crate) fn weigh<S: Simd>(&mut self, simd: S, field: &Planes) {
+        let _ = simd;
+        let Self { grid, stiffness, right, below, .. } = self;
+        let columns = grid.columns;
+        for j in 0..grid.rows {
+            let (start, end) = (j * columns, (j + 1) * columns);
+            let across = &mut right[start..end - 1];
+            across.fill(0.0);
+            for component in [0, 3] {
+                let near = row(field, component, start, columns - 1);
+                let far = row(field, component, start + 1, columns - 1);
+                add_roughness(*stiffness, near, far, near[1], far[1], across);
+            }
+            soften(stiffness.tolerance, across);
+            if j + 1 < grid.rows {
+                let down = &mut below[start..end];
+                down.fill(0.0);
+                for component in [0, 3] {
+                    let near = row(field, component, start, columns);
+                    let far = row(field, component, end, columns);
+                    add_roughness(*stiffness, near, far, near[2], far[2], down);
+                }
+                soften(stiffness.tolerance, down);
+            }
+        }
+    }
+
+    /// `y += K x` with the stiffness of all bonds.
+    #[simd]
+    pub(crate) fn pull<S: Simd>(&mut self, simd: S, x: &Planes, y: &mut Planes) {
+        let _ = simd;
+        for component in [0, 3] {
+            for j in 0..self.grid.rows {
+                self.pull_across(component, j, x, y);
+                if j + 1 < self.grid.rows {
+                    self.pull_down(component, j, x, y);
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn pull_across(&mut self, component: usize, j: usize, x: &Planes, y: &mut Planes) {
+        let columns = self.grid.columns;
+        let start = j * columns;
+        let near = row(x, component, start, columns - 1);
+        let far = row(x, component, start + 1, columns - 1);
+        let [mismatch, slope_x, slope_y] = &mut self.forces;
+        let inner = [&mut mismatch[1..columns], &mut slope_x[1..columns], &mut slope_y[1..columns]];
+        exert(self.stiffness, &self.right[start..][..columns - 1], near, far, near[1], far[1], inner);
+        // The last pair has no partner.
+        for force in &mut self.forces {
+            force[columns] = 0.0;
+        }
+        let [mismatch, slope_x, slope_y] = &self.forces;
+        let [value, along, beside] = rows_mut(y, component, start, columns);
+        for i in 0..columns {
+            value[i] += mismatch[i + 1] - mismatch[i];
+            along[i] += 0.5 * (mismatch[i + 1] + mismatch[i]) + slope_x[i + 1] - slope_x[i];
+            beside[i] += slope_y[i + 1] - slope_y[i];
+        }
+    }
+
+    #[inline(always)]
+    fn pull_down(&mut self, component: usize, j: usize, x: &Planes, y: &mut Planes) {
+        let columns = self.grid.columns;
+        let start = j * columns;
+        let near = row(x, component, start, columns);
+        let far = row(x, component, start + columns, columns);
+        let [mismatch, slope_x, slope_y] = self.forces.each_mut().map(|force| &mut force[1..=columns]);
+        let inner = [&mut *mismatch, &mut *slope_x, &mut *slope_y];
+        exert(self.stiffness, &self.below[start..][..columns], near, far, near[2], far[2], inner);
+        for (first, sign) in [(start, 1.0), (start + columns, -1.0)] {
+            let [value, beside, along] = rows_mut(y, component, first, columns);
+            for i in 0..columns {
+                value[i] += sign * mismatch[i];
+                beside[i] += sign * slope_x[i];
+                along[i] += 0.5 * mismatch[i] + sign * slope_y[i];
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn row(planes: &Planes, component: usize, start: usize, len: usize) -> Row<'_> {
+    std::array::from_fn(|k| &planes[component + k][start..][..len])
+}
+
+#[inline(always)]
+fn rows_mut(planes: &mut Planes, component: usize, start: usize, len: usize) -> [&mut [f32]; 3] {
+    let rows: &mut [Vec<f32>; 3] = planes[component..].first_chunk_mut().expect("three planes of one component");
+    rows.each_mut().map(|plane| &mut plane[start..][..len])
+}
+
+/// Adds the roughness of pairs in units of what the stiffness expects. `near_slope` and `far_slope` lie along the pair.
+#[inline(always)]
+fn add_roughness(
+    stiffness: Stiffness,
+    near: Row<'_>,
+    far: Row<'_>,
+    near_slope: &[f32],
+    far_slope: &[f32],
+    roughness: &mut [f32],
+) {
+    for i in 0..roughness.len() {
+        let mismatch = near[0][i] - far[0][i] + 0.5 * (near_slope[i] + far_slope[i]);
+        let (dx, dy) = (near[1][i] - far[1][i], near[2][i] - far[2][i]);
+        roughness[i] += stiffness.continuity * mismatch * mismatch + stiffness.curvature * (dx * dx + dy * dy);
+    }
+}
+
+/// Turns roughness into the weight of the bond.
+#[inline(always)]
+fn soften(tolerance: f32, roughness: &mut [f32]) {
+    for roughness in roughness {
+        *roughness = tolerance / (tolerance + *roughness);
+    }
+}
+
+/// What pairs exert on their mismatch and on both slopes.
+#[inline(always)]
+fn exert(
+    stiffness: Stiffness,
+    bonds: &[f32],
+    near: Row<'_>,
+    far: Row<'_>,
+    near_slope: &[f32],
+    far_slope: &[f32],
+    [mismatch, slope_x, slope_y]: [&mut [f32]; 3],
+) {
+    for i in 0..bonds.len() {
+        let bent = bonds[i] * stiffness.curvature;
+        mismatch[i] = bonds[i] * stiffness.continuity * (near[0][i] - far[0][i] + 0.5 * (near_slope[i] + far_slope[i]));
+        slope_x[i] = bent * (near[1][i] - far[1][i]);
+        slope_y[i] = bent * (near[2][i] - far[2][i]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    fn noise(seed: &mut u32) -> f32 {
+        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (*seed >> 8) as f32 / 8_388_608.0 - 1.0
+    }
+
+    /// Energy of all bonds, from its definition.
+    fn energy(bonds: &Bonds, x: &Planes) -> f64 {
+        let columns = bonds.grid.columns;
+        let mut sum = 0.0;
+        for node in 0..bonds.grid.nodes() {
+            let pairs = [
+                ((node + 1) % columns != 0).then(|| (node + 1, 1, bonds.right[node])),
+                (node + columns < bonds.grid.nodes()).then(|| (node + columns, 2, bonds.below[node])),
+            ];
+            for (other, slope, bond) in pairs.into_iter().flatten() {
+                for c in [0, 3] {
+                    let d = |k: usize| f64::from(x[c + k][node]) - f64::from(x[c + k][other]);
+                    let ends = f64::from(x[c + slope][node]) + f64::from(x[c + slope][other]);
+                    let mismatch = d(0) + 0.5 * ends;
+                    let Stiffness { continuity, curvature, .. } = bonds.stiffness;
+                    let bent = d(1) * d(1) + d(2) * d(2);
+                    sum +=
+                        f64::from(bond) * (f64::from(continuity) * mismatch * mismatch + f64::from(curvature) * bent);
+                }
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn the_pull_is_the_gradient_of_the_energy() {
+        let grid = PatchGrid::over(50, 37);
+        let stiffness = Stiffness { continuity: 3.0, curvature: 2.0, tolerance: 4.0 };
+        let mut bonds = Bonds::new(grid, stiffness);
+        let mut seed = 7;
+        let x: Planes = std::array::from_fn(|_| (0..grid.plane_len()).map(|_| noise(&mut seed)).collect());
+        dispatch!(Level::new(), simd => bonds.weigh(simd, &x));
+        let mut y: Planes = std::array::from_fn(|_| vec![0.0; grid.plane_len()]);
+        dispatch!(Level::new(), simd => bonds.pull(simd, &x, &mut y));
+        // A quadratic form equals half its gradient times its argument, and so does each of its directions.
+        let product: f64 = x.iter().zip(&y).flat_map(|(x, y)| x.iter().zip(y)).map(|(x, y)| f64::from(x * y)).sum();
+        let expected = energy(&bonds, &x);
+        assert!((product - expected).abs() < 1e-4 * expected, "{product} against {expected}");
+        for (plane, node) in [(0, 0), (1, 9), (2, 16), (3, 34), (4, 20), (5, 13)] {
+            let mut shifted = x.clone();
+            shifted[plane][node] += 0.5;
+            let up = energy(&bonds, &shifted);
+            shifted[plane][node] -= 1.0;
+            let slope = 0.5 * (up - energy(&bonds, &shifted));
+            let found = f64::from(y[plane][node]);
+            assert!((found - slope).abs() < 1e-3, "plane {plane}, node {node}: {found} against {slope}");
+        }
+    }
+
+    #[test]
+    fn a_quadratic_field_costs_nothing_but_its_curvature() {
+        let grid = PatchGrid::over(48, 40);
+        let mut bonds = Bonds::new(grid, Stiffness { continuity: 1.0, curvature: 0.0, tolerance: 1e9 });
+        let mut x: Planes = std::array::from_fn(|_| vec![0.0; grid.plane_len()]);
+        for node in 0..grid.nodes() {
+            let (i, j) = ((node % grid.columns) as f32, (node / grid.columns) as f32);
+            x[0][node] = 0.3 * i * i - 0.2 * j * j;
+            x[1][node] = 0.6 * i;
+            x[2][node] = -0.4 * j;
+        }
+        let mut y: Planes = std::array::from_fn(|_| vec![0.0; grid.plane_len()]);
+        dispatch!(Level::new(), simd => bonds.pull(simd, &x, &mut y));
+        assert!(y.iter().flatten().all(|force| force.abs() < 1e-5));
+    }
+}
