@@ -109,12 +109,13 @@ impl Bonds {
         for force in &mut self.forces {
             force[columns] = 0.0;
         }
-        let [mismatch, slope_x, slope_y] = &self.forces;
         let [value, along, beside] = rows_mut(y, component, start, columns);
+        let left = self.forces.each_ref().map(|force| &force[..columns]);
+        let right = self.forces.each_ref().map(|force| &force[1..=columns]);
         for i in 0..columns {
-            value[i] += mismatch[i + 1] - mismatch[i];
-            along[i] += 0.5 * (mismatch[i + 1] + mismatch[i]) + slope_x[i + 1] - slope_x[i];
-            beside[i] += slope_y[i + 1] - slope_y[i];
+            value[i] += right[0][i] - left[0][i];
+            along[i] += 0.5 * (right[0][i] + left[0][i]) + right[1][i] - left[1][i];
+            beside[i] += right[2][i] - left[2][i];
         }
     }
 
@@ -159,7 +160,11 @@ fn add_roughness(
     far_slope: &[f32],
     roughness: &mut [f32],
 ) {
-    for i in 0..roughness.len() {
+    // Slices of one known length let the loop run without bounds checks.
+    let n = roughness.len();
+    let (near, far) = (near.map(|row| &row[..n]), far.map(|row| &row[..n]));
+    let (near_slope, far_slope) = (&near_slope[..n], &far_slope[..n]);
+    for i in 0..n {
         let mismatch = near[0][i] - far[0][i] + 0.5 * (near_slope[i] + far_slope[i]);
         let (dx, dy) = (near[1][i] - far[1][i], near[2][i] - far[2][i]);
         roughness[i] += stiffness.continuity * mismatch * mismatch + stiffness.curvature * (dx * dx + dy * dy);
@@ -185,7 +190,11 @@ fn exert(
     far_slope: &[f32],
     [mismatch, slope_x, slope_y]: [&mut [f32]; 3],
 ) {
-    for i in 0..bonds.len() {
+    let n = bonds.len();
+    let (near, far) = (near.map(|row| &row[..n]), far.map(|row| &row[..n]));
+    let (near_slope, far_slope) = (&near_slope[..n], &far_slope[..n]);
+    let (mismatch, slope_x, slope_y) = (&mut mismatch[..n], &mut slope_x[..n], &mut slope_y[..n]);
+    for i in 0..n {
         let bent = bonds[i] * stiffness.curvature;
         mismatch[i] = bonds[i] * stiffness.continuity * (near[0][i] - far[0][i] + 0.5 * (near_slope[i] + far_slope[i]));
         slope_x[i] = bent * (near[1][i] - far[1][i]);

@@ -14,26 +14,18 @@ use fingervision_image::Image;
 /// The reference on every level.
 #[derive(Debug, Clone)]
 pub(crate) struct AffineReference {
-    full: FullTemplate,
-    /// Levels 1 to the coarsest.
-    coarse: Vec<Template<f32>>,
+    /// Level 0 to the coarsest, grey.
+    grey: Vec<Template>,
+    /// Level 0 in colour, where the pictures have colour.
+    colour: Option<Template>,
     /// Part of the patches that have texture, 0 to 1.
     pub(crate) textured: f32,
 }
 
-/// The full-size template, grey or colour.
-#[derive(Debug, Clone)]
-enum FullTemplate {
-    Grey(Template<f32>),
-    Colour(Template<[f32; 4]>),
-}
-
-impl FullTemplate {
-    fn own_variance(&self) -> &[f32] {
-        match self {
-            Self::Grey(template) => &template.own_variance,
-            Self::Colour(template) => &template.own_variance,
-        }
+impl AffineReference {
+    /// The template that decides at full size.
+    fn finest(&self) -> &Template {
+        self.colour.as_ref().unwrap_or(&self.grey[0])
     }
 }
 
@@ -79,31 +71,26 @@ impl AffinePatches {
 
     /// An empty reference.
     pub(crate) fn reference(&self) -> AffineReference {
-        let grid = |level: &LevelState| level.field.grid;
-        let full = if self.params.colour {
-            FullTemplate::Colour(Template::new(grid(&self.levels[0])))
-        } else {
-            FullTemplate::Grey(Template::new(grid(&self.levels[0])))
-        };
-        let coarse = self.levels[1..].iter().map(|level| Template::new(grid(level))).collect();
-        AffineReference { full, coarse, textured: 0.0 }
+        let template = |level: &LevelState, channels: usize| Template::new(level.field.grid, channels);
+        AffineReference {
+            grey: self.levels.iter().map(|level| template(level, 1)).collect(),
+            colour: self.params.colour.then(|| template(&self.levels[0], 3)),
+            textured: 0.0,
+        }
     }
 
     /// Takes a new reference.
     pub(crate) fn prepare(&self, picture: &Picture, reference: &mut AffineReference) {
-        match (&mut reference.full, &picture.colour) {
-            (FullTemplate::Colour(template), Some(colour)) => self.levels[0].refinement.prepare(colour, template),
-            (FullTemplate::Grey(template), _) => {
-                self.levels[0].refinement.prepare(picture.grey.level(0), template);
-            }
-            (FullTemplate::Colour(_), None) => unreachable!("a picture is made with the estimator's channels"),
+        for (level, (state, template)) in self.levels.iter().zip(&mut reference.grey).enumerate() {
+            state.refinement.prepare(picture.grey.level(level), template);
         }
-        let nodes = &reference.full.own_variance()[..self.levels[0].field.grid.nodes()];
-        let textured = nodes.iter().filter(|&&variance| variance <= self.params.validity.max_deviation_px.powi(2));
-        reference.textured = textured.count() as f32 / nodes.len() as f32;
-        for (level, template) in reference.coarse.iter_mut().enumerate() {
-            self.levels[level + 1].refinement.prepare(picture.grey.level(level + 1), template);
+        if let (Some(template), Some(colour)) = (&mut reference.colour, &picture.colour) {
+            self.levels[0].refinement.prepare(colour, template);
         }
+        let nodes = &reference.finest().own_variance[..self.levels[0].field.grid.nodes()];
+        let limit = self.params.validity.max_deviation_px.powi(2);
+        let textured = nodes.iter().filter(|&&variance| variance <= limit).count();
+        reference.textured = textured as f32 / nodes.len() as f32;
     }
 
     /// Takes `flow` as the present flow.
@@ -112,6 +99,8 @@ impl AffinePatches {
     }
 
     /// Follows the motion since the start from level `coarsest` down to full size, with `steps` steps there.
+    ///
+    /// With colour the first of these steps is taken in grey, at half the cost; the others are in colour.
     pub(crate) fn follow(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize, steps: usize) {
         let coarsest = coarsest.min(self.levels.len() - 1);
         for level in 1..=coarsest {
@@ -120,24 +109,26 @@ impl AffinePatches {
         }
         for level in (1..=coarsest).rev() {
             let LevelState { refinement, field, .. } = &mut self.levels[level];
-            let (template, picture) = (&reference.coarse[level - 1], current.grey.level(level));
+            let (template, picture) = (&reference.grey[level], current.grey.level(level));
             refinement.step(template, picture, field, self.params.affine.iterations);
             let (fine, coarse) = self.levels.split_at_mut(level);
             let (fine, coarse) = (&mut fine[level - 1].field, &mut coarse[0]);
             coarse.before.coarsen(fine);
             fine.add_change(&coarse.field, &coarse.before);
         }
-        match (&reference.full, &current.colour) {
-            (FullTemplate::Colour(template), Some(colour)) => self.finish(template, colour, steps),
-            (FullTemplate::Grey(template), _) => self.finish(template, current.grey.level(0), steps),
-            (FullTemplate::Colour(_), None) => unreachable!("a picture is made with the estimator's channels"),
+        self.levels[0].refinement.trust_all();
+        if let (Some(template), Some(colour)) = (&reference.colour, &current.colour) {
+            let grey_steps = usize::from(steps > 1);
+            self.finish(&reference.grey[0], current.grey.level(0), grey_steps);
+            self.finish(template, colour, steps - grey_steps);
+        } else {
+            self.finish(&reference.grey[0], current.grey.level(0), steps);
         }
     }
 
-    /// The steps at full size. Patches that fail in one step carry no weight in the next.
-    fn finish<T: Texel>(&mut self, template: &Template<T>, current: &Image<T>, steps: usize) {
+    /// Steps at full size. Patches that fail in one step carry no weight in the next.
+    fn finish<T: Texel>(&mut self, template: &Template, current: &Image<T>, steps: usize) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
-        refinement.trust_all();
         for _ in 0..steps {
             refinement.step(template, current, field, self.params.affine.iterations);
             refinement.judge(template, &self.params.validity);
@@ -147,18 +138,12 @@ impl AffinePatches {
     /// Tells which patches match at the present flow, without moving them.
     pub(crate) fn inspect(&mut self, reference: &AffineReference, current: &Picture) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
-        refinement.trust_all();
-        match (&reference.full, &current.colour) {
-            (FullTemplate::Colour(template), Some(colour)) => {
-                refinement.inspect(template, colour, field);
-                refinement.judge(template, &self.params.validity);
-            }
-            (FullTemplate::Grey(template), _) => {
-                refinement.inspect(template, current.grey.level(0), field);
-                refinement.judge(template, &self.params.validity);
-            }
-            (FullTemplate::Colour(_), None) => unreachable!("a picture is made with the estimator's channels"),
+        let template = reference.finest();
+        match &current.colour {
+            Some(colour) => refinement.inspect(template, colour, field),
+            None => refinement.inspect(template, current.grey.level(0), field),
         }
+        refinement.judge(template, &self.params.validity);
     }
 
     /// Writes the flow, its deviation and its validity.
@@ -172,7 +157,7 @@ impl AffinePatches {
     pub(crate) fn write_validity(&mut self, reference: &AffineReference, out: &mut Estimate) {
         let affine = &self.params.affine;
         let LevelState { refinement, field, .. } = &mut self.levels[0];
-        let own = reference.full.own_variance();
+        let own = &reference.finest().own_variance;
         let step_variance = affine.continuity_px.powi(2) + affine.curvature_px.powi(2);
         refinement.scale_variance(own, &mut self.variance);
         spread_variance(field.grid, step_variance, &mut self.variance);

@@ -11,7 +11,7 @@ use super::judge::own_variance;
 use super::moments::{Window, sum_columns, sum_rows, sum_rows_twice};
 use super::nodes::{Expander, NodeField, UNKNOWNS};
 use super::template::{Template, packed};
-use super::texel::{Taps, Texel};
+use super::texel::{Taps, Texel, products};
 use crate::ValidityParams;
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
@@ -71,7 +71,7 @@ impl Refinement {
     }
 
     /// Takes a new reference.
-    pub(crate) fn prepare<T: Texel>(&self, picture: &Image<T>, template: &mut Template<T>) {
+    pub(crate) fn prepare<T: Texel>(&self, picture: &Image<T>, template: &mut Template) {
         template.prepare(self.level, picture);
         let scale = self.scale();
         self.coupling.precondition(&template.normal, scale, &mut template.preconditioner);
@@ -82,7 +82,7 @@ impl Refinement {
     /// One Gauss–Newton step from `field`.
     pub(crate) fn step<T: Texel>(
         &mut self,
-        template: &Template<T>,
+        template: &Template,
         current: &Image<T>,
         field: &mut NodeField,
         iterations: usize,
@@ -95,7 +95,7 @@ impl Refinement {
     fn step_simd<S: Simd, T: Texel>(
         &mut self,
         simd: S,
-        template: &Template<T>,
+        template: &Template,
         current: &Image<T>,
         field: &mut NodeField,
         iterations: usize,
@@ -116,7 +116,7 @@ impl Refinement {
     }
 
     /// Measures the residual at `field` without moving it.
-    pub(crate) fn inspect<T: Texel>(&mut self, template: &Template<T>, current: &Image<T>, field: &NodeField) {
+    pub(crate) fn inspect<T: Texel>(&mut self, template: &Template, current: &Image<T>, field: &NodeField) {
         let level = self.level;
         self.expander.prepare(field);
         dispatch!(level, simd => self.measure(simd, template, current, field));
@@ -129,7 +129,7 @@ impl Refinement {
 
     /// Turns the measured energy into what is left of it after the step and the change of light:
     /// `Σ r² − l·D⁻¹l − 2 b·δ + δ·Aδ`, exact for the linear model.
-    fn predict_energy<T: Texel>(&mut self, template: &Template<T>) {
+    fn predict_energy(&mut self, template: &Template) {
         let unscale = 1.0 / self.scale();
         let [gain, offset] = &self.light;
         let [d00, d01, d11] = &template.light_inverse;
@@ -159,7 +159,7 @@ impl Refinement {
     }
 
     /// Decides which patches failed: those whose residual the noise does not explain, nor the template's own contrast.
-    pub(crate) fn judge<T: Texel>(&mut self, template: &Template<T>, rules: &ValidityParams) {
+    pub(crate) fn judge(&mut self, template: &Template, rules: &ValidityParams) {
         let floor = rules.noise_floor.powi(2) * self.noise_variance;
         for (node, trust) in self.trust.iter_mut().enumerate() {
             let allowed = floor.max(rules.max_unexplained * template.variance[node]);
@@ -192,7 +192,7 @@ impl Refinement {
 
     /// The patches' sums over the residual.
     #[inline(always)]
-    fn measure<S: Simd, T: Texel>(&mut self, simd: S, template: &Template<T>, current: &Image<T>, field: &NodeField) {
+    fn measure<S: Simd, T: Texel>(&mut self, simd: S, template: &Template, current: &Image<T>, field: &NodeField) {
         self.fill_band(simd, template, current, field, 0);
         for j in 0..self.grid.rows {
             self.fill_band(simd, template, current, field, j + 1);
@@ -221,7 +221,7 @@ impl Refinement {
     fn fill_band<S: Simd, T: Texel>(
         &mut self,
         simd: S,
-        template: &Template<T>,
+        template: &Template,
         current: &Image<T>,
         field: &NodeField,
         cell_row: usize,
@@ -244,7 +244,7 @@ impl Refinement {
     }
 
     /// Eliminates the change of light from the gradient sums and scales them by the noise.
-    fn form_right<T: Texel>(&mut self, template: &Template<T>) {
+    fn form_right(&mut self, template: &Template) {
         let scale = self.scale();
         for (gradient, gain) in self.gradient.iter_mut().zip(&template.light_gain) {
             for (node, gradient) in gradient.iter_mut().enumerate() {
@@ -288,7 +288,7 @@ fn to_positions(grid: PatchGrid, row: usize, xs: &mut [f32], ys: &mut [f32]) {
 #[simd]
 fn multiply_row<S: Simd, T: Texel>(
     simd: S,
-    template: &Template<T>,
+    template: &Template,
     current: &Image<T>,
     row: usize,
     [xs, ys]: [&[f32]; 2],
@@ -299,7 +299,7 @@ fn multiply_row<S: Simd, T: Texel>(
         let x = f32x16::from_slice(simd, &xs[column..][..LANES]);
         let y = f32x16::from_slice(simd, &ys[column..][..LANES]);
         let (taps, inside) = locate(simd, x, y, current.size());
-        let products = T::products(simd, current, &taps, template.block(column, row));
+        let products = products(simd, current, &taps, |channel| template.block(channel, column, row));
         let [gx, gy] = products.gradient;
         let [gain, offset] = products.light;
         for (plane, product) in band.iter_mut().zip([gx, gy, gain, offset, products.energy]) {

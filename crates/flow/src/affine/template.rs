@@ -17,14 +17,20 @@ pub(crate) const fn packed(i: usize, j: usize) -> usize {
     high * (high + 1) / 2 + low
 }
 
+/// One channel of the template: what the splines see at whole pixels, and its gradient.
+#[derive(Debug, Clone)]
+struct Channel {
+    values: Vec<f32>,
+    gradient_x: Vec<f32>,
+    gradient_y: Vec<f32>,
+}
+
 /// A reference picture made ready for matching.
 #[derive(Debug, Clone)]
-pub(crate) struct Template<T> {
+pub(crate) struct Template {
     pub(crate) grid: PatchGrid,
     /// Padded by the grid's margin; outside the image all is zero.
-    texels: Vec<T>,
-    gradient_x: Vec<T>,
-    gradient_y: Vec<T>,
+    channels: Vec<Channel>,
     /// `Σ w J Jᵀ` of every node with the change of light eliminated, packed, in grey levels² per px².
     pub(crate) normal: [Vec<f32>; PACKED],
     /// Inverse of every node's own block of the coupled system, packed; see [`super::coupling`].
@@ -41,16 +47,15 @@ pub(crate) struct Template<T> {
     pub(crate) own_variance: Vec<f32>,
 }
 
-impl<T: Texel> Template<T> {
-    /// An empty template for pictures of this size.
-    pub(crate) fn new(grid: PatchGrid) -> Self {
-        let pixels = grid.padded_width() * grid.padded_height();
+impl Template {
+    /// An empty template for pictures of this size and so many channels.
+    pub(crate) fn new(grid: PatchGrid, channels: usize) -> Self {
+        let pixels = || vec![0.0; grid.padded_width() * grid.padded_height()];
+        let channel = || Channel { values: pixels(), gradient_x: pixels(), gradient_y: pixels() };
         let plane = || vec![0.0; grid.plane_len()];
         Self {
             grid,
-            texels: vec![T::default(); pixels],
-            gradient_x: vec![T::default(); pixels],
-            gradient_y: vec![T::default(); pixels],
+            channels: (0..channels).map(|_| channel()).collect(),
             normal: std::array::from_fn(|_| plane()),
             preconditioner: std::array::from_fn(|_| plane()),
             light_gain: std::array::from_fn(|_| std::array::from_fn(|_| plane())),
@@ -61,19 +66,20 @@ impl<T: Texel> Template<T> {
         }
     }
 
-    /// Sixteen pixels of padded row `row` from padded column `column` on.
+    /// Sixteen pixels of a channel in padded row `row` from padded column `column` on.
     #[inline(always)]
-    pub(crate) fn block(&self, column: usize, row: usize) -> TemplateBlock<'_, T> {
+    pub(crate) fn block(&self, channel: usize, column: usize, row: usize) -> TemplateBlock<'_> {
         let start = row * self.grid.padded_width() + column;
+        let channel = &self.channels[channel];
         TemplateBlock {
-            texels: &self.texels[start..][..LANES],
-            gradient_x: &self.gradient_x[start..][..LANES],
-            gradient_y: &self.gradient_y[start..][..LANES],
+            values: &channel.values[start..][..LANES],
+            gradient_x: &channel.gradient_x[start..][..LANES],
+            gradient_y: &channel.gradient_y[start..][..LANES],
         }
     }
 
     /// Takes a new reference of the grid's size.
-    pub(crate) fn prepare(&mut self, level: Level, picture: &Image<T>) {
+    pub(crate) fn prepare<T: Texel>(&mut self, level: Level, picture: &Image<T>) {
         self.smooth(picture);
         let mut sums = PatchSums::new(self.grid);
         dispatch!(level, simd => sums.fill(simd, self));
@@ -83,7 +89,7 @@ impl<T: Texel> Template<T> {
     }
 
     /// Takes the picture as the cubic B-splines see it at whole pixels, with its gradient.
-    fn smooth(&mut self, picture: &Image<T>) {
+    fn smooth<T: Texel>(&mut self, picture: &Image<T>) {
         const VALUE: [f32; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
         const SLOPE: [f32; 3] = [-0.5, 0.0, 0.5];
         let (width, height) = picture.size();
@@ -94,9 +100,14 @@ impl<T: Texel> Template<T> {
                 let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
                 let texels = rows.map(|row| columns.map(|x| row[x].channels()));
                 let place = (y + MARGIN) * stride + x + MARGIN;
-                self.texels[place] = T::from_channels(weigh(&texels, VALUE, VALUE));
-                self.gradient_x[place] = T::from_channels(weigh(&texels, SLOPE, VALUE));
-                self.gradient_y[place] = T::from_channels(weigh(&texels, VALUE, SLOPE));
+                let value = weigh(&texels, VALUE, VALUE);
+                let gradient_x = weigh(&texels, SLOPE, VALUE);
+                let gradient_y = weigh(&texels, VALUE, SLOPE);
+                for (c, channel) in self.channels.iter_mut().enumerate() {
+                    channel.values[place] = value[c];
+                    channel.gradient_x[place] = gradient_x[c];
+                    channel.gradient_y[place] = gradient_y[c];
+                }
             }
         }
     }
@@ -181,7 +192,7 @@ impl PatchSums {
     }
 
     #[inline(always)]
-    fn fill<S: Simd, T: Texel>(&mut self, simd: S, template: &Template<T>) {
+    fn fill<S: Simd>(&mut self, simd: S, template: &Template) {
         fill_band(simd, template, 0, &mut self.bands[1]);
         for j in 0..self.grid.rows {
             self.bands.swap(0, 1);
@@ -223,7 +234,7 @@ impl PatchSums {
 
 /// The ten products over the [`STRIDE`] padded rows of a cell row.
 #[simd]
-fn fill_band<S: Simd, T: Texel>(simd: S, template: &Template<T>, cell_row: usize, band: &mut [Vec<f32>; 10]) {
+fn fill_band<S: Simd>(simd: S, template: &Template, cell_row: usize, band: &mut [Vec<f32>; 10]) {
     let _ = simd;
     let PatchGrid { width, height, .. } = template.grid;
     let stride = template.grid.padded_width();
@@ -242,12 +253,11 @@ fn fill_band<S: Simd, T: Texel>(simd: S, template: &Template<T>, cell_row: usize
 }
 
 #[inline(always)]
-fn products<T: Texel>(template: &Template<T>, place: usize) -> [f32; 10] {
-    let texel = template.texels[place].channels();
-    let (gx, gy) = (template.gradient_x[place].channels(), template.gradient_y[place].channels());
+fn products(template: &Template, place: usize) -> [f32; 10] {
     let mut sums = [0.0; 10];
-    for c in 0..T::CHANNELS {
-        let (t, gx, gy) = (texel[c] - MID_LEVEL, gx[c], gy[c]);
+    for channel in &template.channels {
+        let t = channel.values[place] - MID_LEVEL;
+        let (gx, gy) = (channel.gradient_x[place], channel.gradient_y[place]);
         for (sum, product) in sums.iter_mut().zip([gx * gx, gx * gy, gy * gy, gx * t, gx, gy * t, gy, t * t, t, 1.0]) {
             *sum += product;
         }

@@ -7,12 +7,12 @@ use super::grid::LANES;
 use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
 use fingervision_image::Image;
 
-/// Sixteen pixels of the template.
+/// Sixteen pixels of one channel of the template.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct TemplateBlock<'a, T> {
-    pub(crate) texels: &'a [T],
-    pub(crate) gradient_x: &'a [T],
-    pub(crate) gradient_y: &'a [T],
+pub(crate) struct TemplateBlock<'a> {
+    pub(crate) values: &'a [f32],
+    pub(crate) gradient_x: &'a [f32],
+    pub(crate) gradient_y: &'a [f32],
 }
 
 /// Sums over the channels of products with the residual `r = T − I(x + u)`, sixteen pixels of each.
@@ -43,15 +43,36 @@ pub(crate) trait Texel: Copy + Default + Send + Sync + 'static {
     /// The texel as channels, unused ones zero.
     fn channels(self) -> [f32; 4];
 
-    /// A texel from channels.
-    fn from_channels(channels: [f32; 4]) -> Self;
+    /// Sixteen samples of the current image: a register a channel, the unused ones zero or repeated.
+    fn sample<S: Simd>(simd: S, current: &Image<Self>, taps: &Taps<S>) -> [f32x16<S>; 3];
+}
 
-    fn products<S: Simd>(
-        simd: S,
-        current: &Image<Self>,
-        taps: &Taps<S>,
-        template: TemplateBlock<'_, Self>,
-    ) -> Products<S>;
+/// The products of sixteen pixels. `block` gives the template's channels.
+#[inline(always)]
+pub(crate) fn products<'a, S: Simd, T: Texel>(
+    simd: S,
+    current: &Image<T>,
+    taps: &Taps<S>,
+    block: impl Fn(usize) -> TemplateBlock<'a>,
+) -> Products<S> {
+    let samples = T::sample(simd, current, taps);
+    let zero = f32x16::splat(simd, 0.0);
+    let mut sums = Products { gradient: [zero; 2], light: [zero; 2], energy: zero };
+    for (channel, sample) in samples.into_iter().enumerate().take(T::CHANNELS) {
+        let block = block(channel);
+        let values = f32x16::from_slice(simd, block.values);
+        let residual = values - sample;
+        let [gain, offset] = sums.light;
+        sums = Products {
+            gradient: [
+                residual.mul_add(f32x16::from_slice(simd, block.gradient_x), sums.gradient[0]),
+                residual.mul_add(f32x16::from_slice(simd, block.gradient_y), sums.gradient[1]),
+            ],
+            light: [residual.mul_add(values - MID_LEVEL, gain), offset + residual],
+            energy: residual.mul_add(residual, sums.energy),
+        };
+    }
+    sums
 }
 
 impl Texel for f32 {
@@ -61,28 +82,9 @@ impl Texel for f32 {
         [self, 0.0, 0.0, 0.0]
     }
 
-    fn from_channels(channels: [f32; 4]) -> Self {
-        channels[0]
-    }
-
     #[inline(always)]
-    fn products<S: Simd>(
-        simd: S,
-        current: &Image<Self>,
-        taps: &Taps<S>,
-        template: TemplateBlock<'_, Self>,
-    ) -> Products<S> {
-        let sample = sample_grey(simd, current, taps);
-        let texels = f32x16::from_slice(simd, template.texels);
-        let residual = texels - sample;
-        Products {
-            gradient: [
-                residual * f32x16::from_slice(simd, template.gradient_x),
-                residual * f32x16::from_slice(simd, template.gradient_y),
-            ],
-            light: [residual * (texels - MID_LEVEL), residual],
-            energy: residual * residual,
-        }
+    fn sample<S: Simd>(simd: S, current: &Image<Self>, taps: &Taps<S>) -> [f32x16<S>; 3] {
+        [sample_grey(simd, current, taps); 3]
     }
 }
 
@@ -93,33 +95,9 @@ impl Texel for [f32; 4] {
         self
     }
 
-    fn from_channels(channels: [f32; 4]) -> Self {
-        channels
-    }
-
     #[inline(always)]
-    fn products<S: Simd>(
-        simd: S,
-        current: &Image<Self>,
-        taps: &Taps<S>,
-        template: TemplateBlock<'_, Self>,
-    ) -> Products<S> {
-        let samples = sample_colour(simd, current, taps);
-        let texels = load_four(simd, template.texels);
-        let gradient_x = load_four(simd, template.gradient_x);
-        let gradient_y = load_four(simd, template.gradient_y);
-        let residual: [_; 4] = std::array::from_fn(|k| texels[k] - samples[k]);
-        Products {
-            gradient: [
-                sum_channels(std::array::from_fn(|k| residual[k] * gradient_x[k])),
-                sum_channels(std::array::from_fn(|k| residual[k] * gradient_y[k])),
-            ],
-            light: [
-                sum_channels(std::array::from_fn(|k| residual[k] * (texels[k] - MID_LEVEL))),
-                sum_channels(residual),
-            ],
-            energy: sum_channels(std::array::from_fn(|k| residual[k] * residual[k])),
-        }
+    fn sample<S: Simd>(simd: S, current: &Image<Self>, taps: &Taps<S>) -> [f32x16<S>; 3] {
+        sample_colour(simd, current, taps)
     }
 }
 
@@ -136,11 +114,7 @@ fn sample_grey<S: Simd>(simd: S, current: &Image<f32>, taps: &Taps<S>) -> f32x16
         let sum = row(2).mul_add(weights_y[2][k], sum);
         *columns = row(3).mul_add(weights_y[3][k], sum).to_array();
     }
-    let [a, b, c, d] = load_four(simd, &columns);
-    let (even_low, odd_low) = a.deinterleave(b);
-    let (even_high, odd_high) = c.deinterleave(d);
-    let (column_0, column_2) = even_low.deinterleave(even_high);
-    let (column_1, column_3) = odd_low.deinterleave(odd_high);
+    let [column_0, column_1, column_2, column_3] = transpose(simd, &columns);
     let sum = column_0 * taps.weights_x[0];
     let sum = column_1.mul_add(taps.weights_x[1], sum);
     let sum = column_2.mul_add(taps.weights_x[2], sum);
@@ -148,7 +122,7 @@ fn sample_grey<S: Simd>(simd: S, current: &Image<f32>, taps: &Taps<S>) -> f32x16
 }
 
 #[inline(always)]
-fn sample_colour<S: Simd>(simd: S, current: &Image<[f32; 4]>, taps: &Taps<S>) -> [f32x16<S>; 4] {
+fn sample_colour<S: Simd>(simd: S, current: &Image<[f32; 4]>, taps: &Taps<S>) -> [f32x16<S>; 3] {
     let (stride, values) = (4 * current.width(), current.values().as_flattened());
     let weights_x: [[f32; LANES]; 4] = taps.weights_x.map(SimdBase::to_array);
     let weights_y: [[f32; LANES]; 4] = taps.weights_y.map(SimdBase::to_array);
@@ -166,22 +140,18 @@ fn sample_colour<S: Simd>(simd: S, current: &Image<[f32; 4]>, taps: &Taps<S>) ->
         let sum = column_2.mul_add(weights_x[2][k], sum);
         *sample = column_3.mul_add(weights_x[3][k], sum).to_array();
     }
-    load_four(simd, &samples)
+    let [red, green, blue, _] = transpose(simd, &samples);
+    [red, green, blue]
 }
 
-/// Sixteen texels as four registers of four texels.
+/// Sixteen quadruples as four registers, one of all their first values, one of all their second, and so on.
 #[inline(always)]
-fn load_four<S: Simd>(simd: S, texels: &[[f32; 4]]) -> [f32x16<S>; 4] {
-    let values = &texels.as_flattened()[..4 * LANES];
-    std::array::from_fn(|k| f32x16::from_slice(simd, &values[LANES * k..][..LANES]))
-}
-
-/// The sum over the channels of each of sixteen texels.
-#[inline(always)]
-fn sum_channels<S: Simd>([a, b, c, d]: [f32x16<S>; 4]) -> f32x16<S> {
-    let pair = |low: f32x16<S>, high: f32x16<S>| {
-        let (even, odd) = low.deinterleave(high);
-        even + odd
-    };
-    pair(pair(a, b), pair(c, d))
+fn transpose<S: Simd>(simd: S, quadruples: &[[f32; 4]; LANES]) -> [f32x16<S>; 4] {
+    let values = quadruples.as_flattened();
+    let load = |k: usize| f32x16::from_slice(simd, &values[LANES * k..][..LANES]);
+    let (even_low, odd_low) = load(0).deinterleave(load(1));
+    let (even_high, odd_high) = load(2).deinterleave(load(3));
+    let (first, third) = even_low.deinterleave(even_high);
+    let (second, fourth) = odd_low.deinterleave(odd_high);
+    [first, second, third, fourth]
 }
