@@ -1,0 +1,224 @@
+use std::fs;
+
+use super::*;
+use crate::Policy;
+
+const WHOLE: &str = r#"
+name = "left index"
+[image]
+region_of_interest = [15, 15, 610, 450]
+[camera]
+focal_length_px = [400.0, 400.0]
+principal_point_px = [239.5, 239.5]
+distortion = { k1 = 0.01, k2 = 0.0, p1 = 0.0, p2 = 0.0 }
+rotation_rad = [0.0, 0.0, 0.0]
+translation_mm = [0.0, 0.0, 25.0]
+[gel]
+size_mm = [30.0, 30.0]
+thickness_mm = 10.0
+poissons_ratio = 0.48
+youngs_modulus_mpa = 0.6
+[depth]
+method = "elastic"
+density = { slope_mm = 15.2, intercept_mm = 0.0 }
+[flow]
+finest_level = 1
+[references]
+policy = "stack"
+[density]
+sigma_px = 2.5
+"#;
+
+/// The message and the hint of what `text` is refused for.
+fn refusal(text: &str) -> (String, String) {
+    let error = Profile::from_toml(text).unwrap_err();
+    (error.to_string(), error.hint().unwrap())
+}
+
+#[test]
+fn every_part_is_read() {
+    let profile = Profile::from_toml(WHOLE).unwrap();
+    assert_eq!(profile.name, "left index");
+    assert_eq!(profile.region((640, 480)).unwrap(), Rect { x: 15, y: 15, width: 610, height: 450 });
+    assert!((profile.camera.unwrap().distortion.k1 - 0.01).abs() < 1e-12);
+    assert_eq!(profile.gel.unwrap().youngs_modulus_mpa, Some(0.6));
+    assert_eq!(profile.depth.method, DepthMethod::Elastic);
+    assert_eq!(profile.depth.density, Some(DepthLine { slope_mm: 15.2, intercept_mm: 0.0 }));
+    assert_eq!((profile.flow.finest_level, profile.references.policy), (Some(1), Policy::Stack));
+    assert!((profile.mm_per_px().unwrap() - 0.0625).abs() < 1e-12);
+}
+
+#[test]
+fn every_part_may_be_absent() {
+    let profile = Profile::from_toml("").unwrap();
+    assert_eq!(profile, Profile::default());
+    assert_eq!(profile.region((640, 480)).unwrap(), Rect::whole(640, 480));
+    assert_eq!(profile.mm_per_px(), None);
+}
+
+#[test]
+fn what_is_written_is_read_back() {
+    for profile in [Profile::default(), Profile::from_toml(WHOLE).unwrap()] {
+        let text = profile.to_toml();
+        assert_eq!(Profile::from_toml(&text).unwrap(), profile, "{text}");
+    }
+}
+
+#[test]
+fn every_default_is_written_out_as_it_was_typed() {
+    let text = Profile::default().to_toml();
+    for line in ["name = \"unnamed\"", "sigma_px = 2.0", "min_matched = 0.7", "continuity_px = 0.01"] {
+        assert!(text.lines().any(|written| written == line), "no {line} in\n{text}");
+    }
+}
+
+#[test]
+fn an_unknown_key_is_named_with_its_line_and_a_like_one() {
+    let (error, hint) = refusal("name = 'a'\n[flow]\n\nfinest_levl = 1");
+    assert_eq!(error, "line 4: unknown key flow.finest_levl");
+    assert_eq!(hint, "did you mean flow.finest_level?");
+    let (error, hint) = refusal("[contacts]");
+    assert_eq!(error, "line 1: unknown key contacts");
+    assert_eq!(hint, "a profile knows name, image, camera, gel, depth, flow, references, density");
+    let (error, hint) = refusal("[depth]\nzzz = 1");
+    assert_eq!((error.as_str(), hint.as_str()), ("line 2: unknown key depth.zzz", "depth knows method, density"));
+}
+
+#[test]
+fn a_wrong_type_is_named_with_its_line() {
+    let (error, hint) = refusal("[gel]\nsize_mm = [30, 30]\nthickness_mm = 'thick'\npoissons_ratio = 0.4");
+    assert_eq!(error, "line 3: gel.thickness_mm: invalid type: string \"thick\", expected f64");
+    assert!(hint.contains("without quotes"), "{hint}");
+    let (error, _) = refusal("[flow.affine]\nsteps = -1");
+    assert_eq!(error, "line 2: flow.affine.steps: invalid value: integer `-1`, expected usize");
+    let (error, _) = refusal("[depth]\nmethod = 'elastik'");
+    assert_eq!(error, "line 2: depth.method: unknown variant `elastik`, expected `density` or `elastic`");
+}
+
+#[test]
+fn a_table_without_a_key_is_named() {
+    let (error, hint) = refusal("name = 'a'\n[gel]\nthickness_mm = 10");
+    assert_eq!(error, "line 2: gel: missing field `size_mm`");
+    assert!(hint.contains("all keys"), "{hint}");
+}
+
+#[test]
+fn what_is_not_toml_is_named_with_its_line() {
+    let (error, hint) = refusal("name = 'a'\n[flow\nfinest_level = 1");
+    assert!(error.starts_with("line 2: "), "{error}");
+    assert!(!error.contains('\n'), "{error}");
+    assert!(hint.contains("TOML"), "{hint}");
+}
+
+#[test]
+fn an_impossible_value_is_refused() {
+    let camera = |key: &str, value: &str| {
+        let mut profile = Profile::from_toml(WHOLE).unwrap();
+        profile.set(&format!("camera.{key}"), value).unwrap_err().to_string()
+    };
+    let gel = |key: &str, value: &str| {
+        let mut profile = Profile::from_toml(WHOLE).unwrap();
+        profile.set(&format!("gel.{key}"), value).unwrap_err().to_string()
+    };
+    assert_eq!(
+        camera("focal_length_px", "[-400, 400]"),
+        "camera.focal_length_px = [-400.0, 400.0] is impossible: it takes two lengths above 0 px"
+    );
+    assert!(camera("principal_point_px", "[nan, 1]").contains("camera.principal_point_px = [NaN, 1.0]"));
+    assert!(camera("distortion.k1", "inf").contains("camera.distortion.k1 = inf"));
+    assert!(camera("rotation_rad", "[0, nan, 0]").contains("camera.rotation_rad"));
+    assert!(camera("translation_mm", "[0, 0, -25]").contains("camera.translation_mm"));
+    assert!(gel("size_mm", "[0, 30]").contains("gel.size_mm"));
+    assert!(gel("thickness_mm", "0").contains("gel.thickness_mm = 0.0"));
+    for ratio in ["-0.1", "0.5", "nan"] {
+        assert!(gel("poissons_ratio", ratio).contains("at least 0 and below 0.5"), "{ratio}");
+    }
+    assert!(gel("youngs_modulus_mpa", "-0.6").contains("gel.youngs_modulus_mpa = -0.6"));
+}
+
+#[test]
+fn an_impossible_parameter_of_an_algorithm_is_refused() {
+    for (text, key) in [
+        ("[image]\nregion_of_interest = [0, 0, 0, 10]", "image.region_of_interest"),
+        ("[depth]\ndensity = { slope_mm = nan, intercept_mm = 0 }", "depth.density.slope_mm"),
+        ("[flow]\nnoise_levels = -1", "flow.noise_levels"),
+        ("[references]\nmin_matched = 2", "references.min_matched"),
+        ("[density]\nsigma_px = 0", "density.sigma_px"),
+    ] {
+        let (error, hint) = refusal(text);
+        assert!(error.starts_with(key), "{error}");
+        assert!(!hint.is_empty());
+    }
+}
+
+#[test]
+fn a_number_beyond_what_a_table_holds_is_refused() {
+    let mut profile = Profile::default();
+    profile.references.rest_frames = u64::MAX;
+    let error = profile.set("flow.colour", "false").unwrap_err().to_string();
+    assert_eq!(error, "profile: u64 value was too large");
+}
+
+#[test]
+fn a_value_is_set_by_its_path() {
+    let mut profile = Profile::default();
+    profile.set("flow.finest_level", "1").unwrap();
+    profile.set("name", "left index").unwrap();
+    profile.set("references.policy", "stack").unwrap();
+    profile.set("image.region_of_interest", "[1, 2, 64, 48]").unwrap();
+    assert_eq!(profile.flow.finest_level, Some(1));
+    assert_eq!((profile.name.as_str(), profile.references.policy), ("left index", Policy::Stack));
+    assert_eq!(profile.image.unwrap().region_of_interest, [1, 2, 64, 48]);
+    let untouched = Profile { flow: profile.flow, ..Profile::default() };
+    assert_eq!(untouched.flow.affine, FlowParams::default().affine, "the rest keeps its bits");
+}
+
+#[test]
+fn values_that_belong_together_are_set_together() {
+    let mut profile = Profile::default();
+    assert!(profile.set("depth.density.slope_mm", "15").is_err());
+    profile.set_all([("depth.density.slope_mm", "15"), ("depth.density.intercept_mm", "0.5")]).unwrap();
+    assert_eq!(profile.depth.density, Some(DepthLine { slope_mm: 15.0, intercept_mm: 0.5 }));
+}
+
+#[test]
+fn a_path_that_leads_nowhere_is_refused_and_changes_nothing() {
+    let mut profile = Profile::default();
+    for (path, value, expected) in [
+        ("flow.finest_levl", "1", "unknown key flow.finest_levl"),
+        ("flw.finest_level", "1", "unknown key flw"),
+        ("name.first", "1", "name.first: name is a value, not a table"),
+        ("flow.finest_level", "coarse", "flow.finest_level: invalid type: string \"coarse\", expected usize"),
+        ("", "1", "unknown key "),
+    ] {
+        assert_eq!(profile.set(path, value).unwrap_err().to_string(), expected);
+    }
+    let hint = profile.set("flow.finest_levl", "1").unwrap_err().hint();
+    assert_eq!(hint.as_deref(), Some("did you mean flow.finest_level?"));
+    assert_eq!(profile, Profile::default());
+}
+
+#[test]
+fn a_region_outside_the_frame_is_refused() {
+    let profile = Profile::from_toml(WHOLE).unwrap();
+    let error = profile.region((320, 240)).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "image.region_of_interest = [15, 15, 610, 450] reaches outside the frames of 320x240 px"
+    );
+    assert!(error.hint().unwrap().contains("[0, 0, 320, 240]"));
+}
+
+#[test]
+fn an_error_names_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("sensor.toml");
+    let missing = Profile::load(&path).unwrap_err();
+    assert!(missing.to_string().contains("sensor.toml: no such file"), "{missing}");
+    assert!(missing.hint().is_some());
+    fs::write(&path, "[gel]\nthickness_m = 1").unwrap();
+    let unknown = Profile::load(&path).unwrap_err().to_string();
+    assert!(unknown.ends_with("sensor.toml, line 2: unknown key gel.thickness_m"), "{unknown}");
+    fs::write(&path, [0xff, 0xfe]).unwrap();
+    assert!(Profile::load(&path).unwrap_err().to_string().contains("UTF-8"));
+}
