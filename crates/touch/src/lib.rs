@@ -1,17 +1,28 @@
-//! The sensor.
+//! The sensor: from a frame to a reading.
+//!
+//! A [`Profile`] describes one sensor. A [`Tracker`] made from it takes [`Frame`](fingervision_image::Frame)s and gives a
+//! [`Reading`] for each: displacement in px, its deviation and validity, the density feature and, where the profile is
+//! calibrated, depth in mm. All fields lie on the reference grid: they belong to points of the gel.
+//!
+//! The parts can be used on their own: the references and their policies ([`ReferenceParams`]), the Gaussian density
+//! ([`DensityEstimator`]), the guided filter ([`GuidedFilter`]) and the line to depth ([`DepthLine`]).
 
 mod density;
 mod depth_line;
+mod error;
 mod guided_filter;
 mod profile;
 mod reading;
 mod references;
+mod tracker;
 
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams, ParameterError};
 pub use depth_line::DepthLine;
+pub use error::TrackError;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
 pub use profile::{
     CameraSection, DepthMethod, DepthSection, Distortion, GelSection, ImageSection, Place, Profile, ProfileError,
 };
 pub use reading::{Flag, Flags, Reading};
 pub use references::{Policy, ReferenceParams};
+pub use tracker::{Fields, Tracker};

@@ -1,6 +1,6 @@
 //! Composition of flows over an intermediate reference.
 
-use fingervision_flow::{Estimate, FlowField};
+use fingervision_flow::Estimate;
 use fingervision_image::Image;
 
 /// Writes the flow from the first reference: `flow(x) = a(x) + b(x + a(x))`.
@@ -24,16 +24,6 @@ pub(crate) fn compose_into(a: &Estimate, b: &Estimate, out: &mut Estimate) {
     }
     out.matched = b.matched;
     out.residual_levels = b.residual_levels;
-}
-
-/// Writes the plain sum of two flows, as if both belonged to the same points: for comparison only.
-#[cfg(test)]
-fn add_into(a: &FlowField, b: &FlowField, out: &mut FlowField) {
-    for ((out, a), b) in [(&mut out.u, &a.u), (&mut out.v, &a.v)].into_iter().zip([&b.u, &b.v]) {
-        for ((out, a), b) in out.values_mut().iter_mut().zip(a.values()).zip(b.values()) {
-            *out = a + b;
-        }
-    }
 }
 
 /// A place between pixels, clamped to the image.
@@ -68,6 +58,16 @@ impl Place {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fingervision_flow::FlowField;
+
+    /// Writes the plain sum of two flows, as if both belonged to the same points: for comparison only.
+    fn add_into(a: &FlowField, b: &FlowField, out: &mut FlowField) {
+        for ((out, a), b) in [(&mut out.u, &a.u), (&mut out.v, &a.v)].into_iter().zip([&b.u, &b.v]) {
+            for ((out, a), b) in out.values_mut().iter_mut().zip(a.values()).zip(b.values()) {
+                *out = a + b;
+            }
+        }
+    }
 
     /// The flow of a stretch by `s` about the image centre.
     fn stretch(s: f32) -> Estimate {

@@ -1,0 +1,73 @@
+use crate::{ParameterError, ProfileError};
+use fingervision_flow::FlowError;
+use fingervision_image::ImageError;
+
+/// What keeps a frame from being tracked.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TrackError {
+    /// The profile does not fit the frames or itself.
+    #[error(transparent)]
+    Profile(#[from] ProfileError),
+    /// A parameter is out of range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The flow cannot be computed with these parameters or on this size.
+    #[error(transparent)]
+    Flow(#[from] FlowError),
+    /// The image cannot be taken from the frame.
+    #[error("frame {sequence}: {source}")]
+    Image {
+        /// The frame's sequence number.
+        sequence: u64,
+        /// What is wrong with it.
+        source: ImageError,
+    },
+    /// A frame differs in size from the first one.
+    #[error("frame {sequence} is {width}x{height} px, the frames before were {expected_width}x{expected_height} px")]
+    SizeChanged {
+        /// The frame's sequence number.
+        sequence: u64,
+        /// Its columns, px.
+        width: usize,
+        /// Its rows, px.
+        height: usize,
+        /// Columns of the frames before, px.
+        expected_width: usize,
+        /// Rows of the frames before, px.
+        expected_height: usize,
+    },
+    /// A frame came after one with the same or a later number or time.
+    #[error("frame {sequence} at {time_s} s came after frame {previous} at {previous_time_s} s")]
+    OutOfOrder {
+        /// The frame's sequence number.
+        sequence: u64,
+        /// Its capture time, s.
+        time_s: f64,
+        /// Sequence number of the frame before.
+        previous: u64,
+        /// Capture time of the frame before, s.
+        previous_time_s: f64,
+    },
+    /// Elastic depth was asked for, which this version does not compute.
+    #[error("depth.method = \"elastic\" is not available in this version")]
+    ElasticDepth,
+}
+
+impl TrackError {
+    /// What to do about it, where there is something to say.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Profile(error) => error.hint(),
+            Self::Parameter(error) => Some(format!("give {} a value in its range: {}", error.key, error.allowed)),
+            Self::Flow(FlowError::Parameter { name, range, .. }) => Some(format!("flow.{name} takes {range}")),
+            Self::Flow(FlowError::TooSmall { .. }) => {
+                Some("record at a larger size or widen image.region_of_interest".into())
+            }
+            Self::Image { .. } => Some("image.region_of_interest must lie inside the frame".into()),
+            Self::SizeChanged { .. } => Some("record with one camera mode, or track the parts on their own".into()),
+            Self::OutOfOrder { .. } => Some("hand frames over in the order of capture".into()),
+            Self::ElasticDepth => Some("pass --set depth.method=density".into()),
+        }
+    }
+}

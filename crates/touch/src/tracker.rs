@@ -1,0 +1,206 @@
+//! From frame to reading: the same object runs live and offline.
+
+use crate::references::References;
+use crate::{
+    DensityEstimator, DensityField, DepthLine, DepthMethod, Flag, Flags, GuidedFilter, Profile, Reading, TrackError,
+};
+use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture};
+use fingervision_image::{Frame, Image, Rect};
+use std::time::Instant;
+
+/// Which fields a tracker computes beside the flow and its validity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fields {
+    /// The density feature.
+    pub density: bool,
+    /// Depth, if the profile is calibrated for it.
+    pub depth: bool,
+}
+
+impl Default for Fields {
+    fn default() -> Self {
+        Self { density: true, depth: true }
+    }
+}
+
+/// Tracks the gel through a stream of frames.
+///
+/// It owns all scratch and the reading that it hands out: a frame that needs no new reference allocates nothing. The
+/// same frames give the same bits, whatever their source; only [`Reading::latency_ms`] differs.
+#[derive(Debug)]
+pub struct Tracker {
+    region: Rect,
+    frame_size: (usize, usize),
+    estimator: FlowEstimator,
+    picture: Picture,
+    references: References,
+    estimate: Estimate,
+    density: Option<DensityStage>,
+    light_at_start: f32,
+    previous: Option<(u64, f64)>,
+    reading: Reading,
+}
+
+/// Density, filter and depth.
+#[derive(Debug)]
+struct DensityStage {
+    estimator: DensityEstimator,
+    filter: GuidedFilter,
+    field: DensityField,
+    line: Option<DepthLine>,
+}
+
+/// A stream is lost where less than this part of the textured patches match.
+const LOST_BELOW: f32 = 0.5;
+/// An image has too little texture where less than this part of its patches can be measured.
+const LEAST_TEXTURED: f32 = 0.1;
+/// Mean light that differs by more than this factor from the reference's is flagged.
+const LIGHT_FACTOR: f32 = 1.25;
+
+impl Tracker {
+    /// A tracker for frames of this size.
+    ///
+    /// # Errors
+    ///
+    /// [`TrackError`] where the profile does not fit the frames or holds an impossible value.
+    pub fn new(
+        profile: &Profile,
+        frame_size: (usize, usize),
+        is_colour: bool,
+        fields: Fields,
+    ) -> Result<Self, TrackError> {
+        profile.validate()?;
+        if fields.depth && profile.depth.method == DepthMethod::Elastic {
+            return Err(TrackError::ElasticDepth);
+        }
+        let region = profile.region(frame_size)?;
+        let (width, height) = (region.width, region.height);
+        let flow = FlowParams { colour: profile.flow.colour && is_colour, ..profile.flow };
+        let estimator = FlowEstimator::new(width, height, &flow)?;
+        let line = profile.depth.density.filter(|_| fields.depth);
+        let has_density = fields.density || line.is_some();
+        let density = has_density.then(|| DensityStage::new(width, height, profile, line)).transpose()?;
+        let plane = |is_asked: bool| is_asked.then(|| Image::filled(width, height, 0.0));
+        Ok(Self {
+            region,
+            frame_size,
+            picture: estimator.picture(),
+            references: References::new(&estimator, (width, height), &profile.references)?,
+            estimator,
+            estimate: Estimate::new(width, height),
+            light_at_start: 0.0,
+            previous: None,
+            reading: Reading::new(width, height, plane(has_density), plane(line.is_some())),
+            density,
+        })
+    }
+
+    /// Columns and rows of the reference grid: the region of interest, px.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        (self.region.width, self.region.height)
+    }
+
+    /// Whether readings carry depth.
+    #[must_use]
+    pub fn has_depth(&self) -> bool {
+        self.reading.depth.is_some()
+    }
+
+    /// The reading of a frame. It stays valid until the next frame.
+    ///
+    /// # Errors
+    ///
+    /// [`TrackError::SizeChanged`] and [`TrackError::OutOfOrder`]; the tracker stays usable.
+    pub fn track(&mut self, frame: &Frame) -> Result<&Reading, TrackError> {
+        let arrival = Instant::now();
+        let dropped = self.check_order(frame)?;
+        self.picture
+            .load(&frame.pixels, self.region)
+            .map_err(|source| TrackError::Image { sequence: frame.sequence, source })?;
+        if self.previous.is_none() {
+            self.light_at_start = self.picture.mean_level();
+        }
+        self.previous = Some((frame.sequence, frame.capture_time_s));
+
+        let matched = self.references.track(&mut self.estimator, &self.picture, &mut self.estimate);
+        let flags = self.flags(dropped);
+        let reading = &mut self.reading;
+        reading.sequence = frame.sequence;
+        reading.capture_time_s = frame.capture_time_s;
+        reading.dropped_frames += dropped;
+        reading.reference_id = matched.reference_id;
+        reading.reference_count = matched.reference_count;
+        reading.photometric_error = matched.photometric_error;
+        reading.flow.copy_from(&self.estimate.flow);
+        reading.deviation.copy_from(&self.estimate.deviation);
+        reading.valid.copy_from(&self.estimate.valid);
+        reading.flags = flags;
+        if let Some(stage) = &mut self.density {
+            stage.run(&mut self.reading);
+        }
+        self.reading.latency_ms = arrival.elapsed().as_secs_f64() * 1e3;
+        Ok(&self.reading)
+    }
+
+    /// Refuses a frame that does not follow the one before; returns how many are missing between them.
+    fn check_order(&self, frame: &Frame) -> Result<u64, TrackError> {
+        let (width, height) = frame.pixels.size();
+        let (expected_width, expected_height) = self.frame_size;
+        if (width, height) != self.frame_size {
+            let sequence = frame.sequence;
+            return Err(TrackError::SizeChanged { sequence, width, height, expected_width, expected_height });
+        }
+        let Some((previous, previous_time_s)) = self.previous else { return Ok(0) };
+        if frame.sequence <= previous || frame.capture_time_s < previous_time_s || frame.capture_time_s.is_nan() {
+            let (sequence, time_s) = (frame.sequence, frame.capture_time_s);
+            return Err(TrackError::OutOfOrder { sequence, time_s, previous, previous_time_s });
+        }
+        Ok(frame.sequence - previous - 1)
+    }
+
+    fn flags(&self, dropped: u64) -> Flags {
+        let mut flags = Flags::default();
+        let mut raise_if = |flag: Flag, holds: bool| {
+            if holds {
+                flags.raise(flag);
+            }
+        };
+        let is_textured = self.references.first().is_none_or(|first| first.textured() >= LEAST_TEXTURED);
+        raise_if(Flag::NoTexture, !is_textured);
+        raise_if(Flag::Lost, self.estimate.matched < LOST_BELOW);
+        raise_if(Flag::Dropped, dropped > 0);
+        raise_if(Flag::PressedAtStart, self.references.is_pressed_at_start());
+        let (light, start) = (self.picture.mean_level().max(1.0), self.light_at_start.max(1.0));
+        raise_if(Flag::LightChanged, light > start * LIGHT_FACTOR || start > light * LIGHT_FACTOR);
+        flags
+    }
+}
+
+impl DensityStage {
+    fn new(width: usize, height: usize, profile: &Profile, line: Option<DepthLine>) -> Result<Self, TrackError> {
+        Ok(Self {
+            estimator: DensityEstimator::new(width, height, &profile.density)?,
+            filter: GuidedFilter::new(width, height, &profile.density.filter)?,
+            field: DensityField::at_rest(width, height),
+            line,
+        })
+    }
+
+    fn run(&mut self, reading: &mut Reading) {
+        self.estimator.estimate_into(&reading.flow, &mut self.field);
+        if self.field.has_gap {
+            reading.flags.raise(Flag::DensityGap);
+        }
+        for (valid, field) in reading.valid.values_mut().iter_mut().zip(self.field.valid.values()) {
+            *valid &= field;
+        }
+        let Some(feature) = &mut reading.density else { return };
+        self.filter.filter_into(&self.field.feature, &reading.valid, feature);
+        if let (Some(line), Some(depth)) = (self.line, &mut reading.depth) {
+            line.depth_into(feature, depth);
+            let valid = depth.values().iter().zip(reading.valid.values()).filter(|(_, valid)| **valid == 1);
+            reading.max_depth_mm = valid.map(|(&depth, _)| depth).reduce(f32::max);
+        }
+    }
+}
