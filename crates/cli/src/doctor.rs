@@ -1,0 +1,113 @@
+//! `fingervision doctor`: what this machine can do.
+
+use std::fmt;
+use std::io::Write;
+use std::num::NonZero;
+use std::thread::available_parallelism;
+use std::time::Instant;
+
+use fearless_simd::Level;
+use fingervision_touch::{Fields, Profile, Tracker};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::output::OutputArgs;
+use crate::simulated_press::SimulatedPress;
+use crate::truth::frame_error;
+
+/// Columns and rows of the self-test's images, px.
+const SIZE: (usize, usize) = (320, 240);
+const RADIUS_PX: f64 = 50.0;
+const AMPLITUDE_PX: f64 = 3.0;
+/// The self-test fails beyond this mean end-point error, px: several times what noise explains.
+const LARGEST_ERROR_PX: f64 = 0.05;
+
+const READS: [&str; 3] = [
+    "folders of PNG, JPEG, TIFF and BMP images, 8 and 16 bit, grey and colour",
+    "H.264 video in MP4 and MOV",
+    "motion JPEG video in AVI, MP4 and MOV",
+];
+const NOT_READ: &str = "cameras, recordings (MCAP) and simulated scenes: not in this version";
+
+/// Say what this machine can do and test it on a simulated touch
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+#[derive(Debug, Serialize)]
+struct Diagnosis {
+    version: &'static str,
+    cores: usize,
+    instruction_set: String,
+    reads: [&'static str; 3],
+    self_test_error_px: f64,
+    self_test_valid: f64,
+    self_test_ms: f64,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    let diagnosis = Diagnosis::new()?;
+    args.output.result(out, &diagnosis, &diagnosis.to_string())?;
+    if diagnosis.is_healthy() {
+        return Ok(());
+    }
+    let (error, valid) = (diagnosis.self_test_error_px, 100.0 * diagnosis.self_test_valid);
+    Err(Failure::new(
+        format!("the self-test's flow is off by {error:.3} px with {valid:.0} % of it valid"),
+        format!(
+            "this version is broken on this machine: expected at most {LARGEST_ERROR_PX} px and 80 %; please report it"
+        ),
+    ))
+}
+
+impl Diagnosis {
+    /// Looks around and tracks a touch whose truth is known.
+    fn new() -> Result<Self, Failure> {
+        // Of three frames the middle one is deepest.
+        let touch = SimulatedPress::new(SIZE, RADIUS_PX, AMPLITUDE_PX, 3)?;
+        let (rest, touched) = (touch.frame(0)?, touch.frame(1)?);
+        let mut tracker = Tracker::new(&Profile::default(), SIZE, true, Fields::default())?;
+        tracker.track(&rest)?;
+        let arrival = Instant::now();
+        let reading = tracker.track(&touched)?;
+        let self_test_ms = 1e3 * arrival.elapsed().as_secs_f64();
+        let error = frame_error(reading, &touch.press().motion(1));
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION"),
+            cores: available_parallelism().map_or(1, NonZero::get),
+            instruction_set: instruction_set(Level::new()),
+            reads: READS,
+            self_test_error_px: error.mean_px,
+            self_test_valid: error.valid,
+            self_test_ms,
+        })
+    }
+
+    fn is_healthy(&self) -> bool {
+        self.self_test_error_px <= LARGEST_ERROR_PX && self.self_test_valid >= 0.8
+    }
+}
+
+/// The name of the instructions that kernels run on.
+pub(crate) fn instruction_set(level: Level) -> String {
+    let name = format!("{level:?}");
+    name.split(['(', ' ']).next().unwrap_or_default().replace('_', ".").to_uppercase()
+}
+
+impl fmt::Display for Diagnosis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { version, cores, instruction_set, self_test_error_px, self_test_ms, .. } = self;
+        let (width, height) = SIZE;
+        writeln!(f, "fingervision {version}")?;
+        writeln!(f, "machine    {cores} cores, {instruction_set} instructions")?;
+        let verdict = if self.is_healthy() { "passed" } else { "FAILED" };
+        write!(f, "self-test  {verdict}: the flow of a simulated touch of {AMPLITUDE_PX} px is off by ")?;
+        writeln!(f, "{self_test_error_px:.3} px on average; {self_test_ms:.1} ms for {width}x{height} px")?;
+        for (k, kind) in self.reads.iter().enumerate() {
+            writeln!(f, "{:10} {kind}", if k == 0 { "reads" } else { "" })?;
+        }
+        writeln!(f, "reads not  {NOT_READ}")
+    }
+}

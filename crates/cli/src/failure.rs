@@ -1,0 +1,93 @@
+//! Why a command ends early, in words for the person at the keyboard.
+
+use std::io::{self, ErrorKind, Write};
+use std::process::ExitCode;
+
+use fingervision_gel::GelError;
+use fingervision_image::ImageError;
+use fingervision_sink::SinkError;
+use fingervision_source::SourceError;
+use fingervision_touch::{ProfileError, TrackError};
+
+/// Why a command ends early.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// Something went wrong.
+    Stated {
+        /// One line that names the thing and the value.
+        message: String,
+        /// What to do about it, where there is something to say.
+        hint: Option<String>,
+    },
+    /// Whoever read the output has seen enough.
+    BrokenPipe,
+}
+
+impl Failure {
+    pub(crate) fn new(message: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self::Stated { message: message.into(), hint: Some(hint.into()) }
+    }
+
+    /// Writes the error and its hint, a line each.
+    pub(crate) fn report(&self, errors: &mut impl Write) -> ExitCode {
+        let Self::Stated { message, hint } = self else { return ExitCode::SUCCESS };
+        // Without standard error there is nobody left to tell.
+        let _ = writeln!(errors, "error: {}", one_line(message));
+        if let Some(hint) = hint {
+            let _ = writeln!(errors, "hint: {}", one_line(hint));
+        }
+        ExitCode::FAILURE
+    }
+}
+
+/// A file name may hold a line break; an error stays one line.
+fn one_line(text: &str) -> String {
+    text.lines().collect::<Vec<_>>().join(" ")
+}
+
+impl From<SourceError> for Failure {
+    fn from(error: SourceError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<SinkError> for Failure {
+    fn from(error: SinkError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint().map(Into::into) }
+    }
+}
+
+impl From<TrackError> for Failure {
+    fn from(error: TrackError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<ProfileError> for Failure {
+    fn from(error: ProfileError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<GelError> for Failure {
+    fn from(error: GelError) -> Self {
+        Self::Stated { message: error.to_string(), hint: None }
+    }
+}
+
+impl From<ImageError> for Failure {
+    fn from(error: ImageError) -> Self {
+        Self::Stated { message: error.to_string(), hint: None }
+    }
+}
+
+/// Only standard output is written by hand.
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        if error.kind() == ErrorKind::BrokenPipe {
+            Self::BrokenPipe
+        } else {
+            Self::Stated { message: format!("cannot write the output: {error}"), hint: None }
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! What a run came to.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::PathBuf;
+
+use fingervision_touch::{Flag, Reading};
+use serde::Serialize;
+
+/// What a run came to.
+#[derive(Debug, Serialize)]
+pub(crate) struct Summary {
+    pub(crate) folder: PathBuf,
+    /// Absent if it could not be drawn.
+    pub(crate) preview: Option<PathBuf>,
+    /// Columns and rows of the fields, px.
+    pub(crate) size: (usize, usize),
+    pub(crate) has_depth: bool,
+    /// From opening to closing, with all reading and writing, s.
+    pub(crate) seconds: f64,
+    #[serde(flatten)]
+    pub(crate) tally: Tally,
+}
+
+/// What is counted while readings come.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct Tally {
+    pub(crate) frames: u64,
+    /// Sum of the frames' times from arrival to reading, ms.
+    tracking_ms: f64,
+    /// How many frames carried each flag that was ever up.
+    flagged: BTreeMap<&'static str, u64>,
+}
+
+impl Tally {
+    pub(crate) fn count(&mut self, reading: &Reading) {
+        self.frames += 1;
+        self.tracking_ms += reading.latency_ms;
+        for flag in reading.flags.iter() {
+            *self.flagged.entry(flag.name()).or_default() += 1;
+        }
+    }
+}
+
+/// A few lines for people.
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Tally { frames, tracking_ms, flagged } = &self.tally;
+        let ((width, height), seconds) = (self.size, self.seconds);
+        let mean_ms = tracking_ms / *frames as f64;
+        writeln!(
+            f,
+            "{frames} frames of {width}x{height} px in {seconds:.1} s; tracking takes {mean_ms:.1} ms a frame"
+        )?;
+        for flag in Flag::ALL.map(Flag::name) {
+            if let Some(count) = flagged.get(flag) {
+                writeln!(f, "flagged  {flag} in {count} of {frames} frames")?;
+            }
+        }
+        writeln!(f, "folder   {}", self.folder.display())?;
+        match &self.preview {
+            Some(preview) => writeln!(f, "preview  {}", preview.display()),
+            None => Ok(()),
+        }
+    }
+}

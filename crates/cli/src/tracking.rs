@@ -1,0 +1,162 @@
+//! A run: frames from a source through the tracker into a folder.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use fingervision_image::Frame;
+use fingervision_sink::{Field, Preview, PreviewOptions, RunFolder, RunOptions, Sink, SinkError};
+use fingervision_source::Source;
+use fingervision_touch::{Fields, Profile, Reading, Tracker};
+
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::output::OutputArgs;
+use crate::run_record::run_record;
+use crate::summary::{Summary, Tally};
+
+/// What to make of a source.
+#[derive(Debug)]
+pub(crate) struct Run {
+    /// The sensor.
+    pub(crate) profile: Profile,
+    /// The fields asked for; absent: all that the profile is calibrated for.
+    pub(crate) fields: Option<Vec<Field>>,
+    /// The folder to write.
+    pub(crate) folder: PathBuf,
+    /// Whether a previous run there may be replaced.
+    pub(crate) overwrite: bool,
+    pub(crate) output: OutputArgs,
+}
+
+/// A run that has begun: all that takes its readings.
+struct Sinks<'a> {
+    folder: RunFolder,
+    preview: Preview,
+    tally: Tally,
+    observer: Option<&'a mut dyn Sink>,
+}
+
+impl Run {
+    /// Tracks the source to its end.
+    ///
+    /// The second value says why the run ended early; what was read before is written all the same.
+    ///
+    /// # Errors
+    ///
+    /// Whatever keeps the run from beginning.
+    pub(crate) fn track(
+        &self,
+        source: &mut dyn Source,
+        observer: Option<&mut dyn Sink>,
+    ) -> Result<(Summary, Option<Failure>), Failure> {
+        let begin = Instant::now();
+        let region = self.profile.region(source.size())?;
+        let Some(first) = source.next_frame()? else { return Err(SinkError::NoReadings.into()) };
+        let mut tracker = self.tracker(&first, source.size())?;
+        let fields = self.fields_to_keep(&tracker);
+        let record = run_record(&source.description(), &fields, &self.profile)?;
+        let options = RunOptions { size: tracker.size(), fields, overwrite: self.overwrite };
+        let mm_per_px = self.profile.mm_per_px().map(|scale| scale as f32);
+        let mut sinks = Sinks {
+            folder: RunFolder::create(&self.folder, &options, &record)?,
+            preview: Preview::new(PreviewOptions { region: Some(region), mm_per_px }),
+            tally: Tally::default(),
+            observer,
+        };
+        let ended = self.stream(source, first, &mut tracker, &mut sinks);
+        Ok(self.finish(sinks, &tracker, begin, ended))
+    }
+
+    fn tracker(&self, first: &Frame, frame_size: (usize, usize)) -> Result<Tracker, Failure> {
+        let asked = |field| self.fields.as_ref().is_none_or(|fields| fields.contains(&field));
+        let fields = Fields { density: asked(Field::Density), depth: asked(Field::Depth) };
+        let tracker = Tracker::new(&self.profile, frame_size, first.pixels.is_colour(), fields)?;
+        match &self.fields {
+            Some(fields) if fields.contains(&Field::Depth) && !tracker.has_depth() => Err(Failure::new(
+                format!("depth was asked for, but the profile \"{}\" has no depth line", self.profile.name),
+                "leave depth out of --fields, or give the profile depth.density = { slope_mm = ..., intercept_mm = ... }",
+            )),
+            None if !tracker.has_depth() => {
+                self.output.note("no depth is written: the profile has no depth line; flow and density are in px");
+                Ok(tracker)
+            }
+            _ => Ok(tracker),
+        }
+    }
+
+    fn fields_to_keep(&self, tracker: &Tracker) -> Vec<Field> {
+        let all = || {
+            let depth = tracker.has_depth().then_some(Field::Depth);
+            [Field::Flow, Field::Density].into_iter().chain(depth).collect()
+        };
+        self.fields.clone().unwrap_or_else(all)
+    }
+
+    /// Takes frame after frame; returns why it ended early.
+    fn stream(
+        &self,
+        source: &mut dyn Source,
+        first: Frame,
+        tracker: &mut Tracker,
+        sinks: &mut Sinks,
+    ) -> Result<(), Failure> {
+        let interrupt = Interrupt::listen()?;
+        let count = source.frame_count();
+        let progress = self.output.progress(count);
+        let mut next = Some(first);
+        while let Some(frame) = next {
+            sinks.write(tracker.track(&frame)?, &frame)?;
+            progress.inc(1);
+            if interrupt.is_asked() {
+                return interrupted(progress.position(), count);
+            }
+            next = source.next_frame()?;
+        }
+        progress.finish_and_clear();
+        Ok(())
+    }
+
+    /// Puts everything on the disk and draws the preview. The first error is the one that counts.
+    fn finish(
+        &self,
+        sinks: Sinks,
+        tracker: &Tracker,
+        begin: Instant,
+        ended: Result<(), Failure>,
+    ) -> (Summary, Option<Failure>) {
+        let Sinks { folder, preview, tally, .. } = sinks;
+        let path = self.folder.join("preview.png");
+        let drawn = if tally.frames > 0 { preview.save(&path) } else { Ok(()) };
+        let has_preview = tally.frames > 0 && drawn.is_ok();
+        let closed = folder.finish();
+        let summary = Summary {
+            folder: self.folder.clone(),
+            preview: has_preview.then_some(path),
+            size: tracker.size(),
+            has_depth: tracker.has_depth(),
+            seconds: begin.elapsed().as_secs_f64(),
+            tally,
+        };
+        let ended = ended.and(closed.map(drop).map_err(Failure::from)).and(drawn.map_err(Failure::from));
+        (summary, ended.err())
+    }
+}
+
+impl Sinks<'_> {
+    fn write(&mut self, reading: &Reading, frame: &Frame) -> Result<(), SinkError> {
+        self.folder.write(reading, frame)?;
+        self.preview.write(reading, frame)?;
+        self.tally.count(reading);
+        self.observer.as_mut().map_or(Ok(()), |observer| observer.write(reading, frame))
+    }
+}
+
+/// A stream without an end has ended when it is told to; one with an end is cut short.
+fn interrupted(frames: u64, count: Option<u64>) -> Result<(), Failure> {
+    match count {
+        Some(count) if frames < count => {
+            Err(Failure::new(format!("interrupted after {frames} of {count} frames"), "what was written can be read"))
+        }
+        _ => Ok(()),
+    }
+}
