@@ -101,6 +101,8 @@ pub struct AffineParams {
     pub steps: usize,
     /// Gauss–Newton steps at full size after a start from the search.
     pub search_steps: usize,
+    /// In colour every so many rows are matched, 1, 2, 4 or 8; the three channels make up for the rows left out.
+    pub colour_row_step: usize,
     /// Conjugate-gradient iterations of every step.
     pub iterations: usize,
     /// Expected mismatch of two neighbouring patches half-way between them, px.
@@ -117,7 +119,8 @@ impl Default for AffineParams {
             coarsest_level: 3,
             steps: 2,
             search_steps: 3,
-            iterations: 10,
+            colour_row_step: 2,
+            iterations: 6,
             continuity_px: 0.01,
             curvature_px: 0.012,
             bond_tolerance: 9.0,
@@ -129,6 +132,8 @@ impl AffineParams {
     fn validate(&self) -> Result<(), FlowError> {
         let check = FlowError::check;
         check(self.coarsest_level <= 8, "affine.coarsest_level", self.coarsest_level as f64, "0 to 8")?;
+        let row_step = self.colour_row_step;
+        check([1, 2, 4, 8].contains(&row_step), "affine.colour_row_step", row_step as f64, "1, 2, 4 or 8 rows")?;
         for (name, count) in [
             ("affine.steps", self.steps),
             ("affine.search_steps", self.search_steps),

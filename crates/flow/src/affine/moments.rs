@@ -6,8 +6,12 @@ use super::grid::{LANES, STRIDE, WINDOW, offset, window_weights};
 use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
-/// Rows of one quantity under a row of patches, [`WINDOW`] of them: the upper and the lower half.
-pub(crate) type Band<'a> = [&'a [f32]; 2];
+/// Rows of one quantity under a row of patches: the upper and the lower half, of which every `step`-th row counts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Band<'a> {
+    pub(crate) halves: [&'a [f32]; 2],
+    pub(crate) step: usize,
+}
 
 /// Window weights times powers of the distance from the centre in strides: `w`, `w·ξ`, `w·ξ²`.
 #[derive(Debug, Clone)]
@@ -30,14 +34,14 @@ impl Window {
     }
 }
 
-/// Writes `Σ w(η) η^power · band` over the band's rows, for every padded column.
+/// Writes `Σ w(η) η^power · band` over the rows that count, for every padded column.
 #[simd]
 pub(crate) fn sum_rows<S: Simd>(simd: S, window: &Window, power: usize, band: Band<'_>, sums: &mut [f32]) {
     let width = sums.len();
     for (block, sums) in sums.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
         let mut total = f32x16::splat(simd, 0.0);
-        for (half, rows) in band.into_iter().enumerate() {
-            for row in 0..STRIDE {
+        for (half, rows) in band.halves.into_iter().enumerate() {
+            for row in (0..STRIDE).step_by(band.step) {
                 let values = f32x16::from_slice(simd, &rows[row * width + block * LANES..][..LANES]);
                 total = values.mul_add(window.powers[power][half * STRIDE + row], total);
             }
@@ -46,7 +50,7 @@ pub(crate) fn sum_rows<S: Simd>(simd: S, window: &Window, power: usize, band: Ba
     }
 }
 
-/// Writes `Σ w(η) · band` and `Σ w(η) η · band` over the band's rows, for every padded column.
+/// Writes `Σ w(η) · band` and `Σ w(η) η · band` over the rows that count, for every padded column.
 #[simd]
 pub(crate) fn sum_rows_twice<S: Simd>(simd: S, window: &Window, band: Band<'_>, sums: [&mut [f32]; 2]) {
     let [plain, first] = sums;
@@ -54,8 +58,8 @@ pub(crate) fn sum_rows_twice<S: Simd>(simd: S, window: &Window, band: Band<'_>, 
     let blocks = plain.as_chunks_mut::<LANES>().0.iter_mut().zip(first.as_chunks_mut::<LANES>().0);
     for (block, (plain, first)) in blocks.enumerate() {
         let mut totals = [f32x16::splat(simd, 0.0); 2];
-        for (half, rows) in band.into_iter().enumerate() {
-            for row in 0..STRIDE {
+        for (half, rows) in band.halves.into_iter().enumerate() {
+            for row in (0..STRIDE).step_by(band.step) {
                 let values = f32x16::from_slice(simd, &rows[row * width + block * LANES..][..LANES]);
                 let k = half * STRIDE + row;
                 totals[0] = values.mul_add(window.powers[0][k], totals[0]);
@@ -90,13 +94,14 @@ mod tests {
         let (upper, lower) = rows.split_at(STRIDE * width);
         let window = Window::new();
         let weights = window_weights();
-        for (power_x, power_y) in [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0)] {
+        for (power_x, power_y, step) in [(0, 0, 1), (1, 0, 1), (0, 1, 2), (1, 1, 4), (2, 0, 2)] {
+            let band = Band { halves: [upper, lower], step };
             let (mut sums, mut moments) = (vec![0.0; width], vec![0.0; columns]);
-            dispatch!(Level::new(), simd => sum_rows(simd, &window, power_y, [upper, lower], &mut sums));
+            dispatch!(Level::new(), simd => sum_rows(simd, &window, power_y, band, &mut sums));
             dispatch!(Level::new(), simd => sum_columns(simd, &window, power_x, &sums, &mut moments));
             for (patch, moment) in moments.iter().enumerate() {
                 let mut expected = 0.0;
-                for y in 0..WINDOW {
+                for y in (0..WINDOW).step_by(step) {
                     for x in 0..WINDOW {
                         let power = f64::from(offset(x)).powf(f64::from(power_x as u8))
                             * f64::from(offset(y)).powf(f64::from(power_y as u8));

@@ -14,19 +14,12 @@ use fingervision_image::Image;
 /// The reference on every level.
 #[derive(Debug, Clone)]
 pub(crate) struct AffineReference {
-    /// Level 0 to the coarsest, grey.
+    /// Level 0 to the coarsest, grey; level 0 on every other row, for all steps but the last.
     grey: Vec<Template>,
-    /// Level 0 in colour, where the pictures have colour.
-    colour: Option<Template>,
+    /// Level 0 as the last steps match it: in colour where the pictures have colour.
+    full: Template,
     /// Part of the patches that have texture, 0 to 1.
     pub(crate) textured: f32,
-}
-
-impl AffineReference {
-    /// The template that decides at full size.
-    fn finest(&self) -> &Template {
-        self.colour.as_ref().unwrap_or(&self.grey[0])
-    }
 }
 
 /// The patches of every level and their scratch.
@@ -71,10 +64,15 @@ impl AffinePatches {
 
     /// An empty reference.
     pub(crate) fn reference(&self) -> AffineReference {
-        let template = |level: &LevelState, channels: usize| Template::new(level.field.grid, channels);
+        let grey = self
+            .levels
+            .iter()
+            .enumerate()
+            .map(|(level, state)| Template::new(state.field.grid, 1, if level == 0 { 2 } else { 1 }));
+        let (channels, row_step) = if self.params.colour { (3, self.params.affine.colour_row_step) } else { (1, 1) };
         AffineReference {
-            grey: self.levels.iter().map(|level| template(level, 1)).collect(),
-            colour: self.params.colour.then(|| template(&self.levels[0], 3)),
+            grey: grey.collect(),
+            full: Template::new(self.levels[0].field.grid, channels, row_step),
             textured: 0.0,
         }
     }
@@ -84,10 +82,11 @@ impl AffinePatches {
         for (level, (state, template)) in self.levels.iter().zip(&mut reference.grey).enumerate() {
             state.refinement.prepare(picture.grey.level(level), template);
         }
-        if let (Some(template), Some(colour)) = (&mut reference.colour, &picture.colour) {
-            self.levels[0].refinement.prepare(colour, template);
+        match &picture.colour {
+            Some(colour) => self.levels[0].refinement.prepare(colour, &mut reference.full),
+            None => self.levels[0].refinement.prepare(picture.grey.level(0), &mut reference.full),
         }
-        let nodes = &reference.finest().own_variance[..self.levels[0].field.grid.nodes()];
+        let nodes = &reference.full.own_variance[..self.levels[0].field.grid.nodes()];
         let limit = self.params.validity.max_deviation_px.powi(2);
         let textured = nodes.iter().filter(|&&variance| variance <= limit).count();
         reference.textured = textured as f32 / nodes.len() as f32;
@@ -100,7 +99,7 @@ impl AffinePatches {
 
     /// Follows the motion since the start from level `coarsest` down to full size, with `steps` steps there.
     ///
-    /// With colour the first of these steps is taken in grey, at half the cost; the others are in colour.
+    /// The first of these steps is taken in grey on every other row, at a fraction of the cost.
     pub(crate) fn follow(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize, steps: usize) {
         let coarsest = coarsest.min(self.levels.len() - 1);
         for level in 1..=coarsest {
@@ -117,12 +116,11 @@ impl AffinePatches {
             fine.add_change(&coarse.field, &coarse.before);
         }
         self.levels[0].refinement.trust_all();
-        if let (Some(template), Some(colour)) = (&reference.colour, &current.colour) {
-            let grey_steps = usize::from(steps > 1);
-            self.finish(&reference.grey[0], current.grey.level(0), grey_steps);
-            self.finish(template, colour, steps - grey_steps);
-        } else {
-            self.finish(&reference.grey[0], current.grey.level(0), steps);
+        let first_steps = usize::from(steps > 1);
+        self.finish(&reference.grey[0], current.grey.level(0), first_steps);
+        match &current.colour {
+            Some(colour) => self.finish(&reference.full, colour, steps - first_steps),
+            None => self.finish(&reference.full, current.grey.level(0), steps - first_steps),
         }
     }
 
@@ -138,7 +136,7 @@ impl AffinePatches {
     /// Tells which patches match at the present flow, without moving them.
     pub(crate) fn inspect(&mut self, reference: &AffineReference, current: &Picture) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
-        let template = reference.finest();
+        let template = &reference.full;
         match &current.colour {
             Some(colour) => refinement.inspect(template, colour, field),
             None => refinement.inspect(template, current.grey.level(0), field),
@@ -157,7 +155,7 @@ impl AffinePatches {
     pub(crate) fn write_validity(&mut self, reference: &AffineReference, out: &mut Estimate) {
         let affine = &self.params.affine;
         let LevelState { refinement, field, .. } = &mut self.levels[0];
-        let own = &reference.finest().own_variance;
+        let own = &reference.full.own_variance;
         let step_variance = affine.continuity_px.powi(2) + affine.curvature_px.powi(2);
         refinement.scale_variance(own, &mut self.variance);
         spread_variance(field.grid, step_variance, &mut self.variance);

@@ -8,7 +8,7 @@ use super::bonds::Stiffness;
 use super::coupling::{Coupling, System};
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::judge::own_variance;
-use super::moments::{Window, sum_columns, sum_rows, sum_rows_twice};
+use super::moments::{Band, Window, sum_columns, sum_rows, sum_rows_twice};
 use super::nodes::{Expander, NodeField, UNKNOWNS};
 use super::template::{Template, packed};
 use super::texel::{Taps, Texel, products};
@@ -112,7 +112,6 @@ impl Refinement {
         };
         self.coupling.solve(simd, &system, field, &mut self.increment, iterations);
         field.compose(&self.increment);
-        self.predict_energy(template);
     }
 
     /// Measures the residual at `field` without moving it.
@@ -124,7 +123,6 @@ impl Refinement {
         for plane in &mut self.increment.planes {
             plane.fill(0.0);
         }
-        self.predict_energy(template);
     }
 
     /// Turns the measured energy into what is left of it after the step and the change of light:
@@ -160,6 +158,7 @@ impl Refinement {
 
     /// Decides which patches failed: those whose residual the noise does not explain, nor the template's own contrast.
     pub(crate) fn judge(&mut self, template: &Template, rules: &ValidityParams) {
+        self.predict_energy(template);
         let floor = rules.noise_floor.powi(2) * self.noise_variance;
         for (node, trust) in self.trust.iter_mut().enumerate() {
             let allowed = floor.max(rules.max_unexplained * template.variance[node]);
@@ -197,11 +196,13 @@ impl Refinement {
         for j in 0..self.grid.rows {
             self.fill_band(simd, template, current, field, j + 1);
             let nodes = j * self.grid.columns..(j + 1) * self.grid.columns;
+            let step = template.row_step;
             let upper = &self.bands[j % 2];
             let lower = &self.bands[(j + 1) % 2];
             for component in 0..2 {
                 let [plain, first] = &mut self.row_sums;
-                sum_rows_twice(simd, &self.window, [&upper[component], &lower[component]], [plain, first]);
+                let band = Band { halves: [&upper[component], &lower[component]], step };
+                sum_rows_twice(simd, &self.window, band, [plain, first]);
                 let gradient = &mut self.gradient[3 * component..];
                 sum_columns(simd, &self.window, 0, plain, &mut gradient[0][nodes.clone()]);
                 sum_columns(simd, &self.window, 1, plain, &mut gradient[1][nodes.clone()]);
@@ -210,7 +211,8 @@ impl Refinement {
             let [gain, offset] = &mut self.light;
             let [sums, _] = &mut self.row_sums;
             for (k, plane) in [gain, offset, &mut self.energy].into_iter().enumerate() {
-                sum_rows(simd, &self.window, 0, [&upper[2 + k], &lower[2 + k]], sums);
+                let band = Band { halves: [&upper[2 + k], &lower[2 + k]], step };
+                sum_rows(simd, &self.window, 0, band, sums);
                 sum_columns(simd, &self.window, 0, sums, &mut plane[nodes.clone()]);
             }
         }
@@ -226,7 +228,7 @@ impl Refinement {
         field: &NodeField,
         cell_row: usize,
     ) {
-        for k in 0..STRIDE {
+        for k in (0..STRIDE).step_by(template.row_step) {
             let row = cell_row * STRIDE + k;
             let band = &mut self.bands[cell_row % 2];
             let start = k * self.grid.padded_width();

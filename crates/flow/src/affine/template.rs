@@ -1,7 +1,7 @@
 //! What is computed once per reference: its texels, gradients and normal matrices.
 
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
-use super::moments::{Window, sum_columns, sum_rows};
+use super::moments::{Band, Window, sum_columns, sum_rows};
 use super::nodes::UNKNOWNS;
 use super::texel::{MID_LEVEL, TemplateBlock, Texel};
 use fearless_simd::{Level, Simd, dispatch};
@@ -17,20 +17,16 @@ pub(crate) const fn packed(i: usize, j: usize) -> usize {
     high * (high + 1) / 2 + low
 }
 
-/// One channel of the template: what the splines see at whole pixels, and its gradient.
-#[derive(Debug, Clone)]
-struct Channel {
-    values: Vec<f32>,
-    gradient_x: Vec<f32>,
-    gradient_y: Vec<f32>,
-}
-
 /// A reference picture made ready for matching.
 #[derive(Debug, Clone)]
 pub(crate) struct Template {
     pub(crate) grid: PatchGrid,
-    /// Padded by the grid's margin; outside the image all is zero.
-    channels: Vec<Channel>,
+    channels: usize,
+    /// Every `row_step`-th row is matched, counted from the padded top: 1, 2, 4 or 8.
+    pub(crate) row_step: usize,
+    /// What the splines see at whole pixels, its x and its y gradient, for one channel after the other and row by row:
+    /// what a kernel reads at once lies side by side. Padded by the grid's margin; outside the image all is zero.
+    lines: Vec<f32>,
     /// `Σ w J Jᵀ` of every node with the change of light eliminated, packed, in grey levels² per px².
     pub(crate) normal: [Vec<f32>; PACKED],
     /// Inverse of every node's own block of the coupled system, packed; see [`super::coupling`].
@@ -48,14 +44,14 @@ pub(crate) struct Template {
 }
 
 impl Template {
-    /// An empty template for pictures of this size and so many channels.
-    pub(crate) fn new(grid: PatchGrid, channels: usize) -> Self {
-        let pixels = || vec![0.0; grid.padded_width() * grid.padded_height()];
-        let channel = || Channel { values: pixels(), gradient_x: pixels(), gradient_y: pixels() };
+    /// An empty template for pictures of this size and so many channels, matched on every `row_step`-th row.
+    pub(crate) fn new(grid: PatchGrid, channels: usize, row_step: usize) -> Self {
         let plane = || vec![0.0; grid.plane_len()];
         Self {
             grid,
-            channels: (0..channels).map(|_| channel()).collect(),
+            channels,
+            row_step,
+            lines: vec![0.0; 3 * channels * grid.padded_width() * grid.padded_height()],
             normal: std::array::from_fn(|_| plane()),
             preconditioner: std::array::from_fn(|_| plane()),
             light_gain: std::array::from_fn(|_| std::array::from_fn(|_| plane())),
@@ -69,13 +65,20 @@ impl Template {
     /// Sixteen pixels of a channel in padded row `row` from padded column `column` on.
     #[inline(always)]
     pub(crate) fn block(&self, channel: usize, column: usize, row: usize) -> TemplateBlock<'_> {
-        let start = row * self.grid.padded_width() + column;
-        let channel = &self.channels[channel];
+        let width = self.grid.padded_width();
+        let start = self.line(row, channel) + column;
+        let lines = &self.lines[start..start + 2 * width + LANES];
         TemplateBlock {
-            values: &channel.values[start..][..LANES],
-            gradient_x: &channel.gradient_x[start..][..LANES],
-            gradient_y: &channel.gradient_y[start..][..LANES],
+            values: &lines[..LANES],
+            gradient_x: &lines[width..][..LANES],
+            gradient_y: &lines[2 * width..][..LANES],
         }
+    }
+
+    /// Where the three lines of a channel begin for a padded row.
+    #[inline(always)]
+    fn line(&self, row: usize, channel: usize) -> usize {
+        3 * (row * self.channels + channel) * self.grid.padded_width()
     }
 
     /// Takes a new reference of the grid's size.
@@ -93,20 +96,20 @@ impl Template {
         const VALUE: [f32; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
         const SLOPE: [f32; 3] = [-0.5, 0.0, 0.5];
         let (width, height) = picture.size();
-        let stride = self.grid.padded_width();
+        let padded = self.grid.padded_width();
         for y in 0..height {
             let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| picture.row(y));
             for x in 0..width {
                 let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
                 let texels = rows.map(|row| columns.map(|x| row[x].channels()));
-                let place = (y + MARGIN) * stride + x + MARGIN;
                 let value = weigh(&texels, VALUE, VALUE);
                 let gradient_x = weigh(&texels, SLOPE, VALUE);
                 let gradient_y = weigh(&texels, VALUE, SLOPE);
-                for (c, channel) in self.channels.iter_mut().enumerate() {
-                    channel.values[place] = value[c];
-                    channel.gradient_x[place] = gradient_x[c];
-                    channel.gradient_y[place] = gradient_y[c];
+                for channel in 0..self.channels {
+                    let place = self.line(y + MARGIN, channel) + x + MARGIN;
+                    self.lines[place] = value[channel];
+                    self.lines[place + padded] = gradient_x[channel];
+                    self.lines[place + 2 * padded] = gradient_y[channel];
                 }
             }
         }
@@ -198,21 +201,21 @@ impl PatchSums {
             self.bands.swap(0, 1);
             fill_band(simd, template, j + 1, &mut self.bands[1]);
             for product in 0..10 {
-                self.reduce(simd, j, product);
+                self.reduce(simd, j, product, template.row_step);
             }
         }
     }
 
     /// All moments of one product for a row of patches.
     #[inline(always)]
-    fn reduce<S: Simd>(&mut self, simd: S, j: usize, product: usize) {
+    fn reduce<S: Simd>(&mut self, simd: S, j: usize, product: usize, step: usize) {
         // First plane and highest total power of the product's moments.
         let (first, degree) = match product {
             0..=2 => (6 * product, 2),
             3..=6 => (Self::LIGHT + 3 * (product - 3), 1),
             _ => (Self::LIGHT + 12 + product - 7, 0),
         };
-        let band = [self.bands[0][product].as_slice(), self.bands[1][product].as_slice()];
+        let band = Band { halves: [&self.bands[0][product], &self.bands[1][product]], step };
         let nodes = j * self.grid.columns..(j + 1) * self.grid.columns;
         for power_y in 0..=degree {
             sum_rows(simd, &self.window, power_y, band, &mut self.row_sums);
@@ -238,13 +241,12 @@ fn fill_band<S: Simd>(simd: S, template: &Template, cell_row: usize, band: &mut 
     let _ = simd;
     let PatchGrid { width, height, .. } = template.grid;
     let stride = template.grid.padded_width();
-    for k in 0..STRIDE {
+    for k in (0..STRIDE).step_by(template.row_step) {
         let row = cell_row * STRIDE + k;
         let inside_y = (MARGIN..MARGIN + height).contains(&row);
         for column in 0..stride {
-            let place = row * stride + column;
             let inside = inside_y && (MARGIN..MARGIN + width).contains(&column);
-            let products = if inside { products(template, place) } else { [0.0; 10] };
+            let products = if inside { products(template, row, column) } else { [0.0; 10] };
             for (band, product) in band.iter_mut().zip(products) {
                 band[k * stride + column] = product;
             }
@@ -253,11 +255,13 @@ fn fill_band<S: Simd>(simd: S, template: &Template, cell_row: usize, band: &mut 
 }
 
 #[inline(always)]
-fn products(template: &Template, place: usize) -> [f32; 10] {
+fn products(template: &Template, row: usize, column: usize) -> [f32; 10] {
+    let padded = template.grid.padded_width();
     let mut sums = [0.0; 10];
-    for channel in &template.channels {
-        let t = channel.values[place] - MID_LEVEL;
-        let (gx, gy) = (channel.gradient_x[place], channel.gradient_y[place]);
+    for channel in 0..template.channels {
+        let place = template.line(row, channel) + column;
+        let t = template.lines[place] - MID_LEVEL;
+        let (gx, gy) = (template.lines[place + padded], template.lines[place + 2 * padded]);
         for (sum, product) in sums.iter_mut().zip([gx * gx, gx * gy, gy * gy, gx * t, gx, gy * t, gy, t * t, t, 1.0]) {
             *sum += product;
         }
