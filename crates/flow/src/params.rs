@@ -118,7 +118,7 @@ impl Default for AffineParams {
         Self {
             coarsest_level: 3,
             steps: 2,
-            search_steps: 3,
+            search_steps: 5,
             colour_row_step: 2,
             iterations: 6,
             continuity_px: 0.01,

@@ -57,11 +57,15 @@ impl NodeField {
         }
     }
 
-    /// Adds `coarse − before`, two fields of the next coarser level, to this one.
-    pub(crate) fn add_change(&mut self, coarse: &Self, before: &Self) {
-        let columns = coarse.grid.columns;
+    /// Adds `change`, an increment found on the next coarser level.
+    ///
+    /// A level tells motion from its own error only where it is a fair part of its pixel: smaller changes fade out as
+    /// `m⁴/(m⁴ + z⁴)` with their length `m`, `z` a tenth of a coarse pixel, and are left to the finer levels.
+    pub(crate) fn add_change(&mut self, change: &Self) {
+        const FADE: f32 = 1e-4;
+        let columns = change.grid.columns;
         for j in 0..self.grid.rows {
-            let (near_j, far_j) = coarse_neighbours(j, coarse.grid.rows);
+            let (near_j, far_j) = coarse_neighbours(j, change.grid.rows);
             for i in 0..self.grid.columns {
                 let (near_i, far_i) = coarse_neighbours(i, columns);
                 let corners = [
@@ -70,11 +74,23 @@ impl NodeField {
                     (far_j * columns + near_i, 0.1875),
                     (far_j * columns + far_i, 0.0625),
                 ];
+                let at = |p: usize| corners.iter().map(|&(node, weight)| weight * change.planes[p][node]).sum::<f32>();
+                let changes: [f32; UNKNOWNS] = std::array::from_fn(at);
+                let length = (changes[0] * changes[0] + changes[3] * changes[3]).powi(2);
+                let trust = length / (length + FADE);
                 for (p, plane) in self.planes.iter_mut().enumerate() {
-                    let (new, old) = (&coarse.planes[p], &before.planes[p]);
-                    let change: f32 = corners.iter().map(|&(node, weight)| weight * (new[node] - old[node])).sum();
-                    plane[j * self.grid.columns + i] += if p % 3 == 0 { 2.0 * change } else { change };
+                    let scale = if p % 3 == 0 { 2.0 } else { 1.0 };
+                    plane[j * self.grid.columns + i] += trust * scale * changes[p];
                 }
+            }
+        }
+    }
+
+    /// Takes `new − old`.
+    pub(crate) fn take_difference(&mut self, new: &Self, old: &Self) {
+        for (plane, (new, old)) in self.planes.iter_mut().zip(new.planes.iter().zip(&old.planes)) {
+            for (value, (new, old)) in plane.iter_mut().zip(new.iter().zip(old)) {
+                *value = new - old;
             }
         }
     }

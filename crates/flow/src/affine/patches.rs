@@ -36,6 +36,7 @@ struct LevelState {
     refinement: Refinement,
     field: NodeField,
     before: NodeField,
+    change: NodeField,
 }
 
 /// Least width and height of a level that holds patches, px.
@@ -55,6 +56,7 @@ impl AffinePatches {
                 refinement: Refinement::new(grid, simd, params.noise_levels, stiffness),
                 field: NodeField::zero(grid),
                 before: NodeField::zero(grid),
+                change: NodeField::zero(grid),
             }
         };
         let levels: Vec<_> = (0..=coarsest_level(width, height, params)).map(level).collect();
@@ -113,7 +115,8 @@ impl AffinePatches {
             let (fine, coarse) = self.levels.split_at_mut(level);
             let (fine, coarse) = (&mut fine[level - 1].field, &mut coarse[0]);
             coarse.before.coarsen(fine);
-            fine.add_change(&coarse.field, &coarse.before);
+            coarse.change.take_difference(&coarse.field, &coarse.before);
+            fine.add_change(&coarse.change);
         }
         self.levels[0].refinement.trust_all();
         let first_steps = usize::from(steps > 1);
