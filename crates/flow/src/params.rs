@@ -121,9 +121,9 @@ impl Default for AffineParams {
             search_steps: 5,
             colour_row_step: 2,
             iterations: 6,
-            continuity_px: 0.01,
+            continuity_px: 0.008,
             curvature_px: 0.012,
-            bond_tolerance: 9.0,
+            bond_tolerance: 6.0,
         }
     }
 }
