@@ -64,8 +64,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 fn times(profile: &Profile, args: &Args) -> Result<Vec<f64>, Failure> {
     let press = SimulatedPress::new(SIZE, RADIUS_PX, AMPLITUDE_PX, PRESS_FRAMES)?;
     let mut frames = Vec::new();
-    let progress = args.output.progress(Some(PRESS_FRAMES + args.frames + 1));
-    for sequence in 0..PRESS_FRAMES {
+    let rendered = PRESS_FRAMES.min(args.frames + 1);
+    let progress = args.output.progress(Some(rendered + args.frames + 1));
+    for sequence in 0..rendered {
         frames.push(press.frame(sequence)?);
         progress.inc(1);
     }

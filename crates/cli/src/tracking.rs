@@ -1,5 +1,6 @@
 //! A run: frames from a source through the tracker into a folder.
 
+use std::fs;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -77,7 +78,8 @@ impl Run {
                 "leave depth out of --fields, or give the profile depth.density = { slope_mm = ..., intercept_mm = ... }",
             )),
             None if !tracker.has_depth() => {
-                self.output.note("no depth is written: the profile has no depth line; flow and density are in px");
+                let name = &self.profile.name;
+                self.output.note(&format!("no depth is written: the profile \"{name}\" has no depth line"));
                 Ok(tracker)
             }
             _ => Ok(tracker),
@@ -128,6 +130,10 @@ impl Run {
         let path = self.folder.join("preview.png");
         let drawn = if tally.frames > 0 { preview.save(&path) } else { Ok(()) };
         let has_preview = tally.frames > 0 && drawn.is_ok();
+        if drawn.is_err() {
+            // Half a picture is none; the error that is reported is the one that cut it.
+            let _ = fs::remove_file(&path);
+        }
         let closed = folder.finish();
         let summary = Summary {
             folder: self.folder.clone(),

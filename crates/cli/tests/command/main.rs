@@ -1,0 +1,10 @@
+//! The real command in a fresh folder: what it writes, what it says, and how it fails.
+
+#![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+
+mod damage;
+mod output;
+mod profile;
+mod track;
+mod usage;
+mod workbench;

@@ -1,0 +1,63 @@
+//! How the command explains itself, and what it makes of wrong usage.
+
+use std::fs;
+use std::process::Stdio;
+
+use crate::workbench::Workbench;
+
+#[test]
+fn wrong_usage_exits_with_2() {
+    let bench = Workbench::new();
+    for arguments in [
+        "",
+        "trak press",
+        "track",
+        "track press",
+        "track press --out run --fps 0",
+        "track press --out run --fields flow,forces",
+        "track press --out run --set flow.finest_level",
+        "bench --frames 0",
+    ] {
+        let ended = bench.run(arguments);
+        assert_eq!(ended.code, Some(2), "{arguments}: {ended:?}");
+        assert_eq!(ended.out, "", "{arguments}");
+        assert!(!ended.errors.is_empty(), "{arguments}");
+    }
+}
+
+/// After a change of the help, look at it and run the tests with `UPDATE_HELP=1`.
+#[test]
+fn the_help_is_as_recorded() {
+    let bench = Workbench::new();
+    for name in ["fingervision", "track", "demo", "bench", "doctor"] {
+        let arguments = if name == "fingervision" { "--help".into() } else { format!("{name} --help") };
+        let help = bench.run(&arguments).expect_done().out;
+        let path = format!("{}/tests/help/{name}.txt", env!("CARGO_MANIFEST_DIR"));
+        if std::env::var_os("UPDATE_HELP").is_some() {
+            fs::write(&path, &help).unwrap();
+        }
+        let recorded = fs::read_to_string(&path).unwrap_or_default();
+        assert_eq!(help, recorded, "{path}");
+    }
+}
+
+#[test]
+fn a_reader_that_leaves_is_no_failure() {
+    let bench = Workbench::new();
+    let mut child = bench.command("doctor").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), [].as_slice()));
+}
+
+#[test]
+fn an_output_that_is_full_is_a_failure() {
+    let Ok(full) = fs::OpenOptions::new().write(true).open("/dev/full") else {
+        println!("skipped: this machine has no /dev/full");
+        return;
+    };
+    let output = Workbench::new().command("doctor").stdout(full).output().unwrap();
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{errors}");
+    assert!(errors.starts_with("error: cannot write the output: No space left"), "{errors}");
+}
