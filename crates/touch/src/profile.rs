@@ -7,7 +7,7 @@
 //! ```
 //! use fingervision_touch::Profile;
 //!
-//! let mut profile = Profile::from_toml("name = 'left index'\n[gel]\nsize_mm = [30, 30]\nthickness_mm = 10\npoissons_ratio = 0.48")?;
+//! let mut profile = Profile::from_toml("name = 'left index'\n[density]\nsigma_px = 2.5")?;
 //! profile.set("flow.finest_level", "1")?;
 //! assert_eq!(profile.flow.finest_level, Some(1));
 //! # Ok::<(), fingervision_touch::ProfileError>(())

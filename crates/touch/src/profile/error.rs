@@ -105,6 +105,12 @@ impl ProfileError {
             Self::Read { .. } => None,
             Self::Syntax { .. } => Some("a profile is a TOML file: key = value, with texts in quotes".into()),
             Self::UnknownKey { key, known, .. } => Some(near_match(key, known)),
+            Self::WrongType { message, .. } if message.starts_with("unknown variant") => {
+                let mut names = message.split('`').skip(1).step_by(2);
+                let name = names.next()?;
+                let known: Vec<_> = names.collect();
+                Some(nearest(name, &known).map_or_else(|| format!("it takes {}", known.join(", ")), did_you_mean))
+            }
             Self::WrongType { message, .. } if message.starts_with("missing") => {
                 Some("give all keys of the table, or leave the table out".into())
             }
@@ -141,13 +147,23 @@ fn why_unreadable(kind: io::ErrorKind) -> String {
 fn near_match(key: &str, known: &[String]) -> String {
     let (table, name) = key.rsplit_once('.').map_or(("", key), |(table, name)| (table, name));
     let joint = if table.is_empty() { "" } else { "." };
-    let likeness = |known: &String| strsim::jaro_winkler(name, known);
-    match known.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))) {
-        Some(best) if likeness(best) > ALIKE => format!("did you mean {table}{joint}{best}?"),
-        _ if known.is_empty() => format!("{table} takes no keys"),
-        _ if table.is_empty() => format!("a profile knows {}", known.join(", ")),
-        _ => format!("{table} knows {}", known.join(", ")),
+    match nearest(name, known) {
+        Some(best) => did_you_mean(&format!("{table}{joint}{best}")),
+        None if known.is_empty() => format!("{table} takes no keys"),
+        None if table.is_empty() => format!("a profile knows {}", known.join(", ")),
+        None => format!("{table} knows {}", known.join(", ")),
     }
+}
+
+fn did_you_mean(name: &str) -> String {
+    format!("did you mean {name}?")
+}
+
+/// The name that is most like `name`, if any is.
+fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str> {
+    let likeness = |known: &&str| strsim::jaro_winkler(name, known);
+    let best = known.iter().map(AsRef::as_ref).max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
+    (likeness(&best) > ALIKE).then_some(best)
 }
 
 impl From<ParameterError> for ProfileError {

@@ -65,9 +65,9 @@ fn what_is_written_is_read_back() {
 }
 
 #[test]
-fn every_default_is_written_out_as_it_was_typed() {
-    let text = Profile::default().to_toml();
-    for line in ["name = \"unnamed\"", "sigma_px = 2.0", "min_matched = 0.7", "continuity_px = 0.01"] {
+fn every_value_is_written_out_as_it_was_typed() {
+    let text = Profile::from_toml("[references]\nmin_matched = 0.6\n[density]\nsigma_px = 2.3").unwrap().to_toml();
+    for line in ["name = \"unnamed\"", "min_matched = 0.6", "sigma_px = 2.3", "policy = \"anchored\""] {
         assert!(text.lines().any(|written| written == line), "no {line} in\n{text}");
     }
 }
@@ -91,8 +91,11 @@ fn a_wrong_type_is_named_with_its_line() {
     assert!(hint.contains("without quotes"), "{hint}");
     let (error, _) = refusal("[flow.affine]\nsteps = -1");
     assert_eq!(error, "line 2: flow.affine.steps: invalid value: integer `-1`, expected usize");
-    let (error, _) = refusal("[depth]\nmethod = 'elastik'");
+    let (error, hint) = refusal("[depth]\nmethod = 'elastik'");
     assert_eq!(error, "line 2: depth.method: unknown variant `elastik`, expected `density` or `elastic`");
+    assert_eq!(hint, "did you mean elastic?");
+    let (_, hint) = refusal("[depth]\nmethod = 'magic'");
+    assert_eq!(hint, "it takes density, elastic");
 }
 
 #[test]
