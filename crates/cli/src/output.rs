@@ -44,8 +44,8 @@ impl OutputArgs {
             return ProgressBar::hidden();
         }
         let (bar, template) = match count {
-            Some(count) => (ProgressBar::new(count), "{bar:40} {pos}/{len} frames  {per_sec}  {eta} left"),
-            None => (ProgressBar::new_spinner(), "{spinner} {pos} frames  {per_sec}"),
+            Some(count) => (ProgressBar::new(count), "{bar:40} {pos}/{len} frames, {eta} left"),
+            None => (ProgressBar::new_spinner(), "{spinner} {pos} frames in {elapsed}"),
         };
         match ProgressStyle::with_template(template) {
             Ok(style) => bar.with_style(style),

@@ -12,6 +12,8 @@ pub(crate) struct ProfileArgs {
     #[arg(long, value_name = "FILE")]
     profile: Option<PathBuf>,
     /// Set one value of the profile, as in `flow.finest_level=1`; may be repeated
+    ///
+    /// The run.toml of any run lists the keys with their values.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     assignments: Vec<(String, String)>,
 }
