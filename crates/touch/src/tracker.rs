@@ -132,9 +132,10 @@ impl Tracker {
         reading.reference_id = matched.reference_id;
         reading.reference_count = matched.reference_count;
         reading.photometric_error = matched.photometric_error;
-        reading.flow.copy_from(&self.estimate.flow);
-        reading.deviation.copy_from(&self.estimate.deviation);
-        reading.valid.copy_from(&self.estimate.valid);
+        // The estimate is written anew for every frame: its fields can be handed over.
+        std::mem::swap(&mut reading.flow, &mut self.estimate.flow);
+        std::mem::swap(&mut reading.deviation, &mut self.estimate.deviation);
+        std::mem::swap(&mut reading.valid, &mut self.estimate.valid);
         reading.flags = flags;
         if let Some(stage) = &mut self.density {
             stage.run(&mut self.reading);
@@ -199,8 +200,20 @@ impl DensityStage {
         self.filter.filter_into(&self.field.feature, &reading.valid, feature);
         if let (Some(line), Some(depth)) = (self.line, &mut reading.depth) {
             line.depth_into(feature, depth);
-            let valid = depth.values().iter().zip(reading.valid.values()).filter(|(_, valid)| **valid == 1);
-            reading.max_depth_mm = valid.map(|(&depth, _)| depth).reduce(f32::max);
+            reading.max_depth_mm = largest_valid(depth, &reading.valid);
         }
     }
+}
+
+/// Largest value where `valid` is 1; none if it is nowhere.
+fn largest_valid(values: &Image<f32>, valid: &Image<u8>) -> Option<f32> {
+    const LANES: usize = 16;
+    let mut largest = [f32::NEG_INFINITY; LANES];
+    for (values, valid) in values.values().chunks(LANES).zip(valid.values().chunks(LANES)) {
+        for ((largest, &value), &valid) in largest.iter_mut().zip(values).zip(valid) {
+            let value = if valid == 1 { value } else { f32::NEG_INFINITY };
+            *largest = if value > *largest { value } else { *largest };
+        }
+    }
+    largest.into_iter().reduce(f32::max).filter(|largest| largest.is_finite())
 }

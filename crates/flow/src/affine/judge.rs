@@ -9,6 +9,8 @@ use super::grid::{MARGIN, PatchGrid, STRIDE};
 use super::nodes::UNKNOWNS;
 use super::template::{PACKED, packed};
 use crate::Estimate;
+use fearless_simd::Simd;
+use fearless_simd_macros::simd;
 
 /// Systematic error that no averaging removes, px²: sampling and interpolation, measured on noise-free images.
 const FLOOR_VARIANCE: f32 = 0.003 * 0.003;
@@ -58,25 +60,42 @@ pub(crate) fn spread_variance(grid: PatchGrid, step_variance: f32, variance: &mu
 ///
 /// A pixel takes the values of the node it is nearest to, and is invalid where that patch failed or where it has left
 /// the current image.
-pub(crate) fn mark_pixels(grid: PatchGrid, variance: &[f32], trust: &[f32], max_deviation: f32, out: &mut Estimate) {
-    let (width, height) = (grid.width as f32, grid.height as f32);
+#[simd]
+pub(crate) fn mark_pixels<S: Simd>(
+    simd: S,
+    grid: PatchGrid,
+    variance: &[f32],
+    trust: &[f32],
+    max_deviation: f32,
+    out: &mut Estimate,
+) {
+    let _ = simd;
     for y in 0..grid.height {
         let start = ((y + MARGIN - STRIDE / 2) / STRIDE).min(grid.rows - 1) * grid.columns;
-        let deviations = out.deviation.row_mut(y);
-        for (i, cell) in deviations.chunks_mut(STRIDE).enumerate() {
+        let deviation = out.deviation.row_mut(y);
+        for (i, cell) in deviation.chunks_mut(STRIDE).enumerate() {
             let node = start + i;
-            let deviation = (variance[node] + FLOOR_VARIANCE).sqrt();
-            cell.fill(if trust[node] > 0.0 { deviation } else { f32::INFINITY });
+            let of_node = (variance[node] + FLOOR_VARIANCE).sqrt();
+            cell.fill(if trust[node] > 0.0 { of_node } else { f32::INFINITY });
         }
-        let flow = out.flow.u.row(y).iter().zip(out.flow.v.row(y));
-        for (x, ((valid, deviation), (u, v))) in
-            out.valid.row_mut(y).iter_mut().zip(out.deviation.row_mut(y)).zip(flow).enumerate()
-        {
-            let (px, py) = (x as f32 + u, y as f32 + v);
-            let is_inside = px >= 0.0 && py >= 0.0 && px <= width - 1.0 && py <= height - 1.0;
-            *deviation = if is_inside { *deviation } else { f32::INFINITY };
+        let size = (grid.width as f32 - 1.0, grid.height as f32 - 1.0);
+        hide_outside((out.flow.u.row(y), out.flow.v.row(y)), y as f32, size, deviation);
+        for (valid, deviation) in out.valid.row_mut(y).iter_mut().zip(out.deviation.row(y)) {
             *valid = u8::from(*deviation <= max_deviation);
         }
+    }
+}
+
+/// Makes the deviation infinite where a row's points have left an image with the given last column and row.
+#[inline(always)]
+#[expect(clippy::needless_bitwise_bool, reason = "without branches the loop is vectorised")]
+fn hide_outside((u, v): (&[f32], &[f32]), y: f32, (right, bottom): (f32, f32), deviation: &mut [f32]) {
+    let n = deviation.len();
+    let (u, v) = (&u[..n], &v[..n]);
+    for x in 0..n {
+        let (px, py) = (x as f32 + u[x], y + v[x]);
+        let is_inside = (px >= 0.0) & (py >= 0.0) & (px <= right) & (py <= bottom);
+        deviation[x] = if is_inside { deviation[x] } else { f32::INFINITY };
     }
 }
 

@@ -8,7 +8,7 @@ use super::refinement::Refinement;
 use super::template::Template;
 use super::texel::Texel;
 use crate::{Estimate, FlowField, FlowParams, Picture};
-use fearless_simd::Level;
+use fearless_simd::{Level, dispatch};
 use fingervision_image::Image;
 
 /// The reference on every level.
@@ -29,6 +29,7 @@ pub(crate) struct AffinePatches {
     /// Level 0 to the coarsest.
     levels: Vec<LevelState>,
     variance: Vec<f32>,
+    simd: Level,
 }
 
 #[derive(Debug, Clone)]
@@ -61,7 +62,7 @@ impl AffinePatches {
         };
         let levels: Vec<_> = (0..=coarsest_level(width, height, params)).map(level).collect();
         let variance = vec![0.0; levels[0].field.grid.plane_len()];
-        Self { params: *params, levels, variance }
+        Self { params: *params, levels, variance, simd }
     }
 
     /// An empty reference.
@@ -164,7 +165,9 @@ impl AffinePatches {
         spread_variance(field.grid, step_variance, &mut self.variance);
         let textured = self.params.validity.max_deviation_px.powi(2);
         (out.matched, out.residual_levels) = refinement.summarise(own, textured);
-        mark_pixels(field.grid, &self.variance, refinement.trust(), self.params.validity.max_deviation_px, out);
+        let (grid, variance, trust) = (field.grid, &self.variance, refinement.trust());
+        let limit = self.params.validity.max_deviation_px;
+        dispatch!(self.simd, simd => mark_pixels(simd, grid, variance, trust, limit, out));
     }
 }
 
