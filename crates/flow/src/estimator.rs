@@ -1,6 +1,7 @@
 //! The flow estimator: one object per picture size, used for every frame.
 
 use crate::affine::patches::{self, AffinePatches, AffineReference};
+use crate::round_trip::{invert_into, round_trip_error_into};
 use crate::search::{self, InverseSearch, SearchReference};
 use crate::{FlowError, FlowField, FlowParams, Picture, Preset};
 use fearless_simd::Level;
@@ -11,6 +12,8 @@ use fingervision_image::Image;
 pub struct Reference {
     search: SearchReference,
     affine: AffineReference,
+    /// The picture itself, where the round trip is checked.
+    picture: Option<Picture>,
 }
 
 impl Reference {
@@ -78,7 +81,20 @@ pub struct FlowEstimator {
     search: InverseSearch,
     affine: AffinePatches,
     found: FlowField,
+    way_back: Option<Box<WayBack>>,
 }
+
+/// What the round trip needs: the current picture as reference.
+#[derive(Debug, Clone)]
+struct WayBack {
+    reference: Reference,
+    start: FlowField,
+    flow: FlowField,
+    error: Image<f32>,
+}
+
+/// Fixed-point passes that turn a flow round, to start the way back.
+const INVERSION_PASSES: usize = 6;
 
 /// Least width and height of a picture, px.
 const LEAST_SIZE: usize = 32;
@@ -95,14 +111,24 @@ impl FlowEstimator {
             return Err(FlowError::TooSmall { width, height, least: LEAST_SIZE });
         }
         let simd = Level::new();
-        Ok(Self {
+        let mut estimator = Self {
             width,
             height,
             params: *params,
             search: InverseSearch::new(width, height, params.search(), simd),
             affine: AffinePatches::new(width, height, params, simd),
             found: FlowField::zero(width, height),
-        })
+            way_back: None,
+        };
+        estimator.way_back = params.validity.max_round_trip_px.is_some().then(|| {
+            Box::new(WayBack {
+                reference: estimator.reference(),
+                start: FlowField::zero(width, height),
+                flow: FlowField::zero(width, height),
+                error: Image::filled(width, height, 0.0),
+            })
+        });
+        Ok(estimator)
     }
 
     /// An empty picture with the levels and channels that this estimator needs.
@@ -116,13 +142,17 @@ impl FlowEstimator {
     /// An empty reference, to be filled by [`FlowEstimator::prepare`].
     #[must_use]
     pub fn reference(&self) -> Reference {
-        Reference { search: self.search.reference(), affine: self.affine.reference() }
+        let picture = self.params.validity.max_round_trip_px.map(|_| self.picture());
+        Reference { search: self.search.reference(), affine: self.affine.reference(), picture }
     }
 
     /// Makes a picture the reference.
     pub fn prepare(&self, picture: &Picture, reference: &mut Reference) {
         self.search.prepare(picture, &mut reference.search);
         self.affine.prepare(picture, &mut reference.affine);
+        if let Some(kept) = &mut reference.picture {
+            kept.copy_from(picture);
+        }
     }
 
     /// Writes the flow from a reference to the current picture.
@@ -137,12 +167,36 @@ impl FlowEstimator {
             (Preset::Affine, Start::Search(guess)) => {
                 self.search.flow(&reference.search, current, guess, &mut self.found);
                 self.affine.start(&self.found);
-                self.affine.follow(&reference.affine, current, 1, affine.search_steps);
+                self.affine.settle(&reference.affine, current, affine.search_steps);
                 self.affine.write(&reference.affine, out);
             }
             (_, Start::Search(guess)) => self.search_alone(reference, current, guess, out),
             (_, Start::Flow(guess)) => self.search_alone(reference, current, Some(guess), out),
         }
+        if let (Some(limit), Some(picture)) = (self.params.validity.max_round_trip_px, &reference.picture) {
+            self.check_round_trip(picture, current, limit, out);
+        }
+    }
+
+    /// Matches backwards and marks the pixels that do not come back to where they began.
+    fn check_round_trip(&mut self, reference: &Picture, current: &Picture, limit: f32, out: &mut Estimate) {
+        let Some(mut way_back) = self.way_back.take() else { return };
+        let WayBack { reference: back_reference, start, flow, error } = &mut *way_back;
+        self.prepare(current, back_reference);
+        invert_into(&out.flow, INVERSION_PASSES, start);
+        match self.params.preset {
+            Preset::Affine => {
+                self.affine.start(start);
+                self.affine.follow(&back_reference.affine, reference, 0, self.params.affine.steps);
+                self.affine.expand(flow);
+            }
+            _ => self.search.flow(&back_reference.search, reference, Some(start), flow),
+        }
+        round_trip_error_into(&out.flow, flow, error);
+        for (valid, error) in out.valid.values_mut().iter_mut().zip(error.values()) {
+            *valid &= u8::from(*error <= limit);
+        }
+        self.way_back = Some(way_back);
     }
 
     fn search_alone(

@@ -40,6 +40,7 @@ mod estimator;
 mod field;
 mod params;
 mod picture;
+mod round_trip;
 mod search;
 
 pub use error::FlowError;
@@ -47,4 +48,5 @@ pub use estimator::{Estimate, FlowEstimator, Reference, Start};
 pub use field::FlowField;
 pub use params::{AffineParams, FlowParams, Preset, ValidityParams};
 pub use picture::Picture;
+pub use round_trip::{invert_into, round_trip_error_into};
 pub use search::{RefineParams, SearchParams};

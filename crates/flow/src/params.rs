@@ -162,11 +162,15 @@ pub struct ValidityParams {
     pub noise_floor: f32,
     /// A pixel is valid while its predicted standard deviation is at most this, px.
     pub max_deviation_px: f32,
+    /// A pixel is valid while the flow there and the flow back end at most this far from where they began, px. Absent:
+    /// not checked. The check matches every frame a second time, backwards, with a reference of its own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_round_trip_px: Option<f32>,
 }
 
 impl Default for ValidityParams {
     fn default() -> Self {
-        Self { max_unexplained: 0.4, noise_floor: 4.0, max_deviation_px: 0.25 }
+        Self { max_unexplained: 0.4, noise_floor: 4.0, max_deviation_px: 0.25, max_round_trip_px: None }
     }
 }
 
@@ -178,6 +182,8 @@ impl ValidityParams {
         let floor = f64::from(self.noise_floor);
         check((0.0..=1000.0).contains(&floor), "validity.noise_floor", floor, "0 to 1000")?;
         let deviation = f64::from(self.max_deviation_px);
-        check(deviation > 0.0 && deviation.is_finite(), "validity.max_deviation_px", deviation, "above 0 px")
+        check(deviation > 0.0 && deviation.is_finite(), "validity.max_deviation_px", deviation, "above 0 px")?;
+        let trip = self.max_round_trip_px.map_or(1.0, f64::from);
+        check(trip > 0.0 && trip.is_finite(), "validity.max_round_trip_px", trip, "above 0 px")
     }
 }

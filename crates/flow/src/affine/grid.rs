@@ -54,7 +54,6 @@ impl PatchGrid {
     }
 
     /// Image coordinate of node `i` along either axis, px.
-    #[cfg(test)]
     pub(crate) fn centre(i: usize) -> f32 {
         (STRIDE * i + MARGIN) as f32 - 0.5
     }

@@ -26,6 +26,16 @@ impl NodeField {
         Self { grid, planes: std::array::from_fn(|_| vec![0.0; grid.plane_len()]) }
     }
 
+    /// Whether a node's point lies in the current image.
+    pub(crate) fn is_inside(&self, node: usize) -> bool {
+        let (i, j) = (node % self.grid.columns, node / self.grid.columns);
+        let (x, y) = (PatchGrid::centre(i) + self.planes[0][node], PatchGrid::centre(j) + self.planes[3][node]);
+        let (right, bottom) = (self.grid.width as f32 - 1.0, self.grid.height as f32 - 1.0);
+        // The outermost centres lie up to half a patch outside the image even at rest.
+        let slack = MARGIN as f32;
+        x >= -slack && y >= -slack && x <= right + slack && y <= bottom + slack
+    }
+
     /// Adds an increment measured in the template's frame: `u ← u + (I + ∇u) δ`, to first order in `δ`.
     pub(crate) fn compose(&mut self, increment: &Self) {
         let d = &increment.planes;
@@ -81,6 +91,43 @@ impl NodeField {
                 for (p, plane) in self.planes.iter_mut().enumerate() {
                     let scale = if p % 3 == 0 { 2.0 } else { 1.0 };
                     plane[j * self.grid.columns + i] += trust * scale * changes[p];
+                }
+            }
+        }
+    }
+
+    /// Gives every node that is not trusted what its neighbours suggest: the mean of their affine predictions, from the
+    /// trusted nodes outwards ring by ring. `rings` is scratch of a plane's length.
+    pub(crate) fn heal(&mut self, trust: &[f32], rings: &mut [usize]) {
+        let (columns, nodes) = (self.grid.columns, self.grid.nodes());
+        for (ring, trust) in rings.iter_mut().zip(trust) {
+            *ring = if *trust > 0.0 { 0 } else { usize::MAX };
+        }
+        for ring in 1..=columns + self.grid.rows {
+            for node in 0..nodes {
+                if rings[node] < ring {
+                    continue;
+                }
+                let neighbours = [
+                    (node % columns > 0).then(|| (node - 1, 1, 1.0)),
+                    ((node + 1) % columns > 0).then_some((node + 1, 1, -1.0)),
+                    node.checked_sub(columns).map(|above| (above, 2, 1.0)),
+                    (node + columns < nodes).then_some((node + columns, 2, -1.0)),
+                ];
+                let mut sums = [0.0; UNKNOWNS];
+                let mut count = 0.0;
+                for (from, slope, way) in neighbours.into_iter().flatten().filter(|&(from, ..)| rings[from] < ring) {
+                    count += 1.0;
+                    for (p, sum) in sums.iter_mut().enumerate() {
+                        let step = if p % 3 == 0 { way * self.planes[p + slope][from] } else { 0.0 };
+                        *sum += self.planes[p][from] + step;
+                    }
+                }
+                if count > 0.0 {
+                    rings[node] = ring;
+                    for (plane, sum) in self.planes.iter_mut().zip(sums) {
+                        plane[node] = sum / count;
+                    }
                 }
             }
         }
@@ -279,6 +326,31 @@ mod tests {
             for column in 2 * STRIDE..STRIDE * (grid.columns - 1) {
                 let (x, y) = (column as f32 - MARGIN as f32, row as f32 - MARGIN as f32);
                 assert!((a[column] - u(x, y)).abs() < 1e-3, "({x}, {y}): {} against {}", a[column], u(x, y));
+            }
+        }
+    }
+
+    #[test]
+    fn untrusted_nodes_are_healed_to_the_field_around_them() {
+        let grid = PatchGrid::over(80, 64);
+        let affine = |node: usize| {
+            let (i, j) = ((node % grid.columns) as f32, (node / grid.columns) as f32);
+            [1.0 + 0.5 * i - 0.25 * j, 0.5, -0.25, 2.0 - i, -1.0, 0.0]
+        };
+        let mut field = NodeField::zero(grid);
+        let mut trust = vec![1.0; grid.plane_len()];
+        for node in 0..grid.nodes() {
+            let (i, j) = (node % grid.columns, node / grid.columns);
+            let is_known = !(i < 3 || (5..8).contains(&i) && (2..5).contains(&j));
+            trust[node] = f32::from(u8::from(is_known));
+            for (plane, value) in field.planes.iter_mut().zip(affine(node)) {
+                plane[node] = if is_known { value } else { 99.0 };
+            }
+        }
+        field.heal(&trust, &mut vec![0; grid.plane_len()]);
+        for node in 0..grid.nodes() {
+            for (plane, value) in field.planes.iter().zip(affine(node)) {
+                assert!((plane[node] - value).abs() < 1e-4, "node {node}: {} against {value}", plane[node]);
             }
         }
     }

@@ -29,6 +29,7 @@ pub(crate) struct AffinePatches {
     /// Level 0 to the coarsest.
     levels: Vec<LevelState>,
     variance: Vec<f32>,
+    rings: Vec<usize>,
     simd: Level,
 }
 
@@ -61,8 +62,8 @@ impl AffinePatches {
             }
         };
         let levels: Vec<_> = (0..=coarsest_level(width, height, params)).map(level).collect();
-        let variance = vec![0.0; levels[0].field.grid.plane_len()];
-        Self { params: *params, levels, variance, simd }
+        let nodes = levels[0].field.grid.plane_len();
+        Self { params: *params, levels, variance: vec![0.0; nodes], rings: vec![0; nodes], simd }
     }
 
     /// An empty reference.
@@ -122,9 +123,25 @@ impl AffinePatches {
         self.levels[0].refinement.trust_all();
         let first_steps = usize::from(steps > 1);
         self.finish(&reference.grey[0], current.grey.level(0), first_steps);
+        self.finish_full(reference, current, steps - first_steps);
+    }
+
+    /// Settles a field that a search has found: steps at full size between which patches that fail are given what
+    /// their neighbours suggest, and so another chance.
+    pub(crate) fn settle(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
+        self.follow(reference, current, 1, 1);
+        for _ in 1..steps {
+            let LevelState { refinement, field, .. } = &mut self.levels[0];
+            field.heal(refinement.trust(), &mut self.rings);
+            refinement.trust_all();
+            self.finish_full(reference, current, 1);
+        }
+    }
+
+    fn finish_full(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
         match &current.colour {
-            Some(colour) => self.finish(&reference.full, colour, steps - first_steps),
-            None => self.finish(&reference.full, current.grey.level(0), steps - first_steps),
+            Some(colour) => self.finish(&reference.full, colour, steps),
+            None => self.finish(&reference.full, current.grey.level(0), steps),
         }
     }
 
@@ -133,7 +150,7 @@ impl AffinePatches {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         for _ in 0..steps {
             refinement.step(template, current, field, self.params.affine.iterations);
-            refinement.judge(template, &self.params.validity);
+            refinement.judge(template, field, &self.params.validity);
         }
     }
 
@@ -145,13 +162,18 @@ impl AffinePatches {
             Some(colour) => refinement.inspect(template, colour, field),
             None => refinement.inspect(template, current.grey.level(0), field),
         }
-        refinement.judge(template, &self.params.validity);
+        refinement.judge(template, field, &self.params.validity);
+    }
+
+    /// Writes the flow at every pixel.
+    pub(crate) fn expand(&mut self, flow: &mut FlowField) {
+        let LevelState { refinement, field, .. } = &mut self.levels[0];
+        refinement.expand(field, flow);
     }
 
     /// Writes the flow, its deviation and its validity.
     pub(crate) fn write(&mut self, reference: &AffineReference, out: &mut Estimate) {
-        let LevelState { refinement, field, .. } = &mut self.levels[0];
-        refinement.expand(field, &mut out.flow);
+        self.expand(&mut out.flow);
         self.write_validity(reference, out);
     }
 

@@ -37,6 +37,8 @@ pub(crate) struct Refinement {
     energy: Vec<f32>,
     /// Residual left per sample, grey levels².
     mean_energy: Vec<f32>,
+    /// Whether the patch's centre lies in the current image.
+    is_inside: Vec<bool>,
     trust: Vec<f32>,
     increment: NodeField,
 }
@@ -61,6 +63,7 @@ impl Refinement {
             light: [plane(), plane()],
             energy: plane(),
             mean_energy: plane(),
+            is_inside: vec![true; grid.plane_len()],
             trust: vec![1.0; grid.plane_len()],
             increment: NodeField::zero(grid),
         }
@@ -156,13 +159,16 @@ impl Refinement {
         &self.trust
     }
 
-    /// Decides which patches failed: those whose residual the noise does not explain, nor the template's own contrast.
-    pub(crate) fn judge(&mut self, template: &Template, rules: &ValidityParams) {
+    /// Decides which patches failed: those whose residual the noise does not explain, nor the template's own contrast,
+    /// and those whose centre has left the image.
+    pub(crate) fn judge(&mut self, template: &Template, field: &NodeField, rules: &ValidityParams) {
         self.predict_energy(template);
         let floor = rules.noise_floor.powi(2) * self.noise_variance;
-        for (node, trust) in self.trust.iter_mut().enumerate() {
+        for node in 0..self.grid.nodes() {
             let allowed = floor.max(rules.max_unexplained * template.variance[node]);
-            *trust = f32::from(u8::from(self.energy[node] <= allowed * template.samples[node]));
+            let is_explained = self.energy[node] <= allowed * template.samples[node];
+            self.is_inside[node] = field.is_inside(node);
+            self.trust[node] = f32::from(u8::from(is_explained && self.is_inside[node]));
             self.mean_energy[node] = self.energy[node] / template.samples[node].max(1.0);
         }
     }
@@ -177,16 +183,19 @@ impl Refinement {
 
     /// Of the patches with a variance up to `textured`: the part that is trusted, and the root mean square of what
     /// these leave unexplained, grey levels.
+    ///
+    /// Patches that left the image do not count, unless they are the majority: then the flow has run away.
     pub(crate) fn summarise(&self, own: &[f32], textured: f32) -> (f32, f32) {
-        let (mut all, mut good, mut energy) = (0.0, 0.0, 0.0);
+        let (mut all, mut inside, mut good, mut energy) = (0.0_f32, 0.0, 0.0, 0.0);
         for (node, own) in own[..self.grid.nodes()].iter().enumerate() {
             if *own <= textured {
                 all += 1.0;
+                inside += f32::from(u8::from(self.is_inside[node]));
                 good += self.trust[node];
                 energy += self.trust[node] * self.mean_energy[node];
             }
         }
-        if good > 0.0 { (good / all, (energy / good).sqrt()) } else { (0.0, 0.0) }
+        if good > 0.0 { (good / inside.max(0.5 * all), (energy / good).sqrt()) } else { (0.0, 0.0) }
     }
 
     /// The patches' sums over the residual.

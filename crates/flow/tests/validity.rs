@@ -1,0 +1,148 @@
+//! What an estimate says about itself, on rendered patterns with exact truth.
+#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+
+use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowParams, Start, ValidityParams};
+use fingervision_gel::{Light, Motion, Renderer, Scene};
+use fingervision_image::{Image, Pixels, Rect};
+
+const SIZE: (usize, usize) = (240, 180);
+
+fn scene() -> Scene {
+    Scene { width: SIZE.0, height: SIZE.1, ..Scene::default() }
+}
+
+fn render(motion: &Motion, seed: u64) -> Image<[u8; 3]> {
+    Renderer::new(&scene()).unwrap().render(motion, Light::EVEN, seed).unwrap()
+}
+
+fn estimate(params: &FlowParams, rest: Image<[u8; 3]>, current: Image<[u8; 3]>) -> Estimate {
+    let mut estimator = FlowEstimator::new(SIZE.0, SIZE.1, params).unwrap();
+    let (mut first, mut second) = (estimator.picture(), estimator.picture());
+    first.load(&Pixels::Rgb8(rest), Rect::whole(SIZE.0, SIZE.1)).unwrap();
+    second.load(&Pixels::Rgb8(current), Rect::whole(SIZE.0, SIZE.1)).unwrap();
+    let mut reference = estimator.reference();
+    estimator.prepare(&first, &mut reference);
+    let mut estimate = Estimate::new(SIZE.0, SIZE.1);
+    estimator.estimate(&reference, &second, Start::Search(None), &mut estimate);
+    estimate
+}
+
+/// Part of a rectangle's pixels that are valid.
+fn valid_part(estimate: &Estimate, area: Rect) -> f64 {
+    let rows = estimate.valid.rows().skip(area.y).take(area.height);
+    let sum: f64 = rows.flat_map(|row| &row[area.x..][..area.width]).map(|&valid| f64::from(valid)).sum();
+    sum / (area.width * area.height) as f64
+}
+
+/// Covers a part of an image with another pattern.
+fn cover(image: &mut Image<[u8; 3]>, area: Rect) {
+    let other = Scene { pattern_seed: 99, ..scene() };
+    let other = Renderer::new(&other).unwrap().render(&Motion::STILL, Light::EVEN, 3).unwrap();
+    for y in area.y..area.y + area.height {
+        image.row_mut(y)[area.x..][..area.width].copy_from_slice(&other.row(y)[area.x..][..area.width]);
+    }
+}
+
+#[test]
+fn patches_that_show_something_else_are_marked_and_do_not_bend_their_neighbours() {
+    let motion = Motion::shift(2.0);
+    let mut current = render(&motion, 2);
+    let covered = Rect { x: 80, y: 60, width: 64, height: 48 };
+    cover(&mut current, covered);
+    let estimate = estimate(&FlowParams::default(), render(&Motion::STILL, 1), current);
+    let inner = Rect { x: 92, y: 72, width: 40, height: 24 };
+    assert!(valid_part(&estimate, inner) < 0.05, "{} of the covered part is valid", valid_part(&estimate, inner));
+    let beside = Rect { x: 16, y: 16, width: 48, height: 140 };
+    assert!(valid_part(&estimate, beside) > 0.99, "{} beside it is valid", valid_part(&estimate, beside));
+    let truth = motion.flow(SIZE.0, SIZE.1);
+    for (x, y) in [(60, 84), (164, 84), (112, 40), (112, 130)] {
+        let error = (estimate.flow.u.at(x, y) - truth.u.at(x, y)).hypot(estimate.flow.v.at(x, y) - truth.v.at(x, y));
+        assert!(error < 0.03, "({x}, {y}) beside the covered part is off by {error} px");
+    }
+}
+
+#[test]
+fn the_predicted_deviation_bounds_the_error() {
+    let motion = Motion::radial_bump(scene().centre_px(), 5.0);
+    let estimate = estimate(&FlowParams::default(), render(&Motion::STILL, 1), render(&motion, 2));
+    let truth = motion.flow(SIZE.0, SIZE.1);
+    let (mut sum, mut count) = (0.0, 0);
+    for y in 16..SIZE.1 - 16 {
+        for x in 16..SIZE.0 - 16 {
+            let error =
+                (estimate.flow.u.at(x, y) - truth.u.at(x, y)).hypot(estimate.flow.v.at(x, y) - truth.v.at(x, y));
+            sum += f64::from(error / estimate.deviation.at(x, y)).powi(2);
+            count += 1;
+        }
+    }
+    let ratio = (sum / f64::from(count)).sqrt();
+    assert!((0.2..2.0).contains(&ratio), "error over predicted deviation is {ratio} in the root mean square");
+}
+
+#[test]
+fn an_even_image_is_nowhere_valid() {
+    let grey = Image::filled(SIZE.0, SIZE.1, [120u8; 3]);
+    let estimate = estimate(&FlowParams::default(), grey.clone(), grey);
+    assert!(estimate.valid.values().iter().all(|&valid| valid == 0));
+    assert!(estimate.flow.u.values().iter().all(|u| u.is_finite()));
+    assert_eq!(estimate.matched.to_bits(), 0.0_f32.to_bits());
+}
+
+#[test]
+fn an_image_of_something_else_does_not_match() {
+    let mut other = render(&Motion::STILL, 1);
+    cover(&mut other, Rect::whole(SIZE.0, SIZE.1));
+    let estimate = estimate(&FlowParams::default(), render(&Motion::STILL, 1), other);
+    assert!(estimate.matched < 0.25, "{} of the patches match", estimate.matched);
+}
+
+#[test]
+fn the_round_trip_is_checked_where_asked() {
+    let params = FlowParams {
+        validity: ValidityParams { max_round_trip_px: Some(0.1), ..ValidityParams::default() },
+        ..FlowParams::default()
+    };
+    let motion = Motion::radial_bump(scene().centre_px(), 6.0);
+    let mut current = render(&motion, 2);
+    cover(&mut current, Rect { x: 150, y: 20, width: 64, height: 48 });
+    let estimate = estimate(&params, render(&Motion::STILL, 1), current);
+    let still = Rect { x: 24, y: 100, width: 100, height: 56 };
+    assert!(valid_part(&estimate, still) > 0.99, "{} of the round trips close", valid_part(&estimate, still));
+    let covered = Rect { x: 162, y: 32, width: 40, height: 24 };
+    assert!(valid_part(&estimate, covered) < 0.05, "{} of the covered part is valid", valid_part(&estimate, covered));
+}
+
+#[test]
+fn a_start_from_the_flow_equals_a_start_from_nowhere() {
+    let params = FlowParams::default();
+    let motion = Motion::radial_bump(scene().centre_px(), 8.0);
+    let mut estimator = FlowEstimator::new(SIZE.0, SIZE.1, &params).unwrap();
+    let (mut first, mut second) = (estimator.picture(), estimator.picture());
+    first.load(&Pixels::Rgb8(render(&Motion::STILL, 1)), Rect::whole(SIZE.0, SIZE.1)).unwrap();
+    second.load(&Pixels::Rgb8(render(&motion, 2)), Rect::whole(SIZE.0, SIZE.1)).unwrap();
+    let mut reference = estimator.reference();
+    estimator.prepare(&first, &mut reference);
+    let mut cold = Estimate::new(SIZE.0, SIZE.1);
+    estimator.estimate(&reference, &second, Start::Search(None), &mut cold);
+    let mut start = FlowField::zero(SIZE.0, SIZE.1);
+    start.copy_from(&motion_before(&motion));
+    let mut warm = Estimate::new(SIZE.0, SIZE.1);
+    estimator.estimate(&reference, &second, Start::Flow(&start), &mut warm);
+    let (mut sum, mut count) = (0.0, 0);
+    for y in 16..SIZE.1 - 16 {
+        for x in 16..SIZE.0 - 16 {
+            if cold.valid.at(x, y) & warm.valid.at(x, y) == 1 {
+                sum += (cold.flow.u.at(x, y) - warm.flow.u.at(x, y)).abs();
+                count += 1;
+            }
+        }
+    }
+    let mean = sum / count as f32;
+    assert!(count > 29_000 && mean < 0.02, "over {count} pixels the two differ by {mean} px");
+}
+
+/// The flow a frame earlier, when the press was nine tenths as deep.
+fn motion_before(motion: &Motion) -> FlowField {
+    let truth = motion.at(0.9).flow(SIZE.0, SIZE.1);
+    FlowField { u: truth.u, v: truth.v }
+}
