@@ -1,2 +1,49 @@
-//! Chores of the workspace.
-fn main() {}
+//! Chores of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask check`.
+
+mod accuracy;
+mod check;
+mod layers;
+mod lengths;
+
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Chores of the workspace.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask")]
+struct Chore {
+    #[command(subcommand)]
+    name: Name,
+}
+
+#[derive(Debug, Subcommand)]
+enum Name {
+    /// Print how accurate the tracker is, beside what is asked.
+    Accuracy(accuracy::Args),
+    /// Check that crates depend only on what lies below them.
+    Layers,
+    /// Check format, lints, documentation, layers and file lengths.
+    Check,
+}
+
+fn main() -> ExitCode {
+    let outcome = match Chore::parse().name {
+        Name::Accuracy(args) => accuracy::run(&args, &mut std::io::stdout().lock()),
+        Name::Layers => layers::run(&mut std::io::stdout().lock()),
+        Name::Check => check::run(&mut std::io::stdout().lock()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The workspace's own folder.
+fn workspace() -> PathBuf {
+    let xtask = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    xtask.parent().map(PathBuf::from).unwrap_or(xtask)
+}

@@ -1,1 +1,30 @@
-//! Placeholder.
+//! Readings against truth: the accuracy tables of the tracker.
+//!
+//! Three kinds of test images, each with the figure that is asked for beside the one that is measured:
+//!
+//! - [`pairs`]: simulated pairs with exact truth, several patterns each, and whether the predicted deviation holds.
+//! - [`recordings`]: recorded pairs and a recorded press. They are not part of the project: they lie in a folder of
+//!   their own, and where that is missing there is nothing to measure.
+//! - [`sequences`]: simulated presses, frame by frame through the whole tracker under every reference policy.
+//!
+//! Everything is seeded: the same code gives the same tables.
+//!
+//! ```no_run
+//! let tables = fingervision_evaluate::pairs::measure(3)?;
+//! for table in [&tables.accuracy, &tables.calibration] {
+//!     println!("{table}");
+//! }
+//! # Ok::<(), fingervision_evaluate::EvaluateError>(())
+//! ```
+
+mod end_point;
+mod error;
+mod matcher;
+pub mod pairs;
+pub mod recordings;
+pub mod sequences;
+mod table;
+
+pub use end_point::{Calibration, end_point_errors, mean, quantile, without_border};
+pub use error::EvaluateError;
+pub use table::{Asked, Row, Table};

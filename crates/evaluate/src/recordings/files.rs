@@ -1,0 +1,87 @@
+//! Reads the files that recordings come in.
+
+use crate::EvaluateError;
+use fingervision_flow::FlowField;
+use fingervision_image::{Image, Pixels};
+use image::DynamicImage;
+use std::fs;
+use std::path::Path;
+
+/// First bytes of a Middlebury flow file.
+const FLO_SIGNATURE: &[u8] = b"PIEH";
+
+/// Grey or colour of 8 bits a channel, or grey of 16.
+pub(super) fn pixels(file: &Path) -> Result<Pixels, EvaluateError> {
+    let image = image::open(file).map_err(|error| EvaluateError::file(file, error.to_string()))?;
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    Ok(match image {
+        DynamicImage::ImageLuma8(image) => Pixels::Grey8(Image::from_vec(width, height, image.into_raw())?),
+        DynamicImage::ImageLuma16(image) => Pixels::Grey16(Image::from_vec(width, height, image.into_raw())?),
+        image => {
+            let colours = image.into_rgb8().as_chunks().0.to_vec();
+            Pixels::Rgb8(Image::from_vec(width, height, colours)?)
+        }
+    })
+}
+
+/// Where an 8-bit grey image is above mid-grey.
+pub(super) fn mask(file: &Path) -> Result<Image<bool>, EvaluateError> {
+    match pixels(file)? {
+        Pixels::Grey8(image) => {
+            let is_in = image.values().iter().map(|&level| level > 127).collect();
+            Ok(Image::from_vec(image.width(), image.height(), is_in)?)
+        }
+        _ => Err(EvaluateError::file(file, "a mask is 8-bit grey")),
+    }
+}
+
+/// The values of a 16-bit image.
+pub(super) fn values_16(file: &Path) -> Result<Image<u16>, EvaluateError> {
+    match pixels(file)? {
+        Pixels::Grey16(image) => Ok(image),
+        _ => Err(EvaluateError::file(file, "not a 16-bit grey image")),
+    }
+}
+
+/// The rows of numbers of a comma-separated file; a first line of words is left out.
+pub(super) fn numbers(file: &Path) -> Result<Vec<Vec<f64>>, EvaluateError> {
+    let text = fs::read_to_string(file).map_err(|error| EvaluateError::file(file, error.to_string()))?;
+    let row = |line: &str| line.split(',').map(|cell| cell.trim().parse().ok()).collect::<Option<Vec<f64>>>();
+    let is_heading = text.lines().next().is_some_and(|line| row(line).is_none());
+    let rows: Option<Vec<_>> = text.lines().skip(usize::from(is_heading)).map(row).collect();
+    rows.ok_or_else(|| EvaluateError::file(file, "a row holds something else than numbers"))
+}
+
+/// A Middlebury flow file: "PIEH", width and height, then u and v of every pixel, all little-endian in four bytes.
+/// Unknown flow is above 1e9.
+pub(super) fn flow(file: &Path) -> Result<FlowField, EvaluateError> {
+    let bytes = fs::read(file).map_err(|error| EvaluateError::file(file, error.to_string()))?;
+    parse_flow(&bytes).ok_or_else(|| EvaluateError::file(file, "not a whole flow file"))
+}
+
+fn parse_flow(bytes: &[u8]) -> Option<FlowField> {
+    let words = bytes.strip_prefix(FLO_SIGNATURE)?.as_chunks::<4>().0;
+    let size = |word: &[u8; 4]| usize::try_from(i32::from_le_bytes(*word)).ok();
+    let (width, height) = (size(words.first()?)?, size(words.get(1)?)?);
+    let plane = |component: usize| {
+        let values = words[2..].iter().skip(component).step_by(2).map(|word| f32::from_le_bytes(*word));
+        Image::from_vec(width, height, values.collect()).ok()
+    };
+    Some(FlowField { u: plane(0)?, v: plane(1)? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flow_file_holds_pairs() {
+        let mut bytes = b"PIEH".to_vec();
+        bytes.extend([2_i32, 1].iter().flat_map(|size| size.to_le_bytes()));
+        bytes.extend([1.5_f32, -2.0, 3.0, 1e10].iter().flat_map(|value| value.to_le_bytes()));
+        let flow = parse_flow(&bytes).unwrap();
+        assert_eq!((flow.u.values(), flow.v.values()), (&[1.5, 3.0][..], &[-2.0, 1e10][..]));
+        assert!(parse_flow(&bytes[..bytes.len() - 4]).is_none());
+        assert!(parse_flow(b"PI").is_none());
+    }
+}

@@ -1,0 +1,44 @@
+//! Recorded pairs and a recorded press.
+//!
+//! The recordings are not part of the project; [`Recordings::find`] says where they are looked for. They hold:
+//!
+//! - whole-pixel shifts and two samples of the *DIC Challenge* 1.0, whose motion is known by construction;
+//! - *`RubberWhale`* of the Middlebury benchmark, with dense truth;
+//! - a press on a Punyo sensor: an air-filled membrane with a dense speckle, seen from inside, with a depth camera's
+//!   image and the force of the robot's wrist beside every frame. It has no dense truth, so what must hold is measured:
+//!   nothing moves at rest, there and back is nowhere, and the flow grows with the force.
+
+mod files;
+mod pairs;
+mod press;
+mod punyo;
+
+pub use pairs::measure as measure_pairs;
+pub use press::PressEvidence;
+pub use punyo::Punyo;
+
+use std::path::{Path, PathBuf};
+
+/// The folder of recordings.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Recordings {
+    folder: PathBuf,
+}
+
+/// The environment variable that names the folder of recordings.
+pub const FOLDER_VARIABLE: &str = "FINGERVISION_DATA";
+
+impl Recordings {
+    /// The recordings in the folder that [`FOLDER_VARIABLE`] names, or else in `../shared/data` beside the workspace;
+    /// none if there is no such folder.
+    #[must_use]
+    pub fn find(workspace: &Path) -> Option<Self> {
+        let named = std::env::var_os(FOLDER_VARIABLE).map(PathBuf::from);
+        let folder = named.unwrap_or_else(|| workspace.join("../shared/data"));
+        folder.is_dir().then_some(Self { folder })
+    }
+
+    fn path(&self, file: &str) -> PathBuf {
+        self.folder.join(file)
+    }
+}

@@ -1,0 +1,218 @@
+//! What the recorded press shows when the whole tracker follows it.
+
+use super::punyo::{FRAMES, Punyo, sample};
+use crate::matcher::Matcher;
+use crate::{Asked, EvaluateError, Table};
+use fingervision_flow::{Estimate, FlowField, FlowParams};
+use fingervision_image::{Frame, Image};
+use fingervision_touch::{Fields, Flag, Profile, Reading, Tracker};
+
+/// Frames per second.
+const RATE_HZ: f64 = 30.0;
+/// A step of the depth camera, mm.
+const DEPTH_STEP_MM: f64 = 0.1;
+/// Frames at rest whose depth is averaged.
+const DEPTH_AT_REST: [usize; 5] = [0, 10, 20, 30, 40];
+/// Frames of the steady press at which the contact is located.
+const STEADY: [usize; 3] = [80, 90, 100];
+/// Every so many frames the tracked flow is compared with one that is searched from nowhere.
+const COMPARED_EVERY: usize = 10;
+/// Two flows that are this far apart cannot both be right, px.
+const APART_PX: f32 = 1.0;
+
+/// What a tracked press shows, over the membrane.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PressEvidence {
+    /// Mean length of the flow, px, by frame.
+    pub mean_flow_px: Vec<f64>,
+    /// Pearson's correlation of the mean flow with the force over every third frame from 56 to 113.
+    pub force_correlation: f64,
+    /// Distance between the contact's centre by the flow and by the depth camera, px, the largest of the steady press.
+    ///
+    /// A centre is the centroid of a quantity where it is above half its peak: the length of the flow, and how far the
+    /// points of the gel, followed with the flow, have come towards the depth camera.
+    pub centre_distance_px: f64,
+    /// Radius of a circle with the area over which the depth is above half its peak, px, the smallest of the steady
+    /// press.
+    pub contact_radius_px: f64,
+    /// Smallest part of the membrane that is valid in any frame.
+    pub least_valid: f64,
+    /// Largest part of the membrane that is valid in the tracked flow but more than 1 px from a flow searched from
+    /// nowhere, in any tenth frame.
+    pub apart: f64,
+    /// Frames whose reading says that tracking was lost, or began under pressure.
+    pub flagged: usize,
+}
+
+impl PressEvidence {
+    /// Follows the recording with the default profile.
+    ///
+    /// # Errors
+    ///
+    /// [`EvaluateError::File`] if a file is missing or cannot be read, [`EvaluateError::Track`] if the default profile
+    /// does not fit the recording.
+    pub fn measure(punyo: &Punyo<'_>) -> Result<Self, EvaluateError> {
+        let size = punyo.mask.size();
+        let mut tracker = Tracker::new(&Profile::default(), size, false, Fields { density: false, depth: false })?;
+        let mut matcher = Matcher::new(&punyo.frame(0)?, &FlowParams::default())?;
+        let at_rest = depth_at_rest(punyo)?;
+        let mut evidence = Self::nothing();
+        for index in 0..FRAMES {
+            let pixels = punyo.frame(index)?;
+            let frame = Frame { sequence: index as u64, capture_time_s: index as f64 / RATE_HZ, pixels };
+            let reading = tracker.track(&frame)?;
+            evidence.take(punyo, reading);
+            if STEADY.contains(&index) {
+                evidence.locate(punyo, &reading.flow, &at_rest, &punyo.distances(index)?);
+            }
+            if index % COMPARED_EVERY == 0 {
+                let apart = part_apart(punyo, reading, matcher.find(&frame.pixels)?);
+                evidence.apart = evidence.apart.max(apart);
+            }
+        }
+        let press = (56..=113).step_by(3);
+        let pairs: Vec<_> = press.map(|index| (evidence.mean_flow_px[index], punyo.force_n[index])).collect();
+        evidence.force_correlation = correlation(&pairs);
+        Ok(evidence)
+    }
+
+    fn nothing() -> Self {
+        Self {
+            mean_flow_px: Vec::with_capacity(FRAMES),
+            force_correlation: f64::NAN,
+            centre_distance_px: 0.0,
+            contact_radius_px: f64::INFINITY,
+            least_valid: 1.0,
+            apart: 0.0,
+            flagged: 0,
+        }
+    }
+
+    fn take(&mut self, punyo: &Punyo<'_>, reading: &Reading) {
+        self.mean_flow_px.push(punyo.mean_length_px(&reading.flow));
+        let valid = part(punyo, |x, y| reading.valid.at(x, y) == 1);
+        self.least_valid = self.least_valid.min(valid);
+        let is_flagged = reading.flags.has(Flag::Lost) || reading.flags.has(Flag::PressedAtStart);
+        self.flagged += usize::from(is_flagged);
+    }
+
+    /// Compares the contact's centre by the flow with that by the depth camera.
+    fn locate(&mut self, punyo: &Punyo<'_>, flow: &FlowField, at_rest: &Image<f32>, distances: &Image<u16>) {
+        let (width, height) = distances.size();
+        let distances = Image::from_fn(width, height, |x, y| distance_mm(distances.at(x, y)));
+        let depth = |x: usize, y: usize| {
+            let (u, v) = (flow.u.at(x, y), flow.v.at(x, y));
+            let now = sample(&distances, x as f32 + u, y as f32 + v).unwrap_or(f32::NAN);
+            f64::from(at_rest.at(x, y) - now)
+        };
+        let by_flow = Blob::above_half(punyo, |x, y| f64::from(flow.u.at(x, y).hypot(flow.v.at(x, y))));
+        let by_depth = Blob::above_half(punyo, depth);
+        let [dx, dy] = [0, 1].map(|axis| by_flow.centre_px[axis] - by_depth.centre_px[axis]);
+        self.centre_distance_px = self.centre_distance_px.max(dx.hypot(dy));
+        self.contact_radius_px = self.contact_radius_px.min((by_depth.area_px2 / std::f64::consts::PI).sqrt());
+    }
+
+    /// Mean flow of the last frame, px: the press is over, so the way there and back should be nowhere.
+    #[must_use]
+    pub fn flow_left_px(&self) -> f64 {
+        self.mean_flow_px.last().copied().unwrap_or(f64::NAN)
+    }
+
+    /// Largest mean flow from frame 1 to 50, before the press, px.
+    #[must_use]
+    pub fn flow_at_rest_px(&self) -> f64 {
+        self.mean_flow_px[1..=50].iter().copied().fold(0.0, f64::max)
+    }
+
+    pub(super) fn append_to(&self, table: &mut Table) {
+        let mut row = |name: &str, asked, value| table.push(name, asked, vec![value, f64::NAN, f64::NAN]);
+        row("tracked: flow against force, correlation", Some(Asked::AtLeast(0.993)), self.force_correlation);
+        row("tracked: largest mean flow at rest", Some(Asked::AtMost(0.012)), self.flow_at_rest_px());
+        row("tracked: mean flow left in the last frame", None, self.flow_left_px());
+        row("tracked: centre by flow to centre by depth", None, self.centre_distance_px);
+        row("tracked: radius of the contact", None, self.contact_radius_px);
+        row("tracked: least valid part", None, self.least_valid);
+        row("tracked: valid, but > 1 px from searched", None, self.apart);
+        row("tracked: frames lost or pressed at start", None, self.flagged as f64);
+    }
+}
+
+/// The part of an image where a quantity is large.
+struct Blob {
+    centre_px: [f64; 2],
+    area_px2: f64,
+}
+
+impl Blob {
+    /// Where a quantity is above half its peak; pixels where it is not a number are left out.
+    fn above_half(punyo: &Punyo<'_>, quantity: impl Fn(usize, usize) -> f64) -> Self {
+        let peak = punyo.membrane().map(|(x, y)| quantity(x, y)).fold(0.0, f64::max);
+        let (mut weights, mut sums, mut area_px2) = (0.0, [0.0; 2], 0.0);
+        for (x, y) in punyo.membrane() {
+            let weight = quantity(x, y);
+            if weight > 0.5 * peak {
+                weights += weight;
+                area_px2 += 1.0;
+                sums[0] += weight * x as f64;
+                sums[1] += weight * y as f64;
+            }
+        }
+        Self { centre_px: sums.map(|sum| sum / weights), area_px2 }
+    }
+}
+
+/// Distance from the depth camera; not a number where it saw nothing.
+fn distance_mm(steps: u16) -> f32 {
+    if steps == 0 { f32::NAN } else { (f64::from(steps) * DEPTH_STEP_MM) as f32 }
+}
+
+/// The mean of the depth camera's images at rest, mm.
+fn depth_at_rest(punyo: &Punyo<'_>) -> Result<Image<f32>, EvaluateError> {
+    let images = DEPTH_AT_REST.into_iter().map(|index| punyo.distances(index)).collect::<Result<Vec<_>, _>>()?;
+    let (width, height) = images[0].size();
+    Ok(Image::from_fn(width, height, |x, y| {
+        images.iter().map(|image| distance_mm(image.at(x, y))).sum::<f32>() / images.len() as f32
+    }))
+}
+
+fn part_apart(punyo: &Punyo<'_>, tracked: &Reading, searched: &Estimate) -> f64 {
+    part(punyo, |x, y| {
+        let du = tracked.flow.u.at(x, y) - searched.flow.u.at(x, y);
+        let dv = tracked.flow.v.at(x, y) - searched.flow.v.at(x, y);
+        tracked.valid.at(x, y) == 1 && du.hypot(dv) > APART_PX
+    })
+}
+
+/// Part of the membrane where something holds.
+fn part(punyo: &Punyo<'_>, holds: impl Fn(usize, usize) -> bool) -> f64 {
+    let (holding, all) =
+        punyo.membrane().fold((0.0, 0.0), |(holding, all), (x, y)| (holding + f64::from(holds(x, y)), all + 1.0));
+    holding / all
+}
+
+/// Pearson's correlation.
+fn correlation(pairs: &[(f64, f64)]) -> f64 {
+    let count = pairs.len() as f64;
+    let (x, y) = pairs.iter().fold((0.0, 0.0), |(x, y), pair| (x + pair.0 / count, y + pair.1 / count));
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for pair in pairs {
+        let (dx, dy) = (pair.0 - x, pair.1 - y);
+        xx += dx * dx;
+        xy += dx * dy;
+        yy += dy * dy;
+    }
+    xy / (xx * yy).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn correlation_is_one_on_a_line() {
+        let line = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0), (5.0, 11.0)];
+        assert!((correlation(&line) - 1.0).abs() < 1e-12);
+        let bent = [(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)];
+        assert!(correlation(&bent).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,69 @@
+//! `cargo xtask accuracy`: the accuracy tables.
+
+use crate::workspace;
+use anyhow::{Context, Result};
+use clap::ValueEnum;
+use fingervision_evaluate::recordings::{FOLDER_VARIABLE, Punyo, Recordings, measure_pairs};
+use fingervision_evaluate::{Table, pairs, sequences};
+use std::fs;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Patterns a simulated pair.
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..))]
+    seeds: u64,
+    /// Only these tables.
+    #[arg(long)]
+    only: Option<Tables>,
+    /// Also write the tables to this file.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Tables {
+    /// Simulated pairs.
+    Pairs,
+    /// Recorded pairs and the recorded press.
+    Real,
+    /// Simulated sequences.
+    Sequences,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
+    let start = Instant::now();
+    let is_asked = |tables| args.only.is_none_or(|only| only == tables);
+    let mut tables = Vec::new();
+    let mut show = |table: Table, out: &mut dyn Write| {
+        writeln!(out, "{table}")?;
+        tables.push(table);
+        anyhow::Ok(())
+    };
+    if is_asked(Tables::Pairs) {
+        let measured = pairs::measure(args.seeds)?;
+        show(measured.accuracy, out)?;
+        show(measured.calibration, out)?;
+    }
+    if is_asked(Tables::Real) {
+        if let Some(recordings) = Recordings::find(&workspace()) {
+            show(measure_pairs(&recordings)?, out)?;
+            show(Punyo::open(&recordings)?.measure()?, out)?;
+        } else {
+            writeln!(out, "Recordings: skipped, no folder ../shared/data; {FOLDER_VARIABLE} may name another\n")?;
+        }
+    }
+    if is_asked(Tables::Sequences) {
+        show(sequences::measure()?, out)?;
+    }
+    let short = tables.iter().flat_map(Table::short).count();
+    let asked = tables.iter().flat_map(|table| &table.rows).filter(|row| row.asked.is_some()).count();
+    writeln!(out, "{asked} figures asked, {short} short, measured in {:.0} s", start.elapsed().as_secs_f64())?;
+    if let Some(file) = &args.json {
+        let text = serde_json::to_string_pretty(&tables)?;
+        fs::write(file, text).with_context(|| format!("{} cannot be written", file.display()))?;
+    }
+    Ok(())
+}

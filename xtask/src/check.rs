@@ -1,0 +1,23 @@
+//! `cargo xtask check`: all that can be said without running a test.
+
+use crate::{layers, lengths, workspace};
+use anyhow::{Context, Result, ensure};
+use std::io::Write;
+use std::process::Command;
+
+pub(crate) fn run(out: &mut impl Write) -> Result<()> {
+    lengths::run(out)?;
+    layers::run(out)?;
+    cargo(&["fmt", "--all", "--check"], out)?;
+    cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], out)?;
+    cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], out)
+}
+
+fn cargo(arguments: &[&str], out: &mut impl Write) -> Result<()> {
+    let mut command = Command::new(env!("CARGO"));
+    command.args(arguments).current_dir(workspace()).env("RUSTDOCFLAGS", "-Dwarnings");
+    let status = command.status().with_context(|| format!("cargo {}", arguments[0]))?;
+    ensure!(status.success(), "cargo {} found faults", arguments[0]);
+    writeln!(out, "{}: clean", arguments[0])?;
+    Ok(())
+}
