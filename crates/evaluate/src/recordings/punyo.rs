@@ -72,13 +72,18 @@ impl<'a> Punyo<'a> {
     ///
     /// [`EvaluateError::File`] if a file is missing or cannot be read.
     pub fn measure(&self) -> Result<Table, EvaluateError> {
-        let (pairs, press) = rayon::join(|| self.pairs(), || PressEvidence::measure(self));
+        let (pairs, press) = rayon::join(|| self.measure_pairs(), || PressEvidence::measure(self));
         let (mut table, press) = (pairs?, press?);
         press.append_to(&mut table);
         Ok(table)
     }
 
-    fn pairs(&self) -> Result<Table, EvaluateError> {
+    /// What must hold of single pairs: flow at rest, after the press, and there and back, each searched from nowhere.
+    ///
+    /// # Errors
+    ///
+    /// [`EvaluateError::File`] if a file is missing or cannot be read.
+    pub fn measure_pairs(&self) -> Result<Table, EvaluateError> {
         let first = self.frame(0)?;
         let mut table = Table::new("Recorded press (Punyo): px unless said", &["default", "medium", "OpenCV medium"]);
         let mut matchers = [matcher(&first, Preset::Affine)?, matcher(&first, Preset::Medium)?];
