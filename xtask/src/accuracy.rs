@@ -56,7 +56,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         }
     }
     if is_asked(Tables::Sequences) {
-        show(sequences::measure()?, out)?;
+        show(sequences::measure(&sequences::POLICIES)?, out)?;
     }
     let short = tables.iter().flat_map(Table::short).count();
     let asked = tables.iter().flat_map(|table| &table.rows).filter(|row| row.asked.is_some()).count();

@@ -121,7 +121,7 @@ mod tests {
         table.push("still", Some(Asked::AtMost(0.01)), vec![0.005, 0.02]);
         table.push("a long way", Some(Asked::AtLeast(0.99)), vec![0.5, f64::NAN]);
         let expected = "Errors, px\n\
-                        \x20               asked      ours    others\n\
+                        \x20              asked      ours    others\n\
                         \x20 still       ≤ 0.01    0.0050    0.0200\n\
                         \x20 a long way  ≥ 0.99    0.5000         –  ← short\n";
         assert_eq!(table.to_string(), expected);
