@@ -4,12 +4,11 @@ use super::bonds::Stiffness;
 use super::grid::PatchGrid;
 use super::judge::{mark_pixels, spread_variance};
 use super::nodes::NodeField;
-use super::refinement::Refinement;
+use super::refinement::{Current, Refinement};
 use super::template::Template;
 use super::texel::Texel;
 use crate::{Estimate, FlowField, FlowParams, Picture};
 use fearless_simd::{Level, dispatch};
-use fingervision_image::Image;
 
 /// The reference on every level.
 #[derive(Debug, Clone)]
@@ -20,6 +19,16 @@ pub(crate) struct AffineReference {
     full: Template,
     /// Part of the patches that have texture, 0 to 1.
     pub(crate) textured: f32,
+    /// Mean grey level.
+    mean_level: f32,
+}
+
+impl AffineReference {
+    /// The gain that brings the mean of a picture to the reference's. The patches eliminate what light does beyond that,
+    /// but their steps are whole only where gains are alike.
+    fn gain(&self, current: &Picture) -> f32 {
+        (self.mean_level.max(1.0) / current.mean_level().max(1.0)).clamp(0.1, 10.0)
+    }
 }
 
 /// The patches of every level and their scratch.
@@ -78,6 +87,7 @@ impl AffinePatches {
             grey: grey.collect(),
             full: Template::new(self.levels[0].field.grid, channels, row_step),
             textured: 0.0,
+            mean_level: 0.0,
         }
     }
 
@@ -86,6 +96,7 @@ impl AffinePatches {
         for (level, (state, template)) in self.levels.iter().zip(&mut reference.grey).enumerate() {
             state.refinement.prepare(picture.grey.level(level), template);
         }
+        reference.mean_level = picture.mean_level();
         match &picture.colour {
             Some(colour) => self.levels[0].refinement.prepare(colour, &mut reference.full),
             None => self.levels[0].refinement.prepare(picture.grey.level(0), &mut reference.full),
@@ -106,14 +117,15 @@ impl AffinePatches {
     /// The first of these steps is taken in grey on every other row, at a fraction of the cost.
     pub(crate) fn follow(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize, steps: usize) {
         let coarsest = coarsest.min(self.levels.len() - 1);
+        let gain = reference.gain(current);
         for level in 1..=coarsest {
             let (fine, coarse) = self.levels.split_at_mut(level);
             coarse[0].field.coarsen(&fine[level - 1].field);
         }
         for level in (1..=coarsest).rev() {
             let LevelState { refinement, field, .. } = &mut self.levels[level];
-            let (template, picture) = (&reference.grey[level], current.grey.level(level));
-            refinement.step(template, picture, field, self.params.affine.iterations);
+            let picture = Current { image: current.grey.level(level), gain };
+            refinement.step(&reference.grey[level], picture, field, self.params.affine.iterations);
             let (fine, coarse) = self.levels.split_at_mut(level);
             let (fine, coarse) = (&mut fine[level - 1].field, &mut coarse[0]);
             coarse.before.coarsen(fine);
@@ -122,7 +134,7 @@ impl AffinePatches {
         }
         self.levels[0].refinement.trust_all();
         let first_steps = usize::from(steps > 1);
-        self.finish(&reference.grey[0], current.grey.level(0), first_steps);
+        self.finish(&reference.grey[0], Current { image: current.grey.level(0), gain }, first_steps);
         self.finish_full(reference, current, steps - first_steps);
     }
 
@@ -139,14 +151,15 @@ impl AffinePatches {
     }
 
     fn finish_full(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
+        let gain = reference.gain(current);
         match &current.colour {
-            Some(colour) => self.finish(&reference.full, colour, steps),
-            None => self.finish(&reference.full, current.grey.level(0), steps),
+            Some(image) => self.finish(&reference.full, Current { image, gain }, steps),
+            None => self.finish(&reference.full, Current { image: current.grey.level(0), gain }, steps),
         }
     }
 
     /// Steps at full size. Patches that fail in one step carry no weight in the next.
-    fn finish<T: Texel>(&mut self, template: &Template, current: &Image<T>, steps: usize) {
+    fn finish<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, steps: usize) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         for _ in 0..steps {
             refinement.step(template, current, field, self.params.affine.iterations);
@@ -158,9 +171,10 @@ impl AffinePatches {
     pub(crate) fn inspect(&mut self, reference: &AffineReference, current: &Picture) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         let template = &reference.full;
+        let gain = reference.gain(current);
         match &current.colour {
-            Some(colour) => refinement.inspect(template, colour, field),
-            None => refinement.inspect(template, current.grey.level(0), field),
+            Some(image) => refinement.inspect(template, Current { image, gain }, field),
+            None => refinement.inspect(template, Current { image: current.grey.level(0), gain }, field),
         }
         refinement.judge(template, field, &self.params.validity);
     }

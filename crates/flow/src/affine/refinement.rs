@@ -17,6 +17,13 @@ use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 use fingervision_image::Image;
 
+/// The current picture on one level, and the gain that brings its mean to the reference's.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Current<'a, T> {
+    pub(crate) image: &'a Image<T>,
+    pub(crate) gain: f32,
+}
+
 /// Products under a row of patches: two gradient sums, two light sums, energy.
 const PRODUCTS: usize = 5;
 
@@ -86,7 +93,7 @@ impl Refinement {
     pub(crate) fn step<T: Texel>(
         &mut self,
         template: &Template,
-        current: &Image<T>,
+        current: Current<'_, T>,
         field: &mut NodeField,
         iterations: usize,
     ) {
@@ -99,7 +106,7 @@ impl Refinement {
         &mut self,
         simd: S,
         template: &Template,
-        current: &Image<T>,
+        current: Current<'_, T>,
         field: &mut NodeField,
         iterations: usize,
     ) {
@@ -118,7 +125,7 @@ impl Refinement {
     }
 
     /// Measures the residual at `field` without moving it.
-    pub(crate) fn inspect<T: Texel>(&mut self, template: &Template, current: &Image<T>, field: &NodeField) {
+    pub(crate) fn inspect<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, field: &NodeField) {
         let level = self.level;
         self.expander.prepare(field);
         dispatch!(level, simd => self.measure(simd, template, current, field));
@@ -200,7 +207,7 @@ impl Refinement {
 
     /// The patches' sums over the residual.
     #[inline(always)]
-    fn measure<S: Simd, T: Texel>(&mut self, simd: S, template: &Template, current: &Image<T>, field: &NodeField) {
+    fn measure<S: Simd, T: Texel>(&mut self, simd: S, template: &Template, current: Current<'_, T>, field: &NodeField) {
         self.fill_band(simd, template, current, field, 0);
         for j in 0..self.grid.rows {
             self.fill_band(simd, template, current, field, j + 1);
@@ -233,7 +240,7 @@ impl Refinement {
         &mut self,
         simd: S,
         template: &Template,
-        current: &Image<T>,
+        current: Current<'_, T>,
         field: &NodeField,
         cell_row: usize,
     ) {
@@ -300,7 +307,7 @@ fn to_positions(grid: PatchGrid, row: usize, xs: &mut [f32], ys: &mut [f32]) {
 fn multiply_row<S: Simd, T: Texel>(
     simd: S,
     template: &Template,
-    current: &Image<T>,
+    current: Current<'_, T>,
     row: usize,
     [xs, ys]: [&[f32]; 2],
     band: &mut [Vec<f32>; PRODUCTS],
@@ -309,8 +316,9 @@ fn multiply_row<S: Simd, T: Texel>(
     for column in (0..xs.len()).step_by(LANES) {
         let x = f32x16::from_slice(simd, &xs[column..][..LANES]);
         let y = f32x16::from_slice(simd, &ys[column..][..LANES]);
-        let (taps, inside) = locate(simd, x, y, current.size());
-        let products = products(simd, current, &taps, |channel| template.block(channel, column, row));
+        let (taps, inside) = locate(simd, x, y, current.image.size());
+        let products =
+            products(simd, current.image, current.gain, &taps, |channel| template.block(channel, column, row));
         let [gx, gy] = products.gradient;
         let [gain, offset] = products.light;
         for (plane, product) in band.iter_mut().zip([gx, gy, gain, offset, products.energy]) {

@@ -15,7 +15,7 @@ pub(crate) struct TemplateBlock<'a> {
     pub(crate) gradient_y: &'a [f32],
 }
 
-/// Sums over the channels of products with the residual `r = T − I(x + u)`, sixteen pixels of each.
+/// Sums over the channels of products with the residual `r = T − g I(x + u)`, sixteen pixels of each.
 pub(crate) struct Products<S: Simd> {
     /// `Σ r ∂T/∂x` and `Σ r ∂T/∂y`.
     pub(crate) gradient: [f32x16<S>; 2],
@@ -47,11 +47,12 @@ pub(crate) trait Texel: Copy + Default + Send + Sync + 'static {
     fn sample<S: Simd>(simd: S, current: &Image<Self>, taps: &Taps<S>) -> [f32x16<S>; 3];
 }
 
-/// The products of sixteen pixels. `block` gives the template's channels.
+/// The products of sixteen pixels. `block` gives the template's channels, `gain` scales the current image.
 #[inline(always)]
 pub(crate) fn products<'a, S: Simd, T: Texel>(
     simd: S,
     current: &Image<T>,
+    gain: f32,
     taps: &Taps<S>,
     block: impl Fn(usize) -> TemplateBlock<'a>,
 ) -> Products<S> {
@@ -61,14 +62,14 @@ pub(crate) fn products<'a, S: Simd, T: Texel>(
     for (channel, sample) in samples.into_iter().enumerate().take(T::CHANNELS) {
         let block = block(channel);
         let values = f32x16::from_slice(simd, block.values);
-        let residual = values - sample;
-        let [gain, offset] = sums.light;
+        let residual = values - sample * gain;
+        let [light, offset] = sums.light;
         sums = Products {
             gradient: [
                 residual.mul_add(f32x16::from_slice(simd, block.gradient_x), sums.gradient[0]),
                 residual.mul_add(f32x16::from_slice(simd, block.gradient_y), sums.gradient[1]),
             ],
-            light: [residual.mul_add(values - MID_LEVEL, gain), offset + residual],
+            light: [residual.mul_add(values - MID_LEVEL, light), offset + residual],
             energy: residual.mul_add(residual, sums.energy),
         };
     }
