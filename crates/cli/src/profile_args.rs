@@ -8,7 +8,7 @@ use crate::failure::Failure;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ProfileArgs {
-    /// The file that describes the sensor; without it the whole image is tracked, without depth
+    /// The file that describes the sensor; without it the whole image is tracked, uncalibrated
     #[arg(long, value_name = "FILE")]
     profile: Option<PathBuf>,
     /// Set one value of the profile, as in `flow.finest_level=1`; may be repeated
@@ -21,7 +21,12 @@ pub(crate) struct ProfileArgs {
 impl ProfileArgs {
     /// The profile in force.
     pub(crate) fn load(&self) -> Result<Profile, Failure> {
-        let mut profile = self.profile.as_deref().map_or_else(|| Ok(Profile::default()), Profile::load)?;
+        self.load_or(Profile::default())
+    }
+
+    /// The profile in force, made from `fallback` where no file is named.
+    pub(crate) fn load_or(&self, fallback: Profile) -> Result<Profile, Failure> {
+        let mut profile = self.profile.as_deref().map_or(Ok(fallback), Profile::load)?;
         profile.set_all(self.assignments.iter().map(|(key, value)| (key.as_str(), value.as_str())))?;
         Ok(profile)
     }

@@ -37,12 +37,37 @@ fn the_demo_replaces_only_its_own_folder() {
 }
 
 #[test]
-fn the_bench_reports_ordered_percentiles() {
-    let ended = Workbench::new().run("bench --frames 4 --json").expect_done();
-    let speed = json(&ended);
-    let times = ["p50_ms", "p90_ms", "p99_ms", "max_ms"].map(|name| speed[name].as_f64().unwrap());
-    assert!(times[0] > 0.0 && times.is_sorted(), "{speed}");
-    assert_eq!(speed["frames"], 4);
+fn the_bench_times_whole_presses_and_finds_them_close_to_their_truth() {
+    let bench = Workbench::new();
+    let report = json(&bench.run("bench --frames 3 --json").expect_done());
+    let times = ["p10", "p50", "p90", "p99", "max"].map(|name| report["frame_ms"][name].as_f64().unwrap());
+    assert!(times[0] > 0.0 && times.is_sorted(), "{report}");
+    assert_eq!(report["frame_ms"]["median"], report["frame_ms"]["p50"]);
+    assert_eq!((&report["frames"], &report["size"]), (&Value::from(30), &serde_json::json!([610, 450])));
+    assert!(report["frames_per_second"].as_f64().unwrap() > 0.0, "{report}");
+    for (name, most_px) in [("mean", 0.05), ("final", 0.1)] {
+        let error_px = report["epe_px"][name].as_f64().unwrap();
+        assert!(error_px > 0.0 && error_px < most_px, "{name} {error_px} px, expected at most {most_px} px");
+    }
+}
+
+#[test]
+fn the_bench_writes_its_press_with_its_truth_once() {
+    let bench = Workbench::new();
+    bench.run("bench --write-frames press").expect_done();
+    let mut names: Vec<_> =
+        fs::read_dir(bench.path("press/frames")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!((names.len(), names[0].to_str(), names[30].to_str()), (31, Some("000000.png"), Some("000030.png")));
+    assert_eq!(image::image_dimensions(bench.path("press/frames/000030.png")).unwrap(), (610, 450));
+
+    let (shape, flow) = bench.array_at::<f32>("press/truth/flow.npy");
+    assert_eq!(shape, [31, 450, 610, 2]);
+    let largest = |frame: &[f32]| frame.chunks(2).map(|uv| uv[0].hypot(uv[1])).fold(0.0, f32::max);
+    let frames: Vec<_> = flow.chunks(450 * 610 * 2).map(largest).collect();
+    assert!(frames[0] == 0.0 && (frames[15] - 12.5).abs() < 0.01 && (frames[30] - 25.0).abs() < 0.01, "{frames:?}");
+
+    bench.run("bench --write-frames press").expect_failure("press/frames exists already", "choose a new folder");
 }
 
 #[test]

@@ -60,7 +60,12 @@ impl Workbench {
 
     /// The shape of an array of the run in the folder `run`, and its values.
     pub(crate) fn array<T: npyz::Deserialize>(&self, name: &str) -> (Vec<u64>, Vec<T>) {
-        let file = npyz::NpyFile::new(File::open(self.path("run").join(name)).unwrap()).unwrap();
+        self.array_at(&format!("run/{name}"))
+    }
+
+    /// The shape of the array in a file of this folder, and its values.
+    pub(crate) fn array_at<T: npyz::Deserialize>(&self, name: &str) -> (Vec<u64>, Vec<T>) {
+        let file = npyz::NpyFile::new(File::open(self.path(name)).unwrap()).unwrap();
         (file.shape().to_vec(), file.into_vec().unwrap())
     }
 

@@ -1,0 +1,112 @@
+//! The press that is timed: the same for every program that is.
+
+use std::fmt;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use fingervision_gel::{GelError, Light, Motion, Renderer, Scene};
+use fingervision_image::{Frame, Image, Pixels};
+use fingervision_sink::{ArrayWriter, SinkError, write_png};
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use crate::failure::Failure;
+
+/// Frames of the press, the reference among them.
+pub(super) const FRAMES: u64 = 31;
+/// The largest displacement of the last frame, px.
+pub(super) const AMPLITUDE_PX: f64 = 25.0;
+
+/// A round bump on the default scene that grows evenly behind the reference.
+#[derive(Debug)]
+pub(super) struct Press {
+    renderer: Renderer,
+    deepest: Motion,
+}
+
+/// Where a press was written.
+#[derive(Debug, Serialize)]
+pub(super) struct Written {
+    /// The folder of images.
+    frames: PathBuf,
+    /// Their displacement, px: `[frame][row][column][x, y]`.
+    flow: PathBuf,
+}
+
+impl Press {
+    pub(super) fn new() -> Result<Self, GelError> {
+        let renderer = Renderer::new(&Scene::default())?;
+        let deepest = Motion::radial_bump(renderer.scene().centre_px(), AMPLITUDE_PX);
+        Ok(Self { renderer, deepest })
+    }
+
+    /// Columns and rows, px.
+    pub(super) fn size(&self) -> (usize, usize) {
+        (self.renderer.scene().width, self.renderer.scene().height)
+    }
+
+    /// The motion of a frame; the reference, frame 0, is at rest.
+    pub(super) fn motion(&self, frame: u64) -> Motion {
+        self.deepest.at(frame as f64 / (FRAMES - 1) as f64)
+    }
+
+    /// A frame with noise of its own.
+    pub(super) fn frame(&self, sequence: u64) -> Result<Frame, GelError> {
+        Ok(Frame { sequence, capture_time_s: sequence as f64, pixels: Pixels::Rgb8(self.image(sequence)?) })
+    }
+
+    fn image(&self, frame: u64) -> Result<Image<[u8; 3]>, GelError> {
+        self.renderer.render(&self.motion(frame), Light::EVEN, 1 + frame)
+    }
+
+    /// Writes all frames and their true flow into folders of `folder` that must not exist yet.
+    pub(super) fn write(&self, folder: &Path, progress: &ProgressBar) -> Result<Written, Failure> {
+        let (width, height) = self.size();
+        let (frames, truth) = (new_folder(folder, "frames")?, new_folder(folder, "truth")?);
+        let flow = truth.join("flow.npy");
+        let mut array = ArrayWriter::create(&flow, width, height)?;
+        for frame in 0..FRAMES {
+            write_png(&self.image(frame)?, &frames.join(format!("{frame:06}.png")))?;
+            let truth = self.motion(frame).flow(width, height);
+            array.write(truth.u.values().iter().zip(truth.v.values()).map(|(&u, &v)| [u, v]))?;
+            progress.inc(1);
+        }
+        array.finish()?;
+        progress.finish_and_clear();
+        Ok(Written { frames, flow })
+    }
+}
+
+fn new_folder(parent: &Path, name: &str) -> Result<PathBuf, Failure> {
+    let path = parent.join(name);
+    match fs::create_dir_all(parent).and_then(|()| fs::create_dir(&path)) {
+        Ok(()) => Ok(path),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists && path.exists() => {
+            Err(Failure::new(format!("{} exists already", path.display()), "choose a new folder"))
+        }
+        Err(error) => Err(SinkError::Write { path, error }.into()),
+    }
+}
+
+impl fmt::Display for Written {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "frames    {FRAMES} in {}, the reference first", self.frames.display())?;
+        writeln!(f, "truth     {}", self.flow.display())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_press_grows_evenly_behind_the_reference() {
+        let press = Press::new().unwrap();
+        assert_eq!(press.size(), (610, 450));
+        for (frame, expected) in [(0, 0.0), (15, 12.5), (30, 25.0)] {
+            let (u, v) = press.motion(frame).displacement(304.5 + 80.0, 224.5);
+            assert!((u - expected).abs() < 1e-9 && v.abs() < 1e-9, "frame {frame}: {u} px, expected {expected} px");
+        }
+    }
+}
