@@ -65,7 +65,6 @@ fn the_flow_grows_with_the_force_as_closely_as_by_inverse_search() {
 }
 
 #[test]
-#[ignore = "short: 0.990 on these frames, where the preset medium reaches 0.989; the force's noise bounds both"]
 fn the_flow_grows_with_the_force() {
     let Some(evidence) = EVIDENCE.as_ref() else { return };
     let [tracked, _] = evidence.force_correlation;
