@@ -72,7 +72,6 @@ fn the_flow_grows_with_the_force() {
 }
 
 #[test]
-#[ignore = "short: a dark spot in the contact is tracked up to 7 px off, and marked valid"]
 fn what_is_valid_agrees_with_a_search_from_nowhere() {
     let Some(evidence) = EVIDENCE.as_ref() else { return };
     assert!(evidence.apart <= 0.001, "{} of the membrane is valid but more than 1 px off", evidence.apart);

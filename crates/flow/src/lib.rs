@@ -33,6 +33,9 @@
 //! assert!((estimate.flow.u.at(48, 32) - 2.0).abs() < 0.02);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! [Kroeger2016]: https://arxiv.org/abs/1603.03590
+//! [Brox2004]: https://doi.org/10.1007/978-3-540-24673-2_3
 
 mod affine;
 mod error;

@@ -170,7 +170,7 @@ pub struct ValidityParams {
 
 impl Default for ValidityParams {
     fn default() -> Self {
-        Self { max_unexplained: 0.4, noise_floor: 4.0, max_deviation_px: 0.25, max_round_trip_px: None }
+        Self { max_unexplained: 0.4, noise_floor: 2.0, max_deviation_px: 0.25, max_round_trip_px: None }
     }
 }
 

@@ -82,6 +82,23 @@ impl Bonds {
         }
     }
 
+    /// Mean roughness of the pairs at a node when the bonds were last weighed, in units of what the stiffness expects.
+    pub(crate) fn roughness(&self, node: usize) -> f32 {
+        let columns = self.grid.columns;
+        let bonds = [
+            (!(node + 1).is_multiple_of(columns)).then(|| self.right[node]),
+            (!node.is_multiple_of(columns)).then(|| self.right[node - 1]),
+            (node + columns < self.grid.nodes()).then(|| self.below[node]),
+            node.checked_sub(columns).map(|above| self.below[above]),
+        ];
+        let (mut sum, mut count) = (0.0, 0.0);
+        for bond in bonds.into_iter().flatten() {
+            sum += self.stiffness.tolerance * (1.0 / bond - 1.0);
+            count += 1.0;
+        }
+        if count > 0.0 { sum / count } else { 0.0 }
+    }
+
     /// `y += K x` with the stiffness of all bonds.
     #[simd]
     pub(crate) fn pull<S: Simd>(&mut self, simd: S, x: &Planes, y: &mut Planes) {

@@ -50,6 +50,11 @@ impl Coupling {
         self.bonds.stiffness()
     }
 
+    /// Mean roughness of the field at a node; see [`Bonds::roughness`].
+    pub(crate) fn roughness(&self, node: usize) -> f32 {
+        self.bonds.roughness(node)
+    }
+
     /// Writes the packed inverse of every node's own block: patch and stiffness.
     pub(crate) fn precondition(&self, normal: &[Vec<f32>; PACKED], scale: f32, inverses: &mut [Vec<f32>; PACKED]) {
         for node in 0..self.grid.nodes() {

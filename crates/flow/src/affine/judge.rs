@@ -3,7 +3,8 @@
 //! A patch's own uncertainty is that of its displacement when its slopes are known as well as the prior knows them and
 //! the change of light is unknown: the trace of the inverse normal matrix times the noise variance, a Cramér–Rao bound
 //! ([Kay1993] §3). Where a patch has little texture its neighbours inform it through the coupling, and its deviation
-//! grows with the way to them. Both are scaled by the residual that is left, where that exceeds the noise.
+//! grows with the way to them. Both are scaled by the residual that is left, where that exceeds the noise, and grow
+//! where the field is rougher than patches can follow.
 
 use super::grid::{MARGIN, PatchGrid, STRIDE};
 use super::nodes::UNKNOWNS;
@@ -37,12 +38,12 @@ pub(crate) fn own_variance(
     }
 }
 
-/// Lowers each node's variance to what the way from a neighbour costs: two passes over the grid.
-pub(crate) fn spread_variance(grid: PatchGrid, step_variance: f32, variance: &mut [f32]) {
+/// Lowers each node's variance to what a neighbour knows and the way from it costs: two passes over the grid.
+pub(crate) fn spread_variance(grid: PatchGrid, steps: &[f32], variance: &mut [f32]) {
     let columns = grid.columns;
     let mut lower = |node: usize, from: Option<usize>| {
         if let Some(from) = from {
-            variance[node] = variance[node].min(variance[from] + step_variance);
+            variance[node] = variance[node].min(variance[from] + steps[node]);
         }
     };
     let nodes = grid.nodes();
@@ -108,7 +109,7 @@ mod tests {
         let grid = PatchGrid::over(40, 24);
         let mut variance = vec![f32::MAX; grid.plane_len()];
         variance[6] = 1.0;
-        spread_variance(grid, 0.5, &mut variance);
+        spread_variance(grid, &vec![0.5; grid.plane_len()], &mut variance);
         let expected: Vec<f32> = (0..15)
             .map(|node| {
                 let (dx, dy) = ((node % 5_i32 - 1).abs(), (node / 5 - 1).abs());

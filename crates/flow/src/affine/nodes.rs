@@ -103,7 +103,11 @@ impl NodeField {
         for (ring, trust) in rings.iter_mut().zip(trust) {
             *ring = if *trust > 0.0 { 0 } else { usize::MAX };
         }
+        let mut missing = rings[..nodes].iter().filter(|&&ring| ring > 0).count();
         for ring in 1..=columns + self.grid.rows {
+            if missing == 0 {
+                return;
+            }
             for node in 0..nodes {
                 if rings[node] < ring {
                     continue;
@@ -124,6 +128,7 @@ impl NodeField {
                     }
                 }
                 if count > 0.0 {
+                    missing -= 1;
                     rings[node] = ring;
                     for (plane, sum) in self.planes.iter_mut().zip(sums) {
                         plane[node] = sum / count;

@@ -13,7 +13,7 @@ use fearless_simd::{Level, dispatch};
 /// The reference on every level.
 #[derive(Debug, Clone)]
 pub(crate) struct AffineReference {
-    /// Level 0 to the coarsest, grey; level 0 on every other row, for all steps but the last.
+    /// Level 0 to the coarsest, grey on every other row: for all steps but the last.
     grey: Vec<Template>,
     /// Level 0 as the last steps match it: in colour where the pictures have colour.
     full: Template,
@@ -38,6 +38,7 @@ pub(crate) struct AffinePatches {
     /// Level 0 to the coarsest.
     levels: Vec<LevelState>,
     variance: Vec<f32>,
+    steps: Vec<f32>,
     rings: Vec<usize>,
     simd: Level,
 }
@@ -72,16 +73,19 @@ impl AffinePatches {
         };
         let levels: Vec<_> = (0..=coarsest_level(width, height, params)).map(level).collect();
         let nodes = levels[0].field.grid.plane_len();
-        Self { params: *params, levels, variance: vec![0.0; nodes], rings: vec![0; nodes], simd }
+        Self {
+            params: *params,
+            levels,
+            variance: vec![0.0; nodes],
+            steps: vec![0.0; nodes],
+            rings: vec![0; nodes],
+            simd,
+        }
     }
 
     /// An empty reference.
     pub(crate) fn reference(&self) -> AffineReference {
-        let grey = self
-            .levels
-            .iter()
-            .enumerate()
-            .map(|(level, state)| Template::new(state.field.grid, 1, if level == 0 { 2 } else { 1 }));
+        let grey = self.levels.iter().map(|level| Template::new(level.field.grid, 1, 2));
         let (channels, row_step) = if self.params.colour { (3, self.params.affine.colour_row_step) } else { (1, 1) };
         AffineReference {
             grey: grey.collect(),
@@ -114,7 +118,8 @@ impl AffinePatches {
 
     /// Follows the motion since the start from level `coarsest` down to full size, with `steps` steps there.
     ///
-    /// The first of these steps is taken in grey on every other row, at a fraction of the cost.
+    /// The first of these steps is taken in grey on every other row, at a fraction of the cost; patches that fail in it
+    /// are given what their neighbours suggest.
     pub(crate) fn follow(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize, steps: usize) {
         let coarsest = coarsest.min(self.levels.len() - 1);
         let gain = reference.gain(current);
@@ -135,6 +140,8 @@ impl AffinePatches {
         self.levels[0].refinement.trust_all();
         let first_steps = usize::from(steps > 1);
         self.finish(&reference.grey[0], Current { image: current.grey.level(0), gain }, first_steps);
+        let LevelState { refinement, field, .. } = &mut self.levels[0];
+        field.heal(refinement.trust(), &mut self.rings);
         self.finish_full(reference, current, steps - first_steps);
     }
 
@@ -197,8 +204,8 @@ impl AffinePatches {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         let own = &reference.full.own_variance;
         let step_variance = affine.continuity_px.powi(2) + affine.curvature_px.powi(2);
-        refinement.scale_variance(own, &mut self.variance);
-        spread_variance(field.grid, step_variance, &mut self.variance);
+        refinement.scale_variance(own, step_variance, &mut self.variance, &mut self.steps);
+        spread_variance(field.grid, &self.steps, &mut self.variance);
         let textured = self.params.validity.max_deviation_px.powi(2);
         (out.matched, out.residual_levels) = refinement.summarise(own, textured);
         let (grid, variance, trust) = (field.grid, &self.variance, refinement.trust());

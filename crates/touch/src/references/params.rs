@@ -9,7 +9,9 @@ pub enum Policy {
     /// where the first no longer matches, and no longer than that. Nothing accumulates.
     #[default]
     Anchored,
-    /// The stack of references of [Du2021] §III-B, as published.
+    /// The stack of references of [Du2021], as published.
+    ///
+    /// [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
     Stack,
     /// The first image alone, started from the frame before.
     Single,

@@ -1,4 +1,4 @@
-//! The stack of references of [Du2021] §III-B, as published.
+//! The stack of references of [Du2021], as published.
 //!
 //! Beside the fine flow a coarse one is kept on a small grid. The current image, warped back with it, is compared with
 //! the reference on top of the stack: a largest photometric error above the push threshold adds the frame with its flow
