@@ -21,6 +21,16 @@ pub enum FlowError {
         /// The least width and height, px.
         least: usize,
     },
+    /// The picture has more pixels than the kernels can address.
+    #[error("a picture of {width}x{height} px is too large: flow takes {most} px in all")]
+    TooLarge {
+        /// Columns, px.
+        width: usize,
+        /// Rows, px.
+        height: usize,
+        /// The most pixels in all.
+        most: usize,
+    },
 }
 
 impl FlowError {

@@ -43,9 +43,11 @@ pub struct Estimate {
     pub deviation: Image<f32>,
     /// 1 where the flow is a measurement, else 0.
     pub valid: Image<u8>,
-    /// Part of the textured patches that match, 0 to 1; 0 where no patch has texture.
+    /// Part of the textured patches that match, 0 to 1; 0 where no patch has texture. Patches that left the image do not
+    /// count unless they are the majority.
     pub matched: f32,
-    /// Root mean square of what the matching patches leave unexplained, grey levels a channel.
+    /// Root mean square of what the matching patches leave unexplained, grey levels a channel; not a number where none
+    /// matches.
     pub residual_levels: f32,
 }
 
@@ -96,6 +98,9 @@ struct WayBack {
 /// Fixed-point passes that turn a flow round, to start the way back.
 const INVERSION_PASSES: usize = 6;
 
+/// Most pixels of a picture: the kernels count them in `f32`, which is exact up to here.
+const MOST_PIXELS: usize = 1 << 24;
+
 /// Least width and height of a picture, px.
 const LEAST_SIZE: usize = 32;
 
@@ -104,11 +109,14 @@ impl FlowEstimator {
     ///
     /// # Errors
     ///
-    /// [`FlowError::TooSmall`] below 32 px either way; [`FlowError::Parameter`] for a parameter out of range.
+    /// [`FlowError::TooSmall`] below 32 px either way; [`FlowError::TooLarge`] above 2²⁴ px in all; [`FlowError::Parameter`] for a parameter out of range.
     pub fn new(width: usize, height: usize, params: &FlowParams) -> Result<Self, FlowError> {
         params.validate()?;
         if width.min(height) < LEAST_SIZE {
             return Err(FlowError::TooSmall { width, height, least: LEAST_SIZE });
+        }
+        if width.saturating_mul(height) > MOST_PIXELS {
+            return Err(FlowError::TooLarge { width, height, most: MOST_PIXELS });
         }
         let simd = Level::new();
         let mut estimator = Self {

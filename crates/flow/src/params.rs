@@ -46,7 +46,7 @@ pub struct FlowParams {
     /// Standard deviation of the image noise, grey levels a channel. It scales the pull between neighbouring patches and
     /// the predicted deviation.
     pub noise_levels: f32,
-    /// The inverse search in full; absent: what the preset says.
+    /// The inverse search in full, values left out being those of the preset medium; absent: what the preset says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub search: Option<SearchParams>,
     /// The affine patches.
@@ -85,6 +85,8 @@ impl FlowParams {
     pub fn validate(&self) -> Result<(), FlowError> {
         let noise = f64::from(self.noise_levels);
         FlowError::check((0.01..=64.0).contains(&noise), "noise_levels", noise, "0.01 to 64 grey levels")?;
+        let finest = self.finest_level.unwrap_or(0);
+        FlowError::check(finest <= 8, "finest_level", finest as f64, "0 to 8")?;
         self.search().validate()?;
         self.affine.validate()?;
         self.validity.validate()

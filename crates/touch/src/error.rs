@@ -36,7 +36,7 @@ pub enum TrackError {
         /// Rows of the frames before, px.
         expected_height: usize,
     },
-    /// A frame came after one with the same or a later number or time.
+    /// A frame came after one with the same or a later number, or a later time.
     #[error("frame {sequence} at {time_s} s came after frame {previous} at {previous_time_s} s")]
     OutOfOrder {
         /// The frame's sequence number.
@@ -64,6 +64,7 @@ impl TrackError {
             Self::Flow(FlowError::TooSmall { .. }) => {
                 Some("record at a larger size or widen image.region_of_interest".into())
             }
+            Self::Flow(FlowError::TooLarge { .. }) => Some("crop with image.region_of_interest".into()),
             Self::Image { .. } => Some("image.region_of_interest must lie inside the frame".into()),
             Self::SizeChanged { .. } => Some("record with one camera mode, or track the parts on their own".into()),
             Self::OutOfOrder { .. } => Some("hand frames over in the order of capture".into()),

@@ -78,7 +78,7 @@ pub enum Flag {
     NoTexture,
     /// The gel already moves in the first frames: the reference may show a pressed gel.
     PressedAtStart,
-    /// Light changed by more than a quarter since the reference.
+    /// Mean light changed by a factor above 1.25, either way, since the first frame.
     LightChanged,
     /// The density's Gaussians do not overlap somewhere (3σ ≤ M).
     DensityGap,

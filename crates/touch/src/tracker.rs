@@ -54,7 +54,7 @@ struct DensityStage {
 const LOST_BELOW: f32 = 0.5;
 /// An image has too little texture where less than this part of its patches can be measured.
 const LEAST_TEXTURED: f32 = 0.1;
-/// Mean light that differs by more than this factor from the reference's is flagged.
+/// Mean light that differs by more than this factor, either way, from the first frame's is flagged.
 const LIGHT_FACTOR: f32 = 1.25;
 
 impl Tracker {
@@ -153,7 +153,9 @@ impl Tracker {
             return Err(TrackError::SizeChanged { sequence, width, height, expected_width, expected_height });
         }
         let Some((previous, previous_time_s)) = self.previous else { return Ok(0) };
-        if frame.sequence <= previous || frame.capture_time_s < previous_time_s || frame.capture_time_s.is_nan() {
+        // A time that is not a number is in no order.
+        let is_in_time = frame.capture_time_s >= previous_time_s || previous_time_s.is_nan();
+        if frame.sequence <= previous || !is_in_time {
             let (sequence, time_s) = (frame.sequence, frame.capture_time_s);
             return Err(TrackError::OutOfOrder { sequence, time_s, previous, previous_time_s });
         }

@@ -17,7 +17,7 @@ use super::bonds::{Bonds, Stiffness};
 use super::grid::{LANES, PatchGrid};
 use super::nodes::{NodeField, Planes, UNKNOWNS};
 use super::template::{PACKED, packed};
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
 /// The solver and its scratch.
@@ -48,6 +48,11 @@ impl Coupling {
     /// The stiffness of the pull.
     pub(crate) fn stiffness(&self) -> Stiffness {
         self.bonds.stiffness()
+    }
+
+    /// Weighs the bonds for a field that is not to be moved.
+    pub(crate) fn weigh(&mut self, level: Level, field: &NodeField) {
+        dispatch!(level, simd => self.bonds.weigh(simd, &field.planes));
     }
 
     /// Mean roughness of the field at a node; see [`Bonds::roughness`].

@@ -1,7 +1,7 @@
 //! Where the patches lie.
 //!
 //! Patches are `WINDOW` px wide and stand every `STRIDE` px, so their windows overlap by half and every pixel belongs
-//! to four of them. The grid starts half a stride outside the image: patch `(i, j)` covers the *padded* columns
+//! to four of them, except along the border. The grid starts half a stride outside the image: patch `(i, j)` covers the *padded* columns
 //! `[STRIDE·i, STRIDE·i + WINDOW)`, where padded column `X` is image column `X − MARGIN`; its centre, the *node*, lies at
 //! image column `STRIDE·i + STRIDE/2 − ½`.
 

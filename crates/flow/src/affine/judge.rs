@@ -6,7 +6,7 @@
 //! grows with the way to them. Both are scaled by the residual that is left, where that exceeds the noise, and grow
 //! where the field is rougher than patches can follow.
 
-use super::grid::{MARGIN, PatchGrid, STRIDE};
+use super::grid::{PatchGrid, STRIDE};
 use super::nodes::UNKNOWNS;
 use super::template::{PACKED, packed};
 use crate::Estimate;
@@ -72,7 +72,7 @@ pub(crate) fn mark_pixels<S: Simd>(
 ) {
     let _ = simd;
     for y in 0..grid.height {
-        let start = ((y + MARGIN - STRIDE / 2) / STRIDE).min(grid.rows - 1) * grid.columns;
+        let start = (y / STRIDE).min(grid.rows - 1) * grid.columns;
         let deviation = out.deviation.row_mut(y);
         for (i, cell) in deviation.chunks_mut(STRIDE).enumerate() {
             let node = start + i;

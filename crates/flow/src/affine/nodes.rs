@@ -31,7 +31,7 @@ impl NodeField {
         let (i, j) = (node % self.grid.columns, node / self.grid.columns);
         let (x, y) = (PatchGrid::centre(i) + self.planes[0][node], PatchGrid::centre(j) + self.planes[3][node]);
         let (right, bottom) = (self.grid.width as f32 - 1.0, self.grid.height as f32 - 1.0);
-        // The outermost centres lie up to half a patch outside the image even at rest.
+        // The outermost centres lie up to half a stride outside the image even at rest.
         let slack = MARGIN as f32;
         x >= -slack && y >= -slack && x <= right + slack && y <= bottom + slack
     }

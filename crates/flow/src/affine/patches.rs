@@ -13,7 +13,7 @@ use fearless_simd::{Level, dispatch};
 /// The reference on every level.
 #[derive(Debug, Clone)]
 pub(crate) struct AffineReference {
-    /// Level 0 to the coarsest, grey on every other row: for all steps but the last.
+    /// Level 0 to the coarsest, grey: for the coarse levels and, on every other row, a first step at full size.
     grey: Vec<Template>,
     /// Level 0 as the last steps match it: in colour where the pictures have colour.
     full: Template,
@@ -85,7 +85,9 @@ impl AffinePatches {
 
     /// An empty reference.
     pub(crate) fn reference(&self) -> AffineReference {
-        let grey = self.levels.iter().map(|level| Template::new(level.field.grid, 1, 2));
+        let row_step = |level: usize| if level == 0 { 2 } else { 1 };
+        let levels = self.levels.iter().enumerate();
+        let grey = levels.map(|(level, state)| Template::new(state.field.grid, 1, row_step(level)));
         let (channels, row_step) = if self.params.colour { (3, self.params.affine.colour_row_step) } else { (1, 1) };
         AffineReference {
             grey: grey.collect(),
@@ -118,7 +120,7 @@ impl AffinePatches {
 
     /// Follows the motion since the start from level `coarsest` down to full size, with `steps` steps there.
     ///
-    /// The first of these steps is taken in grey on every other row, at a fraction of the cost; patches that fail in it
+    /// The first of several such steps is taken in grey on every other row, at a fraction of the cost; patches that fail in it
     /// are given what their neighbours suggest.
     pub(crate) fn follow(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize, steps: usize) {
         let coarsest = coarsest.min(self.levels.len() - 1);

@@ -25,9 +25,9 @@ pub(crate) struct Current<'a, T> {
 }
 
 /// Part of the roughness between neighbours, squared, that becomes a patch's own error: measured on simulated presses.
-const ROUGH_PATCH: f32 = 0.04;
+const ROUGH_PATCH: f32 = 0.08;
 /// The same for a patch that knows only what its neighbours say.
-const ROUGH_STEP: f32 = 0.1;
+const ROUGH_STEP: f32 = 0.2;
 
 /// Products under a row of patches: two gradient sums, two light sums, energy.
 const PRODUCTS: usize = 5;
@@ -135,6 +135,7 @@ impl Refinement {
         self.expander.prepare(field);
         dispatch!(level, simd => self.measure(simd, template, current, field));
         self.form_right(template);
+        self.coupling.weigh(level, field);
         for plane in &mut self.increment.planes {
             plane.fill(0.0);
         }
@@ -211,7 +212,7 @@ impl Refinement {
                 energy += self.trust[node] * self.mean_energy[node];
             }
         }
-        if good > 0.0 { (good / inside.max(0.5 * all), (energy / good).sqrt()) } else { (0.0, 0.0) }
+        if good > 0.0 { (good / inside.max(0.5 * all), (energy / good).sqrt()) } else { (0.0, f32::NAN) }
     }
 
     /// The patches' sums over the residual.
@@ -310,6 +311,7 @@ fn to_positions(grid: PatchGrid, row: usize, xs: &mut [f32], ys: &mut [f32]) {
     }
     xs[..MARGIN].fill(-1.0);
     xs[MARGIN + grid.width..].fill(-1.0);
+    ys[MARGIN + grid.width..].fill(0.0);
 }
 
 #[simd]
@@ -340,7 +342,7 @@ fn multiply_row<S: Simd, T: Texel>(
 #[inline(always)]
 fn locate<S: Simd>(simd: S, x: f32x16<S>, y: f32x16<S>, (width, height): (usize, usize)) -> (Taps<S>, f32x16<S>) {
     // A NaN clamps to the lower bound and then differs from itself: outside.
-    let clamp = |place: f32x16<S>, size: usize| place.max(1.0).min(size as f32 - 2.0 - 1.0 / 64.0);
+    let clamp = |place: f32x16<S>, size: usize| place.max_precise(1.0).min(size as f32 - 2.0 - 1.0 / 64.0);
     let (clamped_x, clamped_y) = (clamp(x, width), clamp(y, height));
     let (left, top) = (clamped_x.floor(), clamped_y.floor());
     let near = |place: f32x16<S>, clamped: f32x16<S>| (place - clamped).abs().simd_le(1.0 / 64.0);

@@ -71,11 +71,22 @@ impl SearchParams {
     pub fn validate(&self) -> Result<(), FlowError> {
         let check = FlowError::check;
         check((1..=PATCH).contains(&self.stride), "search.stride", self.stride as f64, "1 to 8 px")?;
-        check(self.iterations > 0, "search.iterations", self.iterations as f64, "at least 1")?;
+        for (name, count, least) in [
+            ("search.iterations", self.iterations, 1),
+            ("search.refine.passes", self.refine.passes, 0),
+            ("search.refine.sweeps", self.refine.sweeps, 0),
+        ] {
+            check((least..=1000).contains(&count), name, count as f64, "at most 1000, and 1 iteration at least")?;
+        }
         check(self.finest_level <= 8, "search.finest_level", self.finest_level as f64, "0 to 8")?;
         let tolerance = f64::from(self.tolerance_px);
         check(tolerance > 0.0 && tolerance < 1.0, "search.tolerance_px", tolerance, "between 0 and 1 px")?;
-        check(self.min_texture >= 0.0, "search.min_texture", f64::from(self.min_texture), "0 or more")?;
+        check(
+            self.min_texture >= 0.0 && self.min_texture.is_finite(),
+            "search.min_texture",
+            f64::from(self.min_texture),
+            "0 or more",
+        )?;
         for (name, weight) in [
             ("search.refine.smoothness_weight", self.refine.smoothness_weight),
             ("search.refine.brightness_weight", self.refine.brightness_weight),

@@ -187,7 +187,8 @@ pub(crate) fn search<S: Simd>(
     for _ in 0..rules.iterations {
         let Some(sums) = compare(simd, template, current, corner, (u, v)) else { break };
         let error = sums.error();
-        if error < best.error {
+        let is_best = error < best.error;
+        if is_best {
             best = Match { u, v, error };
         }
         let mean = sums.residual / (PATCH * PATCH) as f32;
@@ -201,8 +202,9 @@ pub(crate) fn search<S: Simd>(
             break;
         }
         if du.abs().max(dv.abs()) < rules.tolerance {
-            best.u = u;
-            best.v = v;
+            if is_best {
+                (best.u, best.v) = (u, v);
+            }
             break;
         }
     }

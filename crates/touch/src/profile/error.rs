@@ -186,6 +186,10 @@ impl From<FlowError> for ProfileError {
                 let (key, value) = ("image.region_of_interest".into(), format!("{width}x{height} px"));
                 Self::OutOfRange { place, key, value, allowed: format!("{least} px or more either way") }
             }
+            FlowError::TooLarge { width, height, most } => {
+                let (key, value) = ("image.region_of_interest".into(), format!("{width}x{height} px"));
+                Self::OutOfRange { place, key, value, allowed: format!("{most} px or less in all") }
+            }
         }
     }
 }

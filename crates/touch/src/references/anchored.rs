@@ -44,9 +44,9 @@ pub(crate) struct Anchored {
     start_up: StartUp,
 }
 
-/// A frame that matches this much worse than it must is too poor to become a keyframe.
+/// Part of the textured patches, 0 to 1, from which a frame is good enough to become a keyframe.
 const KEYFRAME_MATCHED: f32 = 0.9;
-/// Frames between two keyframes.
+/// Least number of frames between two keyframes.
 const KEYFRAME_INTERVAL: u64 = 10;
 
 impl Anchored {

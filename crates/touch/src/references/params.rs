@@ -36,7 +36,7 @@ pub struct ReferenceParams {
     pub loop_error: f32,
     /// Stack: columns and rows of the coarse flow.
     pub coarse_grid: [usize; 2],
-    /// Stack: most references held.
+    /// Stack: most references held; at the limit frames are matched with the newest.
     pub max_references: usize,
 }
 
