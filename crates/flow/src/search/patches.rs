@@ -187,8 +187,7 @@ pub(crate) fn search<S: Simd>(
     for _ in 0..rules.iterations {
         let Some(sums) = compare(simd, template, current, corner, (u, v)) else { break };
         let error = sums.error();
-        let is_best = error < best.error;
-        if is_best {
+        if error < best.error {
             best = Match { u, v, error };
         }
         let mean = sums.residual / (PATCH * PATCH) as f32;
@@ -202,9 +201,8 @@ pub(crate) fn search<S: Simd>(
             break;
         }
         if du.abs().max(dv.abs()) < rules.tolerance {
-            if is_best {
-                (best.u, best.v) = (u, v);
-            }
+            // Where steps have died out the place is right, though bilinear sampling may err less at a whole pixel.
+            (best.u, best.v) = (u, v);
             break;
         }
     }
