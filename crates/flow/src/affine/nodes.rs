@@ -6,6 +6,7 @@
 
 use super::grid::{MARGIN, PatchGrid, STRIDE};
 use crate::FlowField;
+use crate::search::coarse_neighbours;
 
 /// Unknowns of a node.
 pub(crate) const UNKNOWNS: usize = 6;
@@ -172,13 +173,6 @@ impl NodeField {
             }
         }
     }
-}
-
-/// The nearer and the farther coarse node beside fine node `i`; one and the same at the border.
-fn coarse_neighbours(i: usize, count: usize) -> (usize, usize) {
-    let near = (i / 2).min(count - 1);
-    let far = if i.is_multiple_of(2) { near.saturating_sub(1) } else { (near + 1).min(count - 1) };
-    (near, far)
 }
 
 /// Hermite basis at the eight pixels between two nodes.

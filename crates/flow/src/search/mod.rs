@@ -16,6 +16,7 @@ use resize::{double_into, shrink_into};
 use serde::{Deserialize, Serialize};
 use variational::VariationalRefinement;
 
+pub(crate) use resize::coarse_neighbours;
 pub use variational::RefineParams;
 
 /// Parameters of the dense inverse search.

@@ -12,18 +12,18 @@ pub(crate) fn double_into(coarse: &FlowField, fine: &mut FlowField) {
 fn double_plane(coarse: &Image<f32>, fine: &mut Image<f32>) {
     let (width, height) = coarse.size();
     for (y, row) in fine.rows_mut().enumerate() {
-        let (near_y, far_y) = neighbours(y, height);
+        let (near_y, far_y) = coarse_neighbours(y, height);
         let (near_row, far_row) = (coarse.row(near_y), coarse.row(far_y));
         for (x, value) in row.iter_mut().enumerate() {
-            let (near, far) = neighbours(x, width);
+            let (near, far) = coarse_neighbours(x, width);
             let across = |row: &[f32]| 0.75 * row[near] + 0.25 * row[far];
             *value = 2.0 * (0.75 * across(near_row) + 0.25 * across(far_row));
         }
     }
 }
 
-/// The nearer and the farther coarse pixel beside fine pixel `x`; one and the same at the border.
-fn neighbours(x: usize, size: usize) -> (usize, usize) {
+/// The nearer and the farther coarse pixel, or node, beside the fine one `x`; one and the same at the border.
+pub(crate) fn coarse_neighbours(x: usize, size: usize) -> (usize, usize) {
     let near = (x / 2).min(size - 1);
     let far = if x.is_multiple_of(2) { near.saturating_sub(1) } else { (near + 1).min(size - 1) };
     (near, far)

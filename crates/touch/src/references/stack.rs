@@ -17,16 +17,11 @@ use fingervision_image::{Image, average_into};
 struct Layer {
     id: u64,
     reference: Reference,
-    coarse: CoarseImage,
+    /// Grey levels on the coarse grid.
+    coarse: Image<f32>,
     coarse_reference: Reference,
     /// Flow from the first reference.
     from_first: Estimate,
-}
-
-/// The image on the coarse grid.
-#[derive(Debug)]
-struct CoarseImage {
-    grey: Image<f32>,
 }
 
 /// The stack.
@@ -104,7 +99,7 @@ impl Stack {
     fn coarse_error(&mut self, layer: usize) -> f32 {
         let layer = &self.layers[layer];
         self.coarse.estimate(&layer.coarse_reference, &self.coarse_picture, Start::Search(None), &mut self.coarse_flow);
-        largest_error(&layer.coarse.grey, &self.coarse_current, &self.coarse_flow.flow)
+        largest_error(&layer.coarse, &self.coarse_current, &self.coarse_flow.flow)
     }
 
     fn push(&mut self, estimator: &FlowEstimator, current: &Picture, mut from_first: Estimate) {
@@ -116,7 +111,7 @@ impl Stack {
         estimator.prepare(current, &mut reference);
         let mut coarse_reference = self.coarse.reference();
         self.coarse.prepare(&self.coarse_picture, &mut coarse_reference);
-        let coarse = CoarseImage { grey: self.coarse_current.clone() };
+        let coarse = self.coarse_current.clone();
         self.layers.push(Layer { id: self.pushed, reference, coarse, coarse_reference, from_first });
         self.pushed += 1;
     }
