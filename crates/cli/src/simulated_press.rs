@@ -1,6 +1,6 @@
 //! A press on a simulated gel, with its truth: what demo, bench and doctor track where nothing is attached.
 
-use fingervision_gel::{GelError, Light, Motion, Renderer, Scene};
+use fingervision_gel::{GelError, Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Frame, Pixels};
 use fingervision_source::{Source, SourceError};
 
@@ -27,7 +27,7 @@ impl Press {
 /// The camera's images of a press on a dense random colour pattern.
 #[derive(Debug)]
 pub(crate) struct SimulatedPress {
-    renderer: Renderer,
+    renderer: SheetRenderer,
     press: Press,
     next: u64,
 }
@@ -45,8 +45,8 @@ impl SimulatedPress {
         amplitude_px: f64,
         frames: u64,
     ) -> Result<Self, GelError> {
-        let renderer = Renderer::new(&Scene { width, height, ..Scene::default() })?;
-        let centre_px = renderer.scene().centre_px();
+        let renderer = SheetRenderer::new(&Sheet { width, height, ..Sheet::default() })?;
+        let centre_px = renderer.sheet().centre_px();
         let deepest = Motion::RadialBump { centre_px, radius_px, amplitude_px };
         Ok(Self { renderer, press: Press { deepest, frames }, next: 0 })
     }
@@ -85,7 +85,7 @@ impl Source for SimulatedPress {
     }
 
     fn size(&self) -> (usize, usize) {
-        (self.renderer.scene().width, self.renderer.scene().height)
+        (self.renderer.sheet().width, self.renderer.sheet().height)
     }
 
     fn description(&self) -> String {

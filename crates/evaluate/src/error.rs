@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// What keeps a table from being measured.
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
-    /// A scene cannot be rendered.
+    /// A sheet cannot be rendered.
     #[error(transparent)]
     Gel(#[from] GelError),
     /// The flow cannot be computed with these parameters.

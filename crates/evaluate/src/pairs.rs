@@ -13,7 +13,7 @@
 use crate::matcher::Matcher;
 use crate::{Asked, Calibration, EvaluateError, Table, end_point_errors, mean, without_border};
 use fingervision_flow::{FlowField, FlowParams, Preset};
-use fingervision_gel::{Light, Motion, Renderer, Scene};
+use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::Pixels;
 use rayon::prelude::*;
 
@@ -87,10 +87,10 @@ fn variants() -> [FlowParams; 5] {
 ///
 /// [`EvaluateError::Flow`] if the default parameters do not fit the frames, which would be a bug.
 pub fn measure(seeds: u64) -> Result<PairTables, EvaluateError> {
-    let scene = Scene::default();
-    let pairs = SimulatedPair::all(scene.centre_px());
+    let sheet = Sheet::default();
+    let pairs = SimulatedPair::all(sheet.centre_px());
     let references = (0..seeds).into_par_iter().map(|seed| {
-        let renderer = Renderer::new(&Scene { pattern_seed: 1 + seed, ..scene.clone() })?;
+        let renderer = SheetRenderer::new(&Sheet { pattern_seed: 1 + seed, ..sheet.clone() })?;
         let reference = Pixels::Rgb8(renderer.render(&Motion::STILL, Light::EVEN, noise_seed(seed, 0))?);
         Ok((renderer, reference))
     });
@@ -110,7 +110,7 @@ fn noise_seed(seed: u64, frame: u64) -> u64 {
 
 fn outcome(
     pair: &SimulatedPair,
-    renderer: &Renderer,
+    renderer: &SheetRenderer,
     reference: &Pixels,
     noise_seed: u64,
 ) -> Result<Outcome, EvaluateError> {

@@ -2,17 +2,17 @@
 #![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
 
 use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowParams, Start, ValidityParams};
-use fingervision_gel::{Light, Motion, Renderer, Scene};
+use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Image, Pixels, Rect};
 
 const SIZE: (usize, usize) = (240, 180);
 
-fn scene() -> Scene {
-    Scene { width: SIZE.0, height: SIZE.1, ..Scene::default() }
+fn sheet() -> Sheet {
+    Sheet { width: SIZE.0, height: SIZE.1, ..Sheet::default() }
 }
 
 fn render(motion: &Motion, seed: u64) -> Image<[u8; 3]> {
-    Renderer::new(&scene()).unwrap().render(motion, Light::EVEN, seed).unwrap()
+    SheetRenderer::new(&sheet()).unwrap().render(motion, Light::EVEN, seed).unwrap()
 }
 
 fn estimate(params: &FlowParams, rest: Image<[u8; 3]>, current: Image<[u8; 3]>) -> Estimate {
@@ -36,8 +36,8 @@ fn valid_part(estimate: &Estimate, area: Rect) -> f64 {
 
 /// Covers a part of an image with another pattern.
 fn cover(image: &mut Image<[u8; 3]>, area: Rect) {
-    let other = Scene { pattern_seed: 99, ..scene() };
-    let other = Renderer::new(&other).unwrap().render(&Motion::STILL, Light::EVEN, 3).unwrap();
+    let other = Sheet { pattern_seed: 99, ..sheet() };
+    let other = SheetRenderer::new(&other).unwrap().render(&Motion::STILL, Light::EVEN, 3).unwrap();
     for y in area.y..area.y + area.height {
         image.row_mut(y)[area.x..][..area.width].copy_from_slice(&other.row(y)[area.x..][..area.width]);
     }
@@ -63,7 +63,7 @@ fn patches_that_show_something_else_are_marked_and_do_not_bend_their_neighbours(
 
 #[test]
 fn the_predicted_deviation_bounds_the_error() {
-    let motion = Motion::radial_bump(scene().centre_px(), 5.0);
+    let motion = Motion::radial_bump(sheet().centre_px(), 5.0);
     let estimate = estimate(&FlowParams::default(), render(&Motion::STILL, 1), render(&motion, 2));
     let truth = motion.flow(SIZE.0, SIZE.1);
     let (mut sum, mut count) = (0.0, 0);
@@ -102,7 +102,7 @@ fn the_round_trip_is_checked_where_asked() {
         validity: ValidityParams { max_round_trip_px: Some(0.1), ..ValidityParams::default() },
         ..FlowParams::default()
     };
-    let motion = Motion::radial_bump(scene().centre_px(), 6.0);
+    let motion = Motion::radial_bump(sheet().centre_px(), 6.0);
     let mut current = render(&motion, 2);
     cover(&mut current, Rect { x: 150, y: 20, width: 64, height: 48 });
     let estimate = estimate(&params, render(&Motion::STILL, 1), current);
@@ -115,7 +115,7 @@ fn the_round_trip_is_checked_where_asked() {
 #[test]
 fn a_start_from_the_flow_equals_a_start_from_nowhere() {
     let params = FlowParams::default();
-    let motion = Motion::radial_bump(scene().centre_px(), 8.0);
+    let motion = Motion::radial_bump(sheet().centre_px(), 8.0);
     let mut estimator = FlowEstimator::new(SIZE.0, SIZE.1, &params).unwrap();
     let (mut first, mut second) = (estimator.picture(), estimator.picture());
     first.load(&Pixels::Rgb8(render(&Motion::STILL, 1)), Rect::whole(SIZE.0, SIZE.1)).unwrap();

@@ -1,7 +1,7 @@
-/// Why a scene or a motion cannot be rendered.
+/// Why a sheet or a motion cannot be rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GelError {
-    /// A parameter of the scene lies outside its range.
+    /// A parameter of the sheet lies outside its range.
     #[error("{name} is {value}: {allowed} is allowed")]
     OutOfRange {
         /// The parameter.

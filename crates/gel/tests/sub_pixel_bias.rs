@@ -1,6 +1,6 @@
 //! A rendered shift, measured again from the images, is the shift that was asked for: no sub-pixel bias.
 
-use fingervision_gel::{Motion, Renderer, Scene};
+use fingervision_gel::{Motion, Sheet, SheetRenderer};
 use fingervision_image::Image;
 
 /// Pixels on either side that the interpolation takes.
@@ -74,7 +74,7 @@ fn measured_shift(reference: &Colours, current: &Colours, start: [f64; 2], borde
 
 #[test]
 fn a_shift_is_rendered_without_sub_pixel_bias() {
-    let renderer = Renderer::new(&Scene { width: 72, height: 64, ..Scene::default() }).unwrap();
+    let renderer = SheetRenderer::new(&Sheet { width: 72, height: 64, ..Sheet::default() }).unwrap();
     let reference = renderer.colours(&Motion::STILL).unwrap();
     for distance in [0.1, 0.25, 0.5, 0.9, 2.3] {
         let motion = Motion::shift(distance);

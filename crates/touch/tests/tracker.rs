@@ -1,7 +1,7 @@
 //! The tracker on rendered streams with exact truth.
 #![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
 
-use fingervision_gel::{Light, Motion, Renderer, Scene};
+use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Frame, Image, Pixels};
 use fingervision_touch::{DepthLine, Fields, Flag, Policy, Profile, Reading, TrackError, Tracker};
 
@@ -9,15 +9,15 @@ const SIZE: (usize, usize) = (240, 180);
 
 /// Renders frames of one pattern.
 struct Stage {
-    renderer: Renderer,
+    renderer: SheetRenderer,
     centre: [f64; 2],
     next: u64,
 }
 
 impl Stage {
     fn new(pattern_seed: u64) -> Self {
-        let scene = Scene { width: SIZE.0, height: SIZE.1, pattern_seed, ..Scene::default() };
-        Self { renderer: Renderer::new(&scene).unwrap(), centre: scene.centre_px(), next: 0 }
+        let sheet = Sheet { width: SIZE.0, height: SIZE.1, pattern_seed, ..Sheet::default() };
+        Self { renderer: SheetRenderer::new(&sheet).unwrap(), centre: sheet.centre_px(), next: 0 }
     }
 
     fn bump(&self, amplitude_px: f64) -> Motion {

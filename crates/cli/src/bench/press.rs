@@ -5,7 +5,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use fingervision_gel::{GelError, Light, Motion, Renderer, Scene};
+use fingervision_gel::{GelError, Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Frame, Image, Pixels};
 use fingervision_sink::{ArrayWriter, SinkError, write_png};
 use indicatif::ProgressBar;
@@ -18,10 +18,10 @@ pub(super) const FRAMES: u64 = 31;
 /// The largest displacement of the last frame, px.
 pub(super) const AMPLITUDE_PX: f64 = 25.0;
 
-/// A round bump on the default scene that grows evenly behind the reference.
+/// A round bump on the default sheet that grows evenly behind the reference.
 #[derive(Debug)]
 pub(super) struct Press {
-    renderer: Renderer,
+    renderer: SheetRenderer,
     deepest: Motion,
 }
 
@@ -36,14 +36,14 @@ pub(super) struct Written {
 
 impl Press {
     pub(super) fn new() -> Result<Self, GelError> {
-        let renderer = Renderer::new(&Scene::default())?;
-        let deepest = Motion::radial_bump(renderer.scene().centre_px(), AMPLITUDE_PX);
+        let renderer = SheetRenderer::new(&Sheet::default())?;
+        let deepest = Motion::radial_bump(renderer.sheet().centre_px(), AMPLITUDE_PX);
         Ok(Self { renderer, deepest })
     }
 
     /// Columns and rows, px.
     pub(super) fn size(&self) -> (usize, usize) {
-        (self.renderer.scene().width, self.renderer.scene().height)
+        (self.renderer.sheet().width, self.renderer.sheet().height)
     }
 
     /// The motion of a frame; the reference, frame 0, is at rest.

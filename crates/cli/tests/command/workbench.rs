@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use fingervision_gel::{Light, Motion, Renderer, Scene};
+use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use image::{DynamicImage, RgbImage};
 use tempfile::TempDir;
 
@@ -101,7 +101,7 @@ pub(crate) fn press_motion() -> Motion {
 /// The camera's image of a gel with the pattern of this seed.
 pub(crate) fn picture(motion: &Motion, pattern_seed: u64, noise_seed: u64) -> RgbImage {
     let (width, height) = SIZE;
-    let renderer = Renderer::new(&Scene { width, height, pattern_seed, ..Scene::default() }).unwrap();
+    let renderer = SheetRenderer::new(&Sheet { width, height, pattern_seed, ..Sheet::default() }).unwrap();
     let image = renderer.render(motion, Light::EVEN, noise_seed).unwrap();
     RgbImage::from_raw(width as u32, height as u32, image.values().concat()).unwrap()
 }

@@ -76,7 +76,7 @@ impl Outcome {
 pub fn follow(script: &Script, frames: &[Frame], policy: Policy) -> Result<Outcome, EvaluateError> {
     let mut profile = Profile::default();
     profile.references.policy = policy;
-    let size = (script.scene.width, script.scene.height);
+    let size = (script.sheet.width, script.sheet.height);
     let mut tracker = Tracker::new(&profile, size, true, Fields { density: false, depth: false })?;
     let region = without_border(size, BORDER_PX);
     let mut reference = script.steps[0].motion;

@@ -2,7 +2,7 @@
 
 use crate::EvaluateError;
 use crate::pairs::TILTED_LIGHT;
-use fingervision_gel::{Light, Motion, Renderer, Scene};
+use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Frame, Pixels};
 use rayon::prelude::*;
 
@@ -28,11 +28,11 @@ pub struct Step {
     pub light: Light,
 }
 
-/// A scene and what happens in it.
+/// A sheet and what happens in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Script {
     /// What the camera sees.
-    pub scene: Scene,
+    pub sheet: Sheet,
     /// The frames.
     pub steps: Vec<Step>,
 }
@@ -65,24 +65,24 @@ impl Script {
     /// A small gel that creeps by 0.02 px a frame while the light falls by 15 %, over 300 frames.
     #[must_use]
     pub fn drift() -> Self {
-        let scene = Scene { width: 240, height: 180, ..Scene::default() };
+        let sheet = Sheet { width: 240, height: 180, ..Sheet::default() };
         let step = |frame: u32| Step {
             sequence: u64::from(frame),
             motion: Motion::shift(0.02 * f64::from(frame)),
             light: Light::uniform(1.0 - 0.15 * frame as f32 / 300.0),
         };
-        Self { scene, steps: (0..=300).map(step).collect() }
+        Self { sheet, steps: (0..=300).map(step).collect() }
     }
 
     fn bump(amplitude_px: f64, fractions: impl Iterator<Item = f64>) -> Self {
-        let scene = Scene::default();
-        let bump = Motion::radial_bump(scene.centre_px(), amplitude_px);
+        let sheet = Sheet::default();
+        let bump = Motion::radial_bump(sheet.centre_px(), amplitude_px);
         let steps = fractions.enumerate().map(|(frame, fraction)| Step {
             sequence: frame as u64,
             motion: bump.at(fraction),
             light: Light::EVEN,
         });
-        Self { scene, steps: steps.collect() }
+        Self { sheet, steps: steps.collect() }
     }
 
     /// The same under light that tilts with time, to −15 % at the left border and +15 % at the right one.
@@ -110,7 +110,7 @@ impl Script {
     ///
     /// [`EvaluateError::Gel`] if a motion folds.
     pub fn frames(&self) -> Result<Vec<Frame>, EvaluateError> {
-        let renderer = Renderer::new(&self.scene)?;
+        let renderer = SheetRenderer::new(&self.sheet)?;
         let frame = |step: &Step| {
             let image = renderer.render(&step.motion, step.light, 1 + step.sequence)?;
             let capture_time_s = step.sequence as f64 / RATE_HZ;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 /// What the camera sees at rest, and how.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Scene {
+pub struct Sheet {
     /// Columns, px.
     pub width: usize,
     /// Rows, px.
@@ -23,7 +23,7 @@ pub struct Scene {
     pub pattern_seed: u64,
 }
 
-impl Default for Scene {
+impl Default for Sheet {
     fn default() -> Self {
         Self {
             width: 610,
@@ -38,7 +38,7 @@ impl Default for Scene {
     }
 }
 
-impl Scene {
+impl Sheet {
     /// The image centre, px: half a pixel off for even sizes.
     #[must_use]
     pub fn centre_px(&self) -> [f64; 2] {
@@ -73,12 +73,12 @@ mod tests {
 
     #[test]
     fn the_default_is_in_range() {
-        assert_eq!(Scene::default().validate(), Ok(()));
+        assert_eq!(Sheet::default().validate(), Ok(()));
     }
 
     #[test]
     fn a_parameter_out_of_range_is_named() {
-        let error = Scene { blur_px: f64::NAN, ..Scene::default() }.validate().unwrap_err();
+        let error = Sheet { blur_px: f64::NAN, ..Sheet::default() }.validate().unwrap_err();
         assert_eq!(error.to_string(), "blur_px is NaN: 0 to 100 px is allowed");
     }
 }

@@ -1,12 +1,13 @@
-//! From a scene and a motion to the camera's 8-bit frame.
+//! From a sheet and a motion to the camera's 8-bit frame.
 //!
 //! The order is a camera's: the pattern's exact coverage, the optics' blur, the pixel's area, the light, the noise,
 //! then rounding. Every step before rounding is in floating point, and a margin is rendered for the blur, so no pixel
 //! depends on the image's size.
 
-use crate::blur::{Blur, SUB_PIXELS};
-use crate::coverage::{Point, mean_colours};
-use crate::{ColourPattern, GelError, Motion, Scene};
+use super::blur::{Blur, SUB_PIXELS};
+use super::coverage::{Point, mean_colours};
+use super::{Motion, Sheet};
+use crate::{ColourPattern, GelError};
 use fingervision_image::Image;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -40,32 +41,32 @@ impl Light {
     }
 }
 
-/// Draws a scene's frames. Made once a scene: it owns the pattern.
+/// Draws a sheet's frames. Made once a sheet: it owns the pattern.
 #[derive(Debug, Clone)]
-pub struct Renderer {
-    scene: Scene,
+pub struct SheetRenderer {
+    sheet: Sheet,
     pattern: ColourPattern,
     blur: Blur,
 }
 
-impl Renderer {
-    /// A renderer with the scene's own random pattern.
+impl SheetRenderer {
+    /// A renderer with the sheet's own random pattern.
     ///
     /// # Errors
     ///
-    /// [`GelError::OutOfRange`] if a parameter of the scene is out of range.
-    pub fn new(scene: &Scene) -> Result<Self, GelError> {
-        scene.validate()?;
-        let diagonal = (scene.width as f64).hypot(scene.height as f64);
-        let cells = ((diagonal + 2.0 * PATTERN_MARGIN_PX) / scene.cell_size_px).ceil().max(3.0) as usize;
-        let pattern = ColourPattern::random(cells, cells, scene.levels, scene.pattern_seed)?;
-        Ok(Self { scene: scene.clone(), pattern, blur: Blur::new(scene.blur_px) })
+    /// [`GelError::OutOfRange`] if a parameter of the sheet is out of range.
+    pub fn new(sheet: &Sheet) -> Result<Self, GelError> {
+        sheet.validate()?;
+        let diagonal = (sheet.width as f64).hypot(sheet.height as f64);
+        let cells = ((diagonal + 2.0 * PATTERN_MARGIN_PX) / sheet.cell_size_px).ceil().max(3.0) as usize;
+        let pattern = ColourPattern::random(cells, cells, sheet.levels, sheet.pattern_seed)?;
+        Ok(Self { sheet: sheet.clone(), pattern, blur: Blur::new(sheet.blur_px) })
     }
 
-    /// The scene.
+    /// The sheet.
     #[must_use]
-    pub fn scene(&self) -> &Scene {
-        &self.scene
+    pub fn sheet(&self) -> &Sheet {
+        &self.sheet
     }
 
     /// The frame after `motion`: 8-bit red, green, blue.
@@ -78,7 +79,7 @@ impl Renderer {
     pub fn render(&self, motion: &Motion, light: Light, noise_seed: u64) -> Result<Image<[u8; 3]>, GelError> {
         let colours = self.colours(motion)?;
         let mut rng = Pcg64Mcg::seed_from_u64(noise_seed);
-        let noise = self.scene.noise_levels as f32;
+        let noise = self.sheet.noise_levels as f32;
         let (width, height) = colours.size();
         Ok(Image::from_fn(width, height, |x, y| {
             let gain = light.gain(x, width);
@@ -101,7 +102,7 @@ impl Renderer {
         let corners = |pixels: usize| pixels * SUB_PIXELS + 2 * margin + 1;
         // The first pixel begins half a pixel before its centre, and the margin before that.
         let corner = |index: usize| (index as f64 - margin as f64) / SUB_PIXELS as f64 - 0.5;
-        let corners = Image::from_fn(corners(self.scene.width), corners(self.scene.height), |x, y| {
+        let corners = Image::from_fn(corners(self.sheet.width), corners(self.sheet.height), |x, y| {
             let (x, y) = motion.reference_point(corner(x), corner(y));
             self.cell_coordinates(x, y)
         });
@@ -110,10 +111,10 @@ impl Renderer {
 
     /// A reference pixel's place on the pattern, in cells.
     fn cell_coordinates(&self, x: f64, y: f64) -> Point {
-        let [centre_x, centre_y] = self.scene.centre_px();
+        let [centre_x, centre_y] = self.sheet.centre_px();
         let (dx, dy) = (x - centre_x, y - centre_y);
-        let (sin, cos) = self.scene.rotation_rad.sin_cos();
-        [(cos * dx + sin * dy) / self.scene.cell_size_px, (cos * dy - sin * dx) / self.scene.cell_size_px]
+        let (sin, cos) = self.sheet.rotation_rad.sin_cos();
+        [(cos * dx + sin * dy) / self.sheet.cell_size_px, (cos * dy - sin * dx) / self.sheet.cell_size_px]
     }
 }
 
@@ -121,13 +122,13 @@ impl Renderer {
 mod tests {
     use super::*;
 
-    fn scene(width: usize, height: usize) -> Scene {
-        Scene { width, height, ..Scene::default() }
+    fn sheet(width: usize, height: usize) -> Sheet {
+        Sheet { width, height, ..Sheet::default() }
     }
 
     #[test]
     fn a_whole_pixel_shift_moves_the_image() {
-        let renderer = Renderer::new(&scene(60, 40)).unwrap();
+        let renderer = SheetRenderer::new(&sheet(60, 40)).unwrap();
         let reference = renderer.colours(&Motion::STILL).unwrap();
         let current = renderer.colours(&Motion::Shift { by_px: [3.0, -2.0] }).unwrap();
         for (x, y) in (3..60).flat_map(|x| (0..38).map(move |y| (x, y))) {
@@ -139,7 +140,7 @@ mod tests {
 
     #[test]
     fn light_goes_from_border_to_border() {
-        let renderer = Renderer::new(&Scene { noise_levels: 0.0, levels: [16, 200], ..scene(80, 20) }).unwrap();
+        let renderer = SheetRenderer::new(&Sheet { noise_levels: 0.0, levels: [16, 200], ..sheet(80, 20) }).unwrap();
         let colours = renderer.colours(&Motion::STILL).unwrap();
         let lit = renderer.render(&Motion::STILL, Light { left: 0.85, right: 1.15 }, 1).unwrap();
         for (x, gain) in [(0, 0.85), (79, 1.15)] {
@@ -151,7 +152,7 @@ mod tests {
 
     #[test]
     fn noise_has_its_standard_deviation_and_its_seed() {
-        let renderer = Renderer::new(&Scene { noise_levels: 2.0, levels: [60, 180], ..scene(200, 100) }).unwrap();
+        let renderer = SheetRenderer::new(&Sheet { noise_levels: 2.0, levels: [60, 180], ..sheet(200, 100) }).unwrap();
         let colours = renderer.colours(&Motion::STILL).unwrap();
         let frame = renderer.render(&Motion::STILL, Light::EVEN, 4).unwrap();
         let pairs = frame.values().iter().flatten().zip(colours.values().iter().flatten());
@@ -164,7 +165,7 @@ mod tests {
 
     #[test]
     fn a_motion_that_folds_is_not_rendered() {
-        let renderer = Renderer::new(&scene(20, 20)).unwrap();
+        let renderer = SheetRenderer::new(&sheet(20, 20)).unwrap();
         let folding = Motion::radial_bump([9.5, 9.5], 120.0);
         assert!(matches!(renderer.colours(&folding), Err(GelError::Folds { .. })));
     }

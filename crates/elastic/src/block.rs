@@ -1,0 +1,83 @@
+//! What the gel is: size and material.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A block of gel, bonded at its base, its sides free.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GelBlock {
+    /// Extent along x and y, mm.
+    pub size_mm: [f64; 2],
+    /// Distance from the surface to the rigid base, mm.
+    pub thickness_mm: f64,
+    /// Poisson's ratio, dimensionless: 0 is cork, just below 0.5 is rubber.
+    pub poissons_ratio: f64,
+    /// Young's modulus, `MPa`; without it there is no force.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub youngs_modulus_mpa: Option<f64>,
+}
+
+/// How stress follows strain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Law {
+    /// Small strain: stress is proportional to it.
+    Linear,
+    /// Finite strain: the compressible neo-Hookean solid.
+    #[default]
+    NeoHookean,
+}
+
+/// A block that cannot be.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{key} is {value}: {allowed} is allowed")]
+pub struct BlockError {
+    /// Which value, by its name in the file.
+    pub key: &'static str,
+    /// The value.
+    pub value: f64,
+    /// What it could be.
+    pub allowed: &'static str,
+}
+
+impl GelBlock {
+    /// Checks that every value is possible.
+    ///
+    /// # Errors
+    ///
+    /// [`BlockError`] naming the first value that is not.
+    pub fn validate(&self) -> Result<(), BlockError> {
+        let length = "a finite length above 0 mm";
+        let is_positive = |value: f64| value.is_finite() && value > 0.0;
+        let checks = [
+            ("size_mm", self.size_mm[0], is_positive(self.size_mm[0]), length),
+            ("size_mm", self.size_mm[1], is_positive(self.size_mm[1]), length),
+            ("thickness_mm", self.thickness_mm, is_positive(self.thickness_mm), length),
+            ("poissons_ratio", self.poissons_ratio, (0.0..0.5).contains(&self.poissons_ratio), "0 to below 0.5"),
+        ];
+        let modulus = self
+            .youngs_modulus_mpa
+            .map(|modulus| ("youngs_modulus_mpa", modulus, is_positive(modulus), "a finite stiffness above 0 MPa"));
+        match checks.into_iter().chain(modulus).find(|&(_, _, is_allowed, _)| !is_allowed) {
+            Some((key, value, _, allowed)) => Err(BlockError { key, value, allowed }),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_incompressible_or_flat_block_is_refused() {
+        let block =
+            GelBlock { size_mm: [30.0, 30.0], thickness_mm: 10.0, poissons_ratio: 0.48, youngs_modulus_mpa: Some(0.6) };
+        assert_eq!(block.validate(), Ok(()));
+        let error = GelBlock { poissons_ratio: 0.5, ..block }.validate().unwrap_err();
+        assert_eq!(error.to_string(), "poissons_ratio is 0.5: 0 to below 0.5 is allowed");
+        assert!(GelBlock { thickness_mm: 0.0, ..block }.validate().is_err());
+        assert!(GelBlock { youngs_modulus_mpa: Some(f64::NAN), ..block }.validate().is_err());
+    }
+}

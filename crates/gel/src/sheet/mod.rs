@@ -1,0 +1,11 @@
+//! A flat sheet of pattern seen straight on, moved by an analytic [`Motion`]: frames whose flow is exact by construction.
+
+mod blur;
+mod coverage;
+mod motion;
+mod params;
+mod render;
+
+pub use motion::{Motion, TrueFlow};
+pub use params::Sheet;
+pub use render::{Light, SheetRenderer};
