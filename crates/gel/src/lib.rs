@@ -26,5 +26,5 @@ mod pattern;
 mod sheet;
 
 pub use error::GelError;
-pub use pattern::{ColourPattern, NEIGHBOUR_DISTANCE};
+pub use pattern::{ColourPattern, NEIGHBOUR_DISTANCE, Texture};
 pub use sheet::{Light, Motion, Sheet, SheetRenderer, TrueFlow};

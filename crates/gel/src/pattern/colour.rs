@@ -4,6 +4,7 @@
 //! that every cell edge shows (Du, Zhang, Zhang, Wang 2021, doi 10.1109/LRA.2021.3061306). The pattern repeats like a
 //! torus, its seam included in the rule: it has no border.
 
+use super::texture::wrapped;
 use crate::GelError;
 use fingervision_image::Image;
 use rand_distr::{Distribution, Uniform};
@@ -56,17 +57,18 @@ impl ColourPattern {
         self.cells.size()
     }
 
+    /// All cells: red, green and blue, in grey levels.
+    #[must_use]
+    pub fn cells(&self) -> &Image<[f32; 3]> {
+        &self.cells
+    }
+
     /// Red, green and blue of a cell, in grey levels.
     #[must_use]
     pub fn at(&self, column: i64, row: i64) -> [f32; 3] {
         let (columns, rows) = self.cells.size();
         self.cells.at(wrapped(column, columns), wrapped(row, rows))
     }
-}
-
-#[expect(clippy::cast_possible_wrap, reason = "a pattern has far fewer than 2^63 cells")]
-fn wrapped(index: i64, len: usize) -> usize {
-    index.rem_euclid(len as i64) as usize
 }
 
 /// Draws until the colour differs enough from every neighbour that has one.
