@@ -10,13 +10,14 @@ use std::io::Write;
 use std::process::Command;
 
 /// What a crate of the workspace may name in its dependencies, with the prefix `fingervision-` left off.
-const LAYERS: [(&str, &[&str]); 13] = [
+const LAYERS: [(&str, &[&str]); 14] = [
     ("image", &[]),
+    ("settings", &[]),
     ("optics", &[]),
     ("elastic", &[]),
     ("flow", &["image"]),
-    ("gel", &["image", "optics", "elastic"]),
-    ("touch", &["image", "flow", "optics", "elastic"]),
+    ("gel", &["image", "optics", "elastic", "settings"]),
+    ("touch", &["image", "flow", "optics", "elastic", "settings"]),
     ("calibrate", &["touch", "gel"]),
     ("source", &["image", "gel"]),
     ("sink", &["touch", "image", "flow"]),

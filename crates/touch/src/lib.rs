@@ -21,7 +21,7 @@ pub use depth_line::DepthLine;
 pub use error::TrackError;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
 pub use profile::{
-    CameraSection, DepthMethod, DepthSection, Distortion, GelSection, ImageSection, Place, Profile, ProfileError,
+    CameraSection, DepthMethod, DepthSection, Distortion, GelSection, ImageSection, Profile, ProfileError,
 };
 pub use reading::{Flag, Flags, Reading};
 pub use references::{Policy, ReferenceParams};

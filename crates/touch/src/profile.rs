@@ -14,22 +14,22 @@
 //! ```
 
 mod error;
-mod parse;
 #[cfg(test)]
 mod tests;
 mod validate;
 
-use std::fs;
-use std::io;
 use std::path::Path;
 
 use fingervision_flow::FlowParams;
 use fingervision_image::Rect;
+use fingervision_settings::Document;
 use serde::{Deserialize, Serialize};
 
 use crate::{DensityParams, DepthLine, ReferenceParams};
 
-pub use error::{Place, ProfileError};
+pub use error::ProfileError;
+
+const PROFILE: Document = Document::new("profile");
 
 /// One sensor: what it is made of, how it was calibrated and how it is read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -156,8 +156,7 @@ impl Profile {
     ///
     /// [`ProfileError`] with the file's name, and with the line where one is to blame.
     pub fn load(path: &Path) -> Result<Self, ProfileError> {
-        let cannot_read = |error: io::Error| ProfileError::Read { file: path.to_owned(), kind: error.kind() };
-        let text = fs::read_to_string(path).map_err(cannot_read)?;
+        let text = PROFILE.read(path)?;
         Self::from_toml(&text).map_err(|error| error.in_file(path))
     }
 
@@ -165,18 +164,17 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`ProfileError::Syntax`], [`ProfileError::UnknownKey`] or [`ProfileError::WrongType`] with its line, or whatever
-    /// [`Profile::validate`] finds.
+    /// [`ProfileError::Settings`] with its line, or whatever [`Profile::validate`] finds.
     pub fn from_toml(text: &str) -> Result<Self, ProfileError> {
-        let profile = parse::from_text(text)?;
-        profile.validate()?;
+        let profile: Self = PROFILE.parse(text)?;
+        profile.validate().map_err(|error| error.in_text(text))?;
         Ok(profile)
     }
 
     /// The profile as the text of a file, every default written out.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        parse::to_text(self)
+        PROFILE.to_text(self)
     }
 
     /// Sets one value by its path, as in `flow.finest_level` to `1`.
@@ -195,13 +193,12 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`ProfileError::UnknownKey`] or [`ProfileError::WrongType`] naming the path, or whatever [`Profile::validate`]
-    /// finds.
+    /// [`ProfileError::Settings`] naming the path, or whatever [`Profile::validate`] finds.
     pub fn set_all<'a>(
         &mut self,
         assignments: impl IntoIterator<Item = (&'a str, &'a str)>,
     ) -> Result<(), ProfileError> {
-        let changed = parse::with_assignments(self, assignments)?;
+        let changed = PROFILE.with_assignments(self, assignments)?;
         changed.validate()?;
         *self = changed;
         Ok(())
@@ -211,7 +208,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`ProfileError::OutOfRange`] naming the first value that is not.
+    /// [`SettingsError::OutOfRange`](fingervision_settings::SettingsError::OutOfRange) naming the first value that is not.
     pub fn validate(&self) -> Result<(), ProfileError> {
         validate::validate(self)
     }

@@ -149,7 +149,7 @@ fn an_impossible_parameter_of_an_algorithm_is_refused() {
         ("[density]\nsigma_px = 0", "density.sigma_px"),
     ] {
         let (error, hint) = refusal(text);
-        assert!(error.starts_with(key), "{error}");
+        assert!(error.starts_with(&format!("line 2: {key}")), "{error}");
         assert!(!hint.is_empty());
     }
 }

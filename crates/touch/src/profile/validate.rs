@@ -2,7 +2,9 @@
 
 use std::fmt::Debug;
 
-use super::{CameraSection, GelSection, ImageSection, Place, Profile, ProfileError};
+use fingervision_settings::SettingsError;
+
+use super::{CameraSection, GelSection, ImageSection, Profile, ProfileError};
 
 pub(super) fn validate(profile: &Profile) -> Result<(), ProfileError> {
     profile.image.as_ref().map_or(Ok(()), validate_image)?;
@@ -56,9 +58,5 @@ fn are_finite(values: &[f64]) -> bool {
 }
 
 fn check(holds: bool, key: &str, value: impl Debug, allowed: &str) -> Result<(), ProfileError> {
-    if holds {
-        return Ok(());
-    }
-    let (key, value, allowed) = (key.into(), format!("{value:?}"), allowed.into());
-    Err(ProfileError::OutOfRange { place: Place::default(), key, value, allowed })
+    if holds { Ok(()) } else { Err(SettingsError::out_of_range(key, value, allowed).into()) }
 }

@@ -1,0 +1,134 @@
+//! From text to settings and back.
+
+use std::fs;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use toml::{Table, Value};
+
+use crate::line::line_at;
+use crate::{Place, SettingsError};
+
+/// A kind of file that holds settings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Document {
+    noun: &'static str,
+}
+
+impl Document {
+    /// A kind of file that messages call by `noun`, as in "profile".
+    #[must_use]
+    pub const fn new(noun: &'static str) -> Self {
+        Self { noun }
+    }
+
+    /// The text of a file.
+    ///
+    /// # Errors
+    ///
+    /// [`SettingsError::Read`] with the file's name.
+    pub fn read(&self, path: &Path) -> Result<String, SettingsError> {
+        let noun = self.noun;
+        fs::read_to_string(path).map_err(|error| SettingsError::Read {
+            noun,
+            file: path.to_owned(),
+            kind: error.kind(),
+        })
+    }
+
+    /// The settings that a text holds.
+    ///
+    /// # Errors
+    ///
+    /// [`SettingsError::Syntax`], [`SettingsError::UnknownKey`] or [`SettingsError::WrongType`] with its line.
+    pub fn parse<T: DeserializeOwned>(&self, text: &str) -> Result<T, SettingsError> {
+        let place = |error: &toml::de::Error| {
+            let line = error.span().map(|span| line_at(text, span.start));
+            Place { file: None, line }
+        };
+        let deserializer = toml::Deserializer::parse(text).map_err(|error| SettingsError::Syntax {
+            noun: self.noun,
+            place: place(&error),
+            message: one_line(error.message()),
+        })?;
+        serde_path_to_error::deserialize(deserializer)
+            .map_err(|error| self.refused(place(error.inner()), error.path().to_string(), error.inner()))
+    }
+
+    /// The settings as text.
+    ///
+    /// # Panics
+    ///
+    /// If they hold what TOML cannot: a map whose keys are no texts, an integer above `i64::MAX`.
+    #[must_use]
+    pub fn to_text(&self, settings: &impl Serialize) -> String {
+        toml::to_string(settings).expect("every value of the settings has a form in TOML")
+    }
+
+    /// The settings with some values replaced, each named by its path, as in `flow.finest_level`, and given as TOML; a
+    /// word that is no TOML value is taken as a string. Tables on the way are made.
+    ///
+    /// # Errors
+    ///
+    /// [`SettingsError::UnknownKey`] or [`SettingsError::WrongType`] naming the path.
+    pub fn with_assignments<'a, T: Serialize + DeserializeOwned>(
+        &self,
+        settings: &T,
+        assignments: impl IntoIterator<Item = (&'a str, &'a str)>,
+    ) -> Result<T, SettingsError> {
+        let mut table = Table::try_from(settings).map_err(|error| self.beyond_a_table(&error))?;
+        for (path, text) in assignments {
+            assign(&mut table, path, value_of(text))?;
+        }
+        serde_path_to_error::deserialize(table).map_err(|error: serde_path_to_error::Error<toml::de::Error>| {
+            self.refused(Place::default(), error.path().to_string(), error.inner())
+        })
+    }
+
+    /// An integer that a table cannot hold: one above `i64::MAX`.
+    fn beyond_a_table(&self, error: &toml::ser::Error) -> SettingsError {
+        let (key, message) = (self.noun.into(), one_line(&error.to_string()));
+        SettingsError::WrongType { place: Place::default(), key, message }
+    }
+
+    /// What a refusal of the deserialiser means.
+    ///
+    /// Serde names an unknown key and the known ones only in its message: ``unknown field `a`, expected `b` or `c` ``.
+    fn refused(&self, place: Place, key: String, error: &toml::de::Error) -> SettingsError {
+        let message = error.message();
+        if !message.starts_with("unknown field") {
+            return SettingsError::WrongType { place, key, message: one_line(message) };
+        }
+        let mut names = message.split('`').skip(1).step_by(2);
+        let name = names.next().unwrap_or_default();
+        let known = names.map(Into::into).collect();
+        let key = if key.ends_with(name) { key } else { format!("{key}.{name}") };
+        SettingsError::UnknownKey { noun: self.noun, place, key, known }
+    }
+}
+
+/// The TOML value that a text stands for; the text itself if it stands for none.
+fn value_of(text: &str) -> Value {
+    let value = toml::de::ValueDeserializer::parse(text.trim()).and_then(Value::deserialize);
+    value.unwrap_or_else(|_| Value::String(text.into()))
+}
+
+fn assign(table: &mut Table, path: &str, value: Value) -> Result<(), SettingsError> {
+    let (tables, name) = path.rsplit_once('.').map_or((None, path), |(tables, name)| (Some(tables), name));
+    let mut inner = table;
+    for part in tables.iter().flat_map(|tables| tables.split('.')) {
+        let entry = inner.entry(part).or_insert_with(|| Value::Table(Table::new()));
+        let Value::Table(next) = entry else {
+            let message = format!("{part} is a value, not a table");
+            return Err(SettingsError::WrongType { place: Place::default(), key: path.into(), message });
+        };
+        inner = next;
+    }
+    inner.insert(name.into(), value);
+    Ok(())
+}
+
+fn one_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,152 @@
+use std::fmt::Debug;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::line::line_of;
+use crate::{Place, nearest};
+
+/// What is wrong with a document.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SettingsError {
+    /// The file cannot be read.
+    #[error("cannot read the {noun} {}: {}", file.display(), why_unreadable(*kind))]
+    Read {
+        /// What the document is called.
+        noun: &'static str,
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        kind: io::ErrorKind,
+    },
+    /// The text is not TOML.
+    #[error("{place}{message}")]
+    Syntax {
+        /// What the document is called.
+        noun: &'static str,
+        /// Where.
+        place: Place,
+        /// What the parser says.
+        message: String,
+    },
+    /// A key that no such document has.
+    #[error("{place}unknown key {key}")]
+    UnknownKey {
+        /// What the document is called.
+        noun: &'static str,
+        /// Where.
+        place: Place,
+        /// The key's path.
+        key: String,
+        /// The names that its table knows.
+        known: Vec<String>,
+    },
+    /// A value of the wrong type, or a table without a key that it needs.
+    #[error("{place}{key}: {message}")]
+    WrongType {
+        /// Where.
+        place: Place,
+        /// The path of the value or table.
+        key: String,
+        /// What was found and what was expected.
+        message: String,
+    },
+    /// A value that cannot be.
+    #[error("{place}{key} = {value} is impossible: it takes {allowed}")]
+    OutOfRange {
+        /// Where.
+        place: Place,
+        /// The path of the value.
+        key: String,
+        /// The value.
+        value: String,
+        /// What is possible, with its unit.
+        allowed: String,
+    },
+}
+
+impl SettingsError {
+    /// A value that cannot be, at no known place.
+    pub fn out_of_range(key: impl Into<String>, value: impl Debug, allowed: impl Into<String>) -> Self {
+        let (key, value, allowed) = (key.into(), format!("{value:?}"), allowed.into());
+        Self::OutOfRange { place: Place::default(), key, value, allowed }
+    }
+
+    /// What the user can do about it, where there is something to say.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Read { .. } => None,
+            Self::Syntax { noun, .. } => Some(format!("a {noun} is a TOML file: key = value, with texts in quotes")),
+            Self::UnknownKey { noun, key, known, .. } => Some(near_match(noun, key, known)),
+            Self::WrongType { message, .. } if message.starts_with("unknown variant") => {
+                let mut names = message.split('`').skip(1).step_by(2);
+                let name = names.next()?;
+                let known: Vec<_> = names.collect();
+                Some(nearest(name, &known).map_or_else(|| format!("it takes {}", known.join(", ")), did_you_mean))
+            }
+            Self::WrongType { message, .. } if message.starts_with("missing") => {
+                Some("give all keys of the table, or leave the table out".into())
+            }
+            Self::WrongType { .. } => Some("numbers without quotes, lists in brackets, texts in quotes".into()),
+            Self::OutOfRange { allowed, .. } => Some(format!("give {allowed}")),
+        }
+    }
+
+    /// The same error, in a file.
+    #[must_use]
+    pub fn in_file(mut self, path: &Path) -> Self {
+        if let Some(place) = self.place_mut() {
+            place.file = Some(path.to_owned());
+        }
+        self
+    }
+
+    /// The same error, with the line of `text` where the value stands that it is about, if it names none yet.
+    #[must_use]
+    pub fn in_text(mut self, text: &str) -> Self {
+        if let Self::OutOfRange { place: Place { line: line @ None, .. }, key, .. } = &mut self {
+            *line = line_of(text, key);
+        }
+        self
+    }
+
+    /// Whether the document's file is missing.
+    #[must_use]
+    pub fn is_not_found(&self) -> bool {
+        matches!(self, Self::Read { kind: io::ErrorKind::NotFound, .. })
+    }
+
+    fn place_mut(&mut self) -> Option<&mut Place> {
+        match self {
+            Self::Syntax { place, .. }
+            | Self::UnknownKey { place, .. }
+            | Self::WrongType { place, .. }
+            | Self::OutOfRange { place, .. } => Some(place),
+            Self::Read { .. } => None,
+        }
+    }
+}
+
+fn why_unreadable(kind: io::ErrorKind) -> String {
+    match kind {
+        io::ErrorKind::NotFound => "no such file".into(),
+        io::ErrorKind::InvalidData => "it is not UTF-8 text".into(),
+        _ => kind.to_string(),
+    }
+}
+
+/// Suggests the known name that is most like the last part of `key`, or all of them.
+fn near_match(noun: &str, key: &str, known: &[String]) -> String {
+    let (table, name) = key.rsplit_once('.').map_or(("", key), |(table, name)| (table, name));
+    let joint = if table.is_empty() { "" } else { "." };
+    match nearest(name, known) {
+        Some(best) => did_you_mean(&format!("{table}{joint}{best}")),
+        None if known.is_empty() => format!("{table} takes no keys"),
+        None if table.is_empty() => format!("a {noun} knows {}", known.join(", ")),
+        None => format!("{table} knows {}", known.join(", ")),
+    }
+}
+
+fn did_you_mean(name: &str) -> String {
+    format!("did you mean {name}?")
+}

@@ -1,0 +1,34 @@
+//! Settings as TOML text: read, written, single values set by path, and every fault named by path and line.
+//!
+//! A [`Document`] is a kind of file, as a sensor's profile or a simulated scene. It turns text into whatever type
+//! describes the file and back. What is wrong is a [`SettingsError`]: it knows the [`Place`], the key's path and value,
+//! and what the user can do about it.
+//!
+//! ```
+//! use fingervision_settings::{Document, SettingsError};
+//!
+//! #[derive(Debug, Default, serde::Serialize, serde::Deserialize)]
+//! #[serde(default, deny_unknown_fields)]
+//! struct Lamp {
+//!     power_w: f64,
+//! }
+//!
+//! let document = Document::new("lamp");
+//! let error = document.parse::<Lamp>("\npower = 5.0").unwrap_err();
+//! assert_eq!(error.to_string(), "line 2: unknown key power");
+//! assert_eq!(error.hint().as_deref(), Some("did you mean power_w?"));
+//! let lamp: Lamp = document.with_assignments(&Lamp::default(), [("power_w", "5")])?;
+//! assert_eq!(document.to_text(&lamp), "power_w = 5.0\n");
+//! # Ok::<(), SettingsError>(())
+//! ```
+
+mod document;
+mod error;
+mod likeness;
+mod line;
+mod place;
+
+pub use document::Document;
+pub use error::SettingsError;
+pub use likeness::nearest;
+pub use place::Place;
