@@ -26,5 +26,5 @@ mod pattern;
 mod sheet;
 
 pub use error::GelError;
-pub use pattern::{ColourPattern, NEIGHBOUR_DISTANCE, Texture};
+pub use pattern::{ColourPattern, Motif, NEIGHBOUR_DISTANCE, Pattern, PatternError, Texture};
 pub use sheet::{Light, Motion, Sheet, SheetRenderer, TrueFlow};

@@ -58,9 +58,8 @@ impl ColourPattern {
     }
 
     /// All cells: red, green and blue, in grey levels.
-    #[must_use]
-    pub fn cells(&self) -> &Image<[f32; 3]> {
-        &self.cells
+    pub(super) fn into_cells(self) -> Image<[f32; 3]> {
+        self.cells
     }
 
     /// Red, green and blue of a cell, in grey levels.

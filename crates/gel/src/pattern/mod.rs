@@ -1,7 +1,14 @@
 //! Patterns: what is printed on the gel, as a description, as a texture to render and as a page to print.
 
 mod colour;
+mod description;
+mod disc;
+mod discs;
+mod error;
+mod table;
 mod texture;
 
 pub use colour::{ColourPattern, NEIGHBOUR_DISTANCE};
+pub use description::{Motif, Pattern};
+pub use error::PatternError;
 pub use texture::Texture;

@@ -67,6 +67,7 @@ pub(super) fn wrapped(index: i64, len: usize) -> usize {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "these places and levels are exact")]
 mod tests {
     use super::*;
 

@@ -1,0 +1,61 @@
+use crate::GelError;
+
+/// A pattern that cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PatternError {
+    /// A value outside its range.
+    #[error("{key} = {value} is impossible: it takes {allowed}")]
+    OutOfRange {
+        /// Which value, by its name in a scene's `[pattern]` table.
+        key: &'static str,
+        /// The value, in the unit that its name ends in.
+        value: String,
+        /// What it could be, with its unit.
+        allowed: &'static str,
+    },
+    /// Dots wider than the way from one to the next.
+    #[error("dots of {diameter_mm} mm overlap: {} by {} of them on {}x{} mm stand {pitch_mm:.4} mm apart", count[0], count[1], size_mm[0], size_mm[1])]
+    DotsOverlap {
+        /// Diameter of a dot, mm.
+        diameter_mm: f64,
+        /// Columns and rows of dots.
+        count: [usize; 2],
+        /// Width and height of the pattern, mm.
+        size_mm: [f64; 2],
+        /// Distance between the centres of the nearest dots, mm.
+        pitch_mm: f64,
+    },
+    /// More or fewer cells across the pattern than can be made.
+    #[error("{size_mm} mm of {what} of {part_mm} mm are {count} across: 3 to {most} can be made")]
+    Count {
+        /// What there is too much or too little of, such as "cells".
+        what: &'static str,
+        /// Length of the pattern's side, mm.
+        size_mm: f64,
+        /// Length of one part, mm.
+        part_mm: f64,
+        /// Parts along the side.
+        count: f64,
+        /// Most of them.
+        most: usize,
+    },
+    /// The colours cannot be drawn.
+    #[error(transparent)]
+    Colours(#[from] GelError),
+}
+
+impl PatternError {
+    /// What to do about it.
+    #[must_use]
+    pub fn hint(&self) -> String {
+        match self {
+            Self::OutOfRange { allowed, .. } => format!("give {allowed}"),
+            Self::DotsOverlap { pitch_mm, .. } => {
+                format!("give a diameter below {pitch_mm:.4} mm, half of that is usual, or fewer dots")
+            }
+            Self::Count { count, .. } if *count < 3.0 => "give a larger pattern or smaller parts".into(),
+            Self::Count { .. } => "give a smaller pattern or larger parts".into(),
+            Self::Colours(_) => "give levels that lie further apart".into(),
+        }
+    }
+}
