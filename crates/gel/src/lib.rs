@@ -21,8 +21,10 @@
 //! # Ok::<(), fingervision_gel::GelError>(())
 //! ```
 
+mod blur;
 mod error;
 mod pattern;
+mod polygon;
 mod sheet;
 
 pub use error::GelError;

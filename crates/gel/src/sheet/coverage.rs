@@ -5,10 +5,8 @@
 //! The sides are straight, so a curved motion errs by the bulge of a curve one pixel long.
 
 use crate::ColourPattern;
+use crate::polygon::{Point, cut, signed_area};
 use fingervision_image::Image;
-
-/// A point in cell coordinates: cell `(i, j)` is `[i, i + 1) × [j, j + 1)`.
-pub(crate) type Point = [f64; 2];
 
 /// Mean colour of every quadrilateral of a grid of corners; the result has one column and row less.
 pub(crate) fn mean_colours(corners: &Image<Point>, pattern: &ColourPattern) -> Image<[f32; 3]> {
@@ -59,36 +57,6 @@ impl Cutter {
 fn cell_range(quad: [Point; 4], axis: usize) -> (i64, i64) {
     let [a, b, c, d] = quad.map(|point| point[axis]);
     (a.min(b).min(c.min(d)).floor() as i64, a.max(b).max(c.max(d)).floor() as i64)
-}
-
-/// Splits a polygon at the line where coordinate `axis` equals `at` (Sutherland and Hodgman, both sides at once).
-fn cut(polygon: &[Point], axis: usize, at: f64, below: &mut Vec<Point>, beyond: &mut Vec<Point>) {
-    below.clear();
-    beyond.clear();
-    for (index, &point) in polygon.iter().enumerate() {
-        let next = polygon[(index + 1) % polygon.len()];
-        let (from, to) = (point[axis] - at, next[axis] - at);
-        if from <= 0.0 {
-            below.push(point);
-        }
-        if from >= 0.0 {
-            beyond.push(point);
-        }
-        if from * to < 0.0 {
-            let share = from / (from - to);
-            let mut crossing = [0, 1].map(|axis| point[axis] + share * (next[axis] - point[axis]));
-            crossing[axis] = at;
-            below.push(crossing);
-            beyond.push(crossing);
-        }
-    }
-}
-
-/// Area, positive when the corners run clockwise on screen (x right, y down).
-fn signed_area(polygon: &[Point]) -> f64 {
-    let Some((&[x0, y0], rest)) = polygon.split_first() else { return 0.0 };
-    let triangle = |pair: &[Point]| (pair[0][0] - x0) * (pair[1][1] - y0) - (pair[1][0] - x0) * (pair[0][1] - y0);
-    0.5 * rest.windows(2).map(triangle).sum::<f64>()
 }
 
 #[cfg(test)]
@@ -167,16 +135,5 @@ mod tests {
             assert!((f64::from(means.at(4, 4)[channel]) - expected).abs() < 1e-4);
         }
         assert_eq!(means.at(2, 2).map(f32::to_bits), pattern.at(0, 0).map(f32::to_bits));
-    }
-
-    #[test]
-    fn the_pieces_fill_the_whole() {
-        let quad = [[0.3, 0.2], [1.9, -0.1], [2.4, 1.7], [-0.2, 2.1]];
-        let (mut below, mut beyond) = (Vec::new(), Vec::new());
-        for (axis, at) in [(0, 1.0), (1, 1.0), (0, 0.3), (1, 5.0)] {
-            cut(&quad, axis, at, &mut below, &mut beyond);
-            let sum = signed_area(&below) + signed_area(&beyond);
-            assert!((sum - signed_area(&quad)).abs() < 1e-14);
-        }
     }
 }
