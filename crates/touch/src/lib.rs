@@ -20,9 +20,7 @@ pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams, 
 pub use depth_line::DepthLine;
 pub use error::TrackError;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
-pub use profile::{
-    CameraSection, DepthMethod, DepthSection, Distortion, GelSection, ImageSection, Profile, ProfileError,
-};
+pub use profile::{DepthMethod, DepthSection, ImageSection, Profile, ProfileError};
 pub use reading::{Flag, Flags, Reading};
 pub use references::{Policy, ReferenceParams};
 pub use tracker::{Fields, Tracker};

@@ -20,8 +20,10 @@ mod validate;
 
 use std::path::Path;
 
+use fingervision_elastic::GelBlock;
 use fingervision_flow::FlowParams;
 use fingervision_image::Rect;
+use fingervision_optics::{Camera, CameraParams};
 use fingervision_settings::Document;
 use serde::{Deserialize, Serialize};
 
@@ -42,10 +44,10 @@ pub struct Profile {
     pub image: Option<ImageSection>,
     /// How the camera sees the gel.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub camera: Option<CameraSection>,
+    pub camera: Option<CameraParams>,
     /// What the gel is.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub gel: Option<GelSection>,
+    pub gel: Option<GelBlock>,
     /// How depth is found.
     pub depth: DepthSection,
     /// Parameters of the flow.
@@ -62,53 +64,6 @@ pub struct Profile {
 pub struct ImageSection {
     /// Left column, top row, width and height of the region of interest, px.
     pub region_of_interest: [usize; 4],
-}
-
-/// The camera and its pose.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CameraSection {
-    /// Focal length along x and y, px.
-    pub focal_length_px: [f64; 2],
-    /// Where the optical axis meets the image, px in the region of interest.
-    pub principal_point_px: [f64; 2],
-    /// How the lens bends rays.
-    #[serde(default)]
-    pub distortion: Distortion,
-    /// Rotation of the gel in camera space as a rotation vector: its direction the axis, its length the angle, rad.
-    #[serde(default)]
-    pub rotation_rad: [f64; 3],
-    /// The gel's origin, the centre of its undeformed surface, in camera space, mm.
-    pub translation_mm: [f64; 3],
-}
-
-/// Brown's radial and tangential distortion, dimensionless; zero is a pinhole.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct Distortion {
-    /// Radial, with the square of the distance from the axis.
-    pub k1: f64,
-    /// Radial, with the fourth power of the distance from the axis.
-    pub k2: f64,
-    /// Tangential, along y.
-    pub p1: f64,
-    /// Tangential, along x.
-    pub p2: f64,
-}
-
-/// The gel's size and material.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GelSection {
-    /// Extent along x and y, mm.
-    pub size_mm: [f64; 2],
-    /// Distance from the surface to the rigid base, mm.
-    pub thickness_mm: f64,
-    /// Poisson's ratio, dimensionless: 0 is cork, just below 0.5 is rubber.
-    pub poissons_ratio: f64,
-    /// Young's modulus, `MPa`; without it there is no force.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub youngs_modulus_mpa: Option<f64>,
 }
 
 /// How depth is found.
@@ -233,8 +188,7 @@ impl Profile {
     /// Size of a pixel on the undeformed surface where the optical axis meets it, mm; absent without a camera.
     #[must_use]
     pub fn mm_per_px(&self) -> Option<f64> {
-        let camera = self.camera?;
-        let [fx, fy] = camera.focal_length_px;
-        Some(camera.translation_mm[2] / (fx * fy).sqrt())
+        let params = self.camera?;
+        Camera::new(&params).ok()?.mm_per_px(params.principal_point_px)
     }
 }

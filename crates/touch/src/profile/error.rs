@@ -58,7 +58,7 @@ impl ProfileError {
     }
 
     /// A value that no sensor has.
-    fn impossible(key: impl Into<String>, value: String, allowed: impl Into<String>) -> Self {
+    pub(super) fn impossible(key: impl Into<String>, value: String, allowed: impl Into<String>) -> Self {
         let place = Place::default();
         Self::Settings(SettingsError::OutOfRange { place, key: key.into(), value, allowed: allowed.into() })
     }

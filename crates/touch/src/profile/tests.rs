@@ -1,5 +1,7 @@
 use std::fs;
 
+use fingervision_optics::Radial;
+
 use super::*;
 use crate::Policy;
 
@@ -62,6 +64,16 @@ fn what_is_written_is_read_back() {
         let text = profile.to_toml();
         assert_eq!(Profile::from_toml(&text).unwrap(), profile, "{text}");
     }
+}
+
+#[test]
+fn the_printed_radial_form_is_read_and_written_only_where_it_is_meant() {
+    let brown = Profile::from_toml(WHOLE).unwrap();
+    let mut printed = brown.clone();
+    printed.set("camera.distortion.radial", "printed").unwrap();
+    assert_eq!(printed.camera.unwrap().distortion.radial, Radial::Printed);
+    assert_eq!(Profile::from_toml(&printed.to_toml()).unwrap(), printed);
+    assert!(printed.to_toml().contains("radial") && !brown.to_toml().contains("radial"));
 }
 
 #[test]
@@ -130,11 +142,12 @@ fn an_impossible_value_is_refused() {
     assert!(camera("principal_point_px", "[nan, 1]").contains("camera.principal_point_px = [NaN, 1.0]"));
     assert!(camera("distortion.k1", "inf").contains("camera.distortion.k1 = inf"));
     assert!(camera("rotation_rad", "[0, nan, 0]").contains("camera.rotation_rad"));
+    assert!(camera("rotation_rad", "[3, 0, 0]").contains("sees the gel from underneath"));
     assert!(camera("translation_mm", "[0, 0, -25]").contains("camera.translation_mm"));
     assert!(gel("size_mm", "[0, 30]").contains("gel.size_mm"));
     assert!(gel("thickness_mm", "0").contains("gel.thickness_mm = 0.0"));
     for ratio in ["-0.1", "0.5", "nan"] {
-        assert!(gel("poissons_ratio", ratio).contains("at least 0 and below 0.5"), "{ratio}");
+        assert!(gel("poissons_ratio", ratio).contains("it takes 0 to below 0.5"), "{ratio}");
     }
     assert!(gel("youngs_modulus_mpa", "-0.6").contains("gel.youngs_modulus_mpa = -0.6"));
 }
