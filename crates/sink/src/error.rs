@@ -4,17 +4,21 @@ use std::path::{Path, PathBuf};
 /// Why a reading could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum SinkError {
-    /// The folder holds a previous run and overwriting was not asked for.
-    #[error("folder {} holds a previous run", .path.display())]
-    PreviousRun {
+    /// The folder holds what an earlier command wrote and overwriting was not asked for.
+    #[error("folder {} holds a previous {noun}", .path.display())]
+    Previous {
         /// The folder.
         path: PathBuf,
+        /// What it holds: a run, a simulation.
+        noun: &'static str,
     },
-    /// The folder holds files that are no run, so nothing in it may be replaced.
-    #[error("folder {} holds files that are not a run", .path.display())]
+    /// The folder holds something else, so nothing in it may be replaced.
+    #[error("folder {} holds files that are not a {noun}", .path.display())]
     FolderNotEmpty {
         /// The folder.
         path: PathBuf,
+        /// What was to be written there.
+        noun: &'static str,
     },
     /// The operating system refused to create, write or remove a file or folder.
     #[error("cannot write {}: {error}", .path.display())]
@@ -52,7 +56,7 @@ impl SinkError {
     #[must_use]
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::PreviousRun { .. } => Some("choose a new folder or pass --overwrite"),
+            Self::Previous { .. } => Some("choose a new folder or pass --overwrite"),
             Self::FolderNotEmpty { .. } => Some("choose a new or an empty folder"),
             Self::Write { error, .. } => hint_for(error.kind()),
             Self::SizeMismatch { .. } => Some("start a new run for every size of image"),

@@ -5,8 +5,10 @@
 //! [`heat_map`], stand on their own.
 
 mod arrays;
+mod claim;
 mod error;
 mod picture;
+mod rows;
 mod run_folder;
 mod sink;
 mod table;

@@ -25,7 +25,7 @@ pub use heat_map::{HeatScale, heat_map};
 pub use preview::{Preview, PreviewOptions};
 
 use crate::SinkError;
-use crate::run_folder::write_file;
+use crate::claim::write_file;
 
 /// Red, green and blue, 0 to 255.
 type Rgb = [u8; 3];

@@ -1,30 +1,31 @@
 //! The folder that a run writes: arrays, the table and `run.toml`.
 
-use std::fs;
-use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
 use fingervision_image::{Frame, Image};
 use fingervision_touch::Reading;
 
+use crate::claim::{FolderKind, write_file};
 use crate::{ArrayWriter, Sink, SinkError, Table};
 
-/// Says how the run was made; a folder that holds it is a run.
-const RUN_FILE: &str = "run.toml";
-/// What a run may consist of, `run.toml` last: a clearing that is cut short still leaves a run.
-const RUN_FILES: [&str; 11] = [
-    "flow.npy",
-    "density.npy",
-    "depth.npy",
-    "deviation.npy",
-    "displacement.npy",
-    "traction.npy",
-    "valid.npy",
-    "readings.csv",
-    "preview.png",
-    "report.html",
-    RUN_FILE,
-];
+/// What a run consists of; `run.toml` says how it was made.
+const RUN: FolderKind = FolderKind {
+    noun: "run",
+    marker: "run.toml",
+    files: &[
+        "flow.npy",
+        "density.npy",
+        "depth.npy",
+        "deviation.npy",
+        "displacement.npy",
+        "traction.npy",
+        "valid.npy",
+        "readings.csv",
+        "preview.png",
+        "report.html",
+    ],
+    images: None,
+};
 
 /// A field that a run can keep as an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -98,11 +99,11 @@ impl RunFolder {
     ///
     /// # Errors
     ///
-    /// [`SinkError::PreviousRun`] or [`SinkError::FolderNotEmpty`] if the folder is taken, [`SinkError::Write`] if it
+    /// [`SinkError::Previous`] or [`SinkError::FolderNotEmpty`] if the folder is taken, [`SinkError::Write`] if it
     /// or a file in it cannot be written.
     pub fn create(path: &Path, options: &RunOptions, run_toml: &str) -> Result<Self, SinkError> {
-        claim(path, options.overwrite)?;
-        write_file(&path.join(RUN_FILE), run_toml.as_bytes())?;
+        RUN.claim(path, options.overwrite)?;
+        write_file(&path.join(RUN.marker), run_toml.as_bytes())?;
         let arrays = Arrays::create(path, options)?;
         let table = Table::create(&path.join("readings.csv"))?;
         Ok(Self { path: path.to_path_buf(), size: options.size, frames: 0, arrays, table })
@@ -224,34 +225,4 @@ fn expect_size<'a, T>(
 ) -> Result<&'a [T], SinkError> {
     let actual = image.size();
     if actual == expected { Ok(image.values()) } else { Err(SinkError::SizeMismatch { field, expected, actual }) }
-}
-
-/// Makes the folder and sees that it is empty, or empties it of a previous run.
-fn claim(path: &Path, overwrite: bool) -> Result<(), SinkError> {
-    fs::create_dir_all(path).map_err(SinkError::writing(path))?;
-    let is_empty = fs::read_dir(path).map_err(SinkError::writing(path))?.next().is_none();
-    let is_run = path.join(RUN_FILE).exists();
-    match (is_empty, is_run) {
-        (true, _) => Ok(()),
-        (false, false) => Err(SinkError::FolderNotEmpty { path: path.to_path_buf() }),
-        (false, true) if overwrite => RUN_FILES.iter().try_for_each(|name| remove(&path.join(name))),
-        (false, true) => Err(SinkError::PreviousRun { path: path.to_path_buf() }),
-    }
-}
-
-fn remove(path: &Path) -> Result<(), SinkError> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != ErrorKind::NotFound => Err(SinkError::Write { path: path.to_path_buf(), error }),
-        _ => Ok(()),
-    }
-}
-
-/// Writes a whole small file onto the disk.
-pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), SinkError> {
-    let write = || {
-        let mut file = fs::File::create(path)?;
-        file.write_all(bytes)?;
-        file.sync_all()
-    };
-    write().map_err(SinkError::writing(path))
 }

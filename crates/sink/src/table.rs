@@ -1,13 +1,12 @@
 //! `readings.csv`: the numbers of each reading, a row a frame.
 
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::{Seek, SeekFrom, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use fingervision_touch::Reading;
 
 use crate::SinkError;
+use crate::rows::Rows;
 
 /// The columns of the table, in order.
 pub const COLUMNS: [&str; 12] = [
@@ -30,10 +29,7 @@ pub const COLUMNS: [&str; 12] = [
 /// Each row reaches the file at once. A row that does not fit the disk is cut off again, so no half number is left.
 #[derive(Debug)]
 pub struct Table {
-    path: PathBuf,
-    file: File,
-    row: String,
-    len: u64,
+    rows: Rows,
 }
 
 impl Table {
@@ -43,10 +39,7 @@ impl Table {
     ///
     /// [`SinkError::Write`] if the file cannot be written.
     pub fn create(path: &Path) -> Result<Self, SinkError> {
-        let file = File::create(path).map_err(SinkError::writing(path))?;
-        let mut table = Self { path: path.to_path_buf(), file, row: COLUMNS.join(","), len: 0 };
-        table.append()?;
-        Ok(table)
+        Ok(Self { rows: Rows::create(path, &COLUMNS)? })
     }
 
     /// Appends the row of a reading.
@@ -55,10 +48,7 @@ impl Table {
     ///
     /// [`SinkError::Write`] if the file cannot take it.
     pub fn write(&mut self, reading: &Reading) -> Result<(), SinkError> {
-        self.row.clear();
-        // Writing to a String cannot fail.
-        let _ = write_row(&mut self.row, reading);
-        self.append()
+        self.rows.write(|row| write_row(row, reading))
     }
 
     /// Puts all that was written onto the disk.
@@ -67,24 +57,13 @@ impl Table {
     ///
     /// [`SinkError::Write`] if the disk refuses it.
     pub fn finish(self) -> Result<(), SinkError> {
-        self.file.sync_all().map_err(SinkError::writing(&self.path))
+        self.rows.finish()
     }
 
     /// Bytes of the file.
     #[must_use]
     pub fn len_bytes(&self) -> u64 {
-        self.len
-    }
-
-    fn append(&mut self) -> Result<(), SinkError> {
-        self.row.push('\n');
-        if let Err(error) = self.file.write_all(self.row.as_bytes()) {
-            // The first error is the one to report; should the cut fail too, the row merely stays incomplete.
-            let _ = self.file.set_len(self.len).and_then(|()| self.file.seek(SeekFrom::Start(self.len)));
-            return Err(SinkError::Write { path: self.path.clone(), error });
-        }
-        self.len += self.row.len() as u64;
-        Ok(())
+        self.rows.len_bytes()
     }
 }
 

@@ -93,7 +93,7 @@ fn a_previous_run_is_replaced_only_when_asked() {
     let folder = tempfile::tempdir().unwrap();
     RunFolder::create(folder.path(), &options(false), "old").unwrap();
     let error = RunFolder::create(folder.path(), &options(false), "new").unwrap_err();
-    assert!(matches!(error, SinkError::PreviousRun { .. }), "{error}");
+    assert!(matches!(error, SinkError::Previous { .. }), "{error}");
     assert_eq!(error.hint(), Some("choose a new folder or pass --overwrite"));
 
     let only_depth = RunOptions { fields: vec![Field::Depth], ..options(true) };
