@@ -31,18 +31,22 @@ const LAYERS: [(&str, &[&str]); 14] = [
 const FOR_TESTS: &str = "gel";
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 17] = [
+const HEAVY: [(&str, &[&str]); 21] = [
     ("axum", &["live"]),
     ("clap", &["cli", "xtask"]),
     ("faer", &["elastic"]),
     ("image", &["source", "sink", "evaluate"]),
     ("indicatif", &["cli"]),
     ("mcap", &["source", "sink"]),
+    ("miniz_oxide", &["gel"]),
     ("nalgebra", &["optics", "elastic", "calibrate"]),
+    ("pdf-writer", &["gel"]),
+    ("png", &["gel"]),
     ("rayon", &["elastic", "calibrate", "evaluate"]),
     ("re_mp4", &["source"]),
     ("rust_h264", &["source"]),
     ("serde_json", &["sink", "evaluate", "live", "cli", "xtask"]),
+    ("svg", &["gel"]),
     ("tiff", &["source"]),
     ("tiny-skia", &["sink"]),
     ("tokio", &["live"]),

@@ -28,5 +28,5 @@ mod polygon;
 mod sheet;
 
 pub use error::GelError;
-pub use pattern::{ColourPattern, Motif, NEIGHBOUR_DISTANCE, Pattern, PatternError, Texture};
+pub use pattern::{ColourPattern, Motif, NEIGHBOUR_DISTANCE, Pattern, PatternError, Print, Texture};
 pub use sheet::{Light, Motion, Sheet, SheetRenderer, TrueFlow};

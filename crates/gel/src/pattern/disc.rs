@@ -2,8 +2,6 @@
 
 use fingervision_image::Image;
 
-use super::texture::wrapped;
-
 /// A filled circle on the pattern, mm from its upper left corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Disc {
@@ -38,22 +36,21 @@ impl Ground {
         self.cell_mm
     }
 
-    /// Lays a disc on the ground; what reaches over one border comes in at the opposite one.
+    /// Lays a disc on the ground; what reaches beyond a border is lost.
     pub(crate) fn lay(&mut self, disc: Disc) {
         let (columns, rows) = self.light.size();
-        let [left, top] = self.cell_mm;
-        let [(first_column, last_column), (first_row, last_row)] = [0, 1].map(|axis| {
-            let at = |sign: f64| ((disc.centre_mm[axis] + sign * disc.radius_mm) / self.cell_mm[axis]).floor() as i64;
-            (at(-1.0), at(1.0))
-        });
-        for row in first_row..=last_row {
-            let line = self.light.row_mut(wrapped(row, rows));
-            for column in first_column..=last_column {
-                let corner = [column as f64 * left, row as f64 * top];
+        let [first, last] = [-1.0, 1.0]
+            .map(|sign| [0, 1].map(|axis| (disc.centre_mm[axis] + sign * disc.radius_mm) / self.cell_mm[axis]));
+        let cells = |axis: usize, count: usize| {
+            first[axis].max(0.0) as usize..(last[axis].floor() + 1.0).clamp(0.0, count as f64) as usize
+        };
+        for row in cells(1, rows) {
+            let line = self.light.row_mut(row);
+            for column in cells(0, columns) {
+                let corner = [column as f64 * self.cell_mm[0], row as f64 * self.cell_mm[1]];
                 let share = disc.share_of(corner, self.cell_mm);
-                let light = &mut line[wrapped(column, columns)];
-                self.total -= *light * share;
-                *light *= 1.0 - share;
+                self.total -= line[column] * share;
+                line[column] *= 1.0 - share;
             }
         }
     }
@@ -66,6 +63,16 @@ impl Ground {
 }
 
 impl Disc {
+    /// The disc and those of its copies on a torus of this size that reach into it.
+    pub(crate) fn copies(self, size_mm: [f64; 2]) -> impl Iterator<Item = Self> {
+        (0..9).filter_map(move |k| {
+            let steps = [f64::from(k % 3 - 1), f64::from(k / 3 - 1)];
+            let centre_mm = [0, 1].map(|axis| self.centre_mm[axis] + steps[axis] * size_mm[axis]);
+            let reaches = |axis: usize| (-self.radius_mm..size_mm[axis] + self.radius_mm).contains(&centre_mm[axis]);
+            (reaches(0) && reaches(1)).then_some(Self { centre_mm, ..self })
+        })
+    }
+
     /// Part of the rectangle with this upper left corner and size that the disc covers, 0 to 1.
     fn share_of(&self, [left, top]: [f64; 2], [width, height]: [f64; 2]) -> f64 {
         let [x, y] = [left - self.centre_mm[0], top - self.centre_mm[1]];
@@ -124,7 +131,7 @@ mod tests {
     #[test]
     fn a_disc_over_a_corner_covers_the_other_three_too() {
         let mut ground = Ground::bare([20, 20], [1.0, 1.0]);
-        ground.lay(Disc { centre_mm: [0.0, 0.0], radius_mm: 0.3 });
+        Disc { centre_mm: [0.0, 0.0], radius_mm: 0.3 }.copies([1.0, 1.0]).for_each(|disc| ground.lay(disc));
         let grey = ground.grey(0.0, 1.0);
         for (x, y) in [(0, 0), (19, 0), (0, 19), (19, 19)] {
             assert!(grey.at(x, y) < 1e-6, "({x}, {y}): {}", grey.at(x, y));

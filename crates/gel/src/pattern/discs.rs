@@ -40,7 +40,7 @@ pub(super) fn dot_tile(count: [usize; 2], diameter_mm: f64, size_mm: [f64; 2]) -
     let pitch = pitch_mm(count, size_mm);
     let mut ground = raster(diameter_mm, pitch)?;
     let centre_mm = [0, 1].map(|axis| if count[axis] % 2 == 1 { 0.5 * pitch[axis] } else { 0.0 });
-    ground.lay(Disc { centre_mm, radius_mm: 0.5 * diameter_mm });
+    Disc { centre_mm, radius_mm: 0.5 * diameter_mm }.copies(pitch).for_each(|disc| ground.lay(disc));
     Ok(ground)
 }
 
@@ -58,7 +58,7 @@ pub(super) fn speckle(
     while ground.covered() < coverage {
         let centre_mm = [draw(0.0, size_mm[0]), draw(0.0, size_mm[1])];
         let disc = Disc { centre_mm, radius_mm: 0.5 * diameter_mm * draw(1.0 - SPREAD, 1.0 + SPREAD) };
-        ground.lay(disc);
+        disc.copies(size_mm).for_each(|disc| ground.lay(disc));
         discs.push(disc);
     }
     Ok((discs, ground))

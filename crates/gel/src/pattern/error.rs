@@ -39,6 +39,16 @@ pub enum PatternError {
         /// Most of them.
         most: usize,
     },
+    /// A picture that hardly any program opens.
+    #[error("a picture of {width}x{height} px, {px_per_m} px per m, is too large")]
+    TooManyPixels {
+        /// Columns, px.
+        width: f64,
+        /// Rows, px.
+        height: f64,
+        /// Resolution.
+        px_per_m: u32,
+    },
     /// The colours cannot be drawn.
     #[error(transparent)]
     Colours(#[from] GelError),
@@ -55,6 +65,7 @@ impl PatternError {
             }
             Self::Count { count, .. } if *count < 3.0 => "give a larger pattern or smaller parts".into(),
             Self::Count { .. } => "give a smaller pattern or larger parts".into(),
+            Self::TooManyPixels { .. } => "give a lower resolution, or write PDF or SVG, which have none".into(),
             Self::Colours(_) => "give levels that lie further apart".into(),
         }
     }

@@ -5,10 +5,12 @@ mod description;
 mod disc;
 mod discs;
 mod error;
+mod print;
 mod table;
 mod texture;
 
 pub use colour::{ColourPattern, NEIGHBOUR_DISTANCE};
 pub use description::{Motif, Pattern};
 pub use error::PatternError;
+pub use print::Print;
 pub use texture::Texture;
