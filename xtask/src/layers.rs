@@ -50,7 +50,7 @@ const HEAVY: [(&str, &[&str]); 21] = [
     ("tiff", &["source"]),
     ("tiny-skia", &["sink"]),
     ("tokio", &["live"]),
-    ("ttf-parser", &["sink"]),
+    ("ttf-parser", &["gel", "sink"]),
     ("zune-core", &["source"]),
     ("zune-jpeg", &["source"]),
 ];

@@ -23,10 +23,12 @@
 
 mod blur;
 mod error;
+mod indenter;
 mod pattern;
 mod polygon;
 mod sheet;
 
 pub use error::GelError;
+pub use indenter::{Indenter, IndenterError, IndenterRelief, IndenterShape};
 pub use pattern::{ColourPattern, Motif, NEIGHBOUR_DISTANCE, Pattern, PatternError, Print, Texture};
 pub use sheet::{Light, Motion, Sheet, SheetRenderer, TrueFlow};
