@@ -1,8 +1,8 @@
 //! Readings out: arrays, a table and pictures.
 //!
 //! A [`Sink`] is handed every reading of a run. [`RunFolder`] streams them into files that can be read at any moment;
-//! [`Preview`] keeps the strongest frame and draws it as one picture. The pieces of that picture, [`flow_colours`] and
-//! [`heat_map`], stand on their own.
+//! [`Preview`] keeps the strongest frame and draws it as one picture. [`Comparison`] sets estimated fields beside true
+//! ones. The pieces of these pictures, [`flow_colours`] and [`heat_map`], stand on their own.
 
 mod arrays;
 mod claim;
@@ -16,7 +16,8 @@ mod table;
 pub use arrays::{ArrayWriter, Element};
 pub use error::SinkError;
 pub use picture::{
-    ColourMap, HeatScale, INVALID_COLOUR, Preview, PreviewOptions, colour_wheel, flow_colours, heat_map, write_png,
+    ColourMap, Comparison, ErrorPlot, HeatScale, INVALID_COLOUR, Pair, Preview, PreviewOptions, colour_wheel,
+    flow_colours, heat_map, write_png,
 };
 pub use run_folder::{Field, RunFolder, RunOptions, RunSummary};
 pub use sink::Sink;

@@ -1,7 +1,9 @@
 //! Pictures: people look before they read.
 
+mod axes;
 mod canvas;
 mod colour_map;
+mod comparison;
 mod flow_colours;
 mod heat_map;
 mod page;
@@ -20,6 +22,7 @@ use fingervision_image::Image;
 use image::ImageFormat;
 
 pub use colour_map::ColourMap;
+pub use comparison::{Comparison, ErrorPlot, Pair};
 pub use flow_colours::{colour_wheel, flow_colours};
 pub use heat_map::{HeatScale, heat_map};
 pub use preview::{Preview, PreviewOptions};

@@ -12,16 +12,16 @@ use super::time_plot;
 use super::trend::Trend;
 
 /// Width of the picture, px.
-const WIDTH: f32 = 1600.0;
-const MARGIN: f32 = 40.0;
+pub(super) const WIDTH: f32 = 1600.0;
+pub(super) const MARGIN: f32 = 40.0;
 /// Between panels, px.
-const GAP: f32 = 40.0;
+pub(super) const GAP: f32 = 40.0;
 /// Width of a panel and its legend, px.
-const COLUMN: f32 = (WIDTH - 2.0 * MARGIN - 2.0 * GAP) / 3.0;
+pub(super) const COLUMN: f32 = (WIDTH - 2.0 * MARGIN - 2.0 * GAP) / 3.0;
 /// A tall image is shown narrower than its column, px.
-const MAX_PANEL_HEIGHT: f32 = 600.0;
-const PANEL_TOP: f32 = 152.0;
-const LEGEND_HEIGHT: f32 = 124.0;
+pub(super) const MAX_PANEL_HEIGHT: f32 = 600.0;
+pub(super) const PANEL_TOP: f32 = 152.0;
+pub(super) const LEGEND_HEIGHT: f32 = 124.0;
 const TIME_PLOT_HEIGHT: f32 = 216.0;
 
 pub(super) const BACKGROUND: Rgb = [255; 3];
@@ -29,7 +29,7 @@ const INK: Rgb = [32, 33, 36];
 const FAINT_INK: Rgb = [95, 99, 104];
 const WARNING_INK: Rgb = [179, 38, 30];
 
-const TITLE: Style = Style { size: 28.0, is_bold: true, colour: INK, anchor: Anchor::Left };
+pub(super) const TITLE: Style = Style { size: 28.0, is_bold: true, colour: INK, anchor: Anchor::Left };
 pub(super) const HEADING: Style = Style { size: 18.0, ..TITLE };
 pub(super) const BODY: Style = Style { size: 16.0, is_bold: false, colour: INK, anchor: Anchor::Left };
 pub(super) const NOTE: Style = Style { colour: FAINT_INK, ..BODY };

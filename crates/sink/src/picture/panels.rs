@@ -11,12 +11,12 @@ use super::{HeatScale, INVALID_COLOUR, Rgb, colour_wheel, flow_colours, heat_map
 
 const ARROW: Rgb = [255, 193, 7];
 const HALO: Rgb = [20, 20, 20];
-const RULE: Rgb = [60, 64, 67];
+pub(super) const RULE: Rgb = [60, 64, 67];
 const FRAME: Rgb = [200; 3];
 /// Between the tails of arrows, px on the picture.
 const ARROW_PITCH: f32 = 22.0;
 /// Flow that is shown at least at full colour or length, px: noise shall not look like touch.
-const LEAST_FLOW_PX: f32 = 0.1;
+pub(super) const LEAST_FLOW_PX: f32 = 0.1;
 /// From one line of text to the next, px.
 const LINE: f32 = 24.0;
 
@@ -30,7 +30,7 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    fn put(self, canvas: &mut Canvas, heading: &str, image: &Image<Rgb>) {
+    pub(super) fn put(self, canvas: &mut Canvas, heading: &str, image: &Image<Rgb>) {
         canvas.text(heading, (self.image.x, self.image.y - 14.0), HEADING);
         let Area { x, y, width, height } = self.image;
         // A thin frame: a still field is as white as the page.
@@ -39,12 +39,12 @@ impl Panel {
     }
 
     /// The image at the panel's size.
-    fn fit(self, image: &Image<Rgb>) -> Image<Rgb> {
+    pub(super) fn fit(self, image: &Image<Rgb>) -> Image<Rgb> {
         resized(image, self.image.width as usize, self.image.height as usize)
     }
 
     /// The baseline of a line of text in the legend, counted from 0.
-    fn line(self, number: f32) -> f32 {
+    pub(super) fn line(self, number: f32) -> f32 {
         self.legend.y + 16.0 + LINE * number
     }
 }
@@ -129,7 +129,12 @@ pub(super) fn draw_flow(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
     let radius_px = round_up(shown.typical_flow_px().max(LEAST_FLOW_PX));
     let colours = flow_colours(&shown.flow, &shown.valid, radius_px);
     panel.put(canvas, "Flow", &panel.fit(&colours));
+    let text = draw_wheel_key(canvas, panel, radius_px);
+    draw_invalid_key(canvas, (text, panel.line(3.2)), "not valid");
+}
 
+/// The colour wheel and what it means; returns where its text starts.
+pub(super) fn draw_wheel_key(canvas: &mut Canvas, panel: Panel, radius_px: f32) -> f32 {
     let Area { x, y, .. } = panel.legend;
     let diameter = 112.0;
     canvas.copy(&colour_wheel(diameter as usize, BACKGROUND), x as usize, y as usize);
@@ -145,7 +150,7 @@ pub(super) fn draw_flow(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
     for (number, line) in [0.0, 1.0, 2.0].into_iter().zip(lines) {
         canvas.text(line, (text, panel.line(number)), NOTE);
     }
-    draw_invalid_key(canvas, (text, panel.line(3.2)));
+    text
 }
 
 /// Depth, density feature or flow length, and its colour bar.
@@ -162,10 +167,10 @@ pub(super) fn draw_heat(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
     panel.put(canvas, heading, &panel.fit(&heat_map(&shown.values, &shown.valid, scale)));
     draw_colour_bar(canvas, Area { height: 16.0, ..panel.legend }, scale);
     canvas.text(note, (panel.legend.x, panel.line(2.2)), NOTE);
-    draw_invalid_key(canvas, (panel.legend.x, panel.line(3.4)));
+    draw_invalid_key(canvas, (panel.legend.x, panel.line(3.4)), "not valid");
 }
 
-fn draw_colour_bar(canvas: &mut Canvas, bar: Area, scale: HeatScale) {
+pub(super) fn draw_colour_bar(canvas: &mut Canvas, bar: Area, scale: HeatScale) {
     let (last, range) = (bar.width - 1.0, scale.high - scale.low);
     let value = |x: usize| scale.low + range * x as f32 / last;
     let colours = Image::from_fn(bar.width as usize, bar.height as usize, |x, _| scale.colour(value(x)));
@@ -180,7 +185,7 @@ fn draw_colour_bar(canvas: &mut Canvas, bar: Area, scale: HeatScale) {
     }
 }
 
-fn draw_invalid_key(canvas: &mut Canvas, (x, y): Point) {
+pub(super) fn draw_invalid_key(canvas: &mut Canvas, (x, y): Point, text: &str) {
     canvas.rectangle(Area { x, y: y - 13.0, width: 22.0, height: 15.0 }, INVALID_COLOUR);
-    canvas.text("not valid", (x + 32.0, y), NOTE);
+    canvas.text(text, (x + 32.0, y), NOTE);
 }

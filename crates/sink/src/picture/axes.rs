@@ -1,0 +1,62 @@
+//! The axes of a plot: a number over frames or time, from zero upwards.
+
+use super::Rgb;
+use super::canvas::{Area, Canvas, Point};
+use super::page::{BODY, NOTE};
+use super::text::{Anchor, Style};
+use super::ticks::ticks;
+
+const GRID: Rgb = [224; 3];
+const AXIS: Rgb = [60, 64, 67];
+/// Numbers on the horizontal axis lie at least so far apart, px.
+const LABEL_PITCH: f32 = 120.0;
+
+/// A plot area and the numbers at its edges.
+pub(super) struct Axes {
+    /// Without the labels.
+    pub(super) area: Area,
+    /// The number at the upper edge.
+    pub(super) top: f32,
+    /// Where on the horizontal axis the right edge lies; the left one is zero.
+    pub(super) last: f64,
+    /// Frames on the horizontal axis, counted from zero, or seconds.
+    pub(super) counts_frames: bool,
+}
+
+impl Axes {
+    /// Where a number belongs.
+    pub(super) fn place(&self, along: f64, value: f32) -> Point {
+        let along = (along / self.last).clamp(0.0, 1.0) as f32;
+        (self.area.x + along * self.area.width, self.area.bottom() - value / self.top * self.area.height)
+    }
+
+    pub(super) fn draw(&self, canvas: &mut Canvas) {
+        let Area { x, width, height, .. } = self.area;
+        let (right, bottom) = (self.area.right(), self.area.bottom());
+        for (value, label) in ticks(0.0, self.top, 4) {
+            let y = bottom - value / self.top * height;
+            canvas.line(&[(x, y), (right, y)], 1.0, GRID);
+            canvas.text(&label, (x - 10.0, y + 5.5), BODY.anchored(Anchor::Right));
+        }
+        let room = (width / LABEL_PITCH).max(1.0) as usize;
+        // There is no half frame.
+        let most = if self.counts_frames { room.min(self.last as usize).max(1) } else { room };
+        for (value, label) in ticks(0.0, self.last as f32, most) {
+            let tick = x + value / self.last as f32 * width;
+            canvas.line(&[(tick, bottom), (tick, bottom + 5.0)], 1.0, AXIS);
+            let text = tick.min(right - BODY.width(&label) / 2.0);
+            canvas.text(&label, (text, bottom + 23.0), BODY.anchored(Anchor::Centre));
+        }
+        let name = if self.counts_frames { "Frame, counted from 0" } else { "Time since the first frame, s" };
+        canvas.text(name, (right, bottom + 48.0), NOTE.anchored(Anchor::Right));
+    }
+
+    /// Marks the frame that is shown in the panels above.
+    pub(super) fn draw_mark(&self, canvas: &mut Canvas, x: f32, colour: Rgb) {
+        canvas.line(&[(x, self.area.y - 10.0), (x, self.area.bottom())], 1.5, colour);
+        let text = "the frame above";
+        let half = BODY.width(text) / 2.0;
+        let middle = x.clamp(self.area.x + half, self.area.right() - half);
+        canvas.text(text, (middle, self.area.y - 16.0), Style { colour, anchor: Anchor::Centre, ..BODY });
+    }
+}
