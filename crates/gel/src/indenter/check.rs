@@ -96,14 +96,19 @@ impl IndenterShape {
             Self::Circle { radius_mm } | Self::Sphere { radius_mm } => ("radius_mm", radius_mm.to_string()),
             Self::Rectangle { size_mm } | Self::HeightMap { size_mm, .. } => ("size_mm", format!("{size_mm:?}")),
             Self::Triangle { side_mm } => ("side_mm", side_mm.to_string()),
-            Self::Polygon { points_mm } => ("points_mm", format!("{points_mm:?}")),
+            Self::Polygon { points_mm } => ("points_mm", listed(points_mm)),
             Self::Crossing { bar_mm } => ("bar_mm", format!("{bar_mm:?}")),
             Self::Ring { outer_radius_mm, .. } => ("outer_radius_mm", outer_radius_mm.to_string()),
-            Self::Pins { centres_mm, .. } => ("centres_mm", format!("{centres_mm:?}")),
+            Self::Pins { centres_mm, .. } => ("centres_mm", listed(centres_mm)),
             Self::Letter { height_mm, .. } => ("height_mm", height_mm.to_string()),
             Self::Stl { scale, .. } => ("scale", scale.to_string()),
         }
     }
+}
+
+/// Points in words, a long list as their number.
+fn listed(points: &[[f64; 2]]) -> String {
+    if points.len() > 8 { format!("{} points", points.len()) } else { format!("{points:?}") }
 }
 
 /// Checks that a mesh is large enough to be sampled and not absurdly large.

@@ -26,7 +26,7 @@ pub enum IndenterError {
         character: char,
     },
     /// A body wider than the gel.
-    #[error("indenter.{key} = {value}: the indenter is {:.3} by {:.3} mm wide, the gel {} by {} mm", size_mm[0], size_mm[1], gel_mm[0], gel_mm[1])]
+    #[error("indenter.{key} = {value}: the indenter is {:.3} by {:.3} mm wide 3 mm behind its foremost point, the gel {} by {} mm", size_mm[0], size_mm[1], gel_mm[0], gel_mm[1])]
     WiderThanGel {
         /// The key that gives its size.
         key: &'static str,

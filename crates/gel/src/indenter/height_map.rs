@@ -9,7 +9,7 @@ use super::IndenterError;
 use super::grid::HeightGrid;
 
 /// Most columns or rows of an image.
-const MOST_PIXELS: u32 = 8192;
+const MOST_PIXELS: u32 = 4096;
 
 /// A grey image laid over a rectangle: white is the foremost, black lies `depth_mm` behind it, the first row is at
 /// the top (smallest y). Values are taken as they are, without a gamma.

@@ -25,7 +25,10 @@ pub(super) fn outlines(text: &str, height_mm: f64) -> Result<Vec<Vec<[f64; 2]>>,
         TYPEFACE.outline_glyph(glyph, &mut pen);
         pen.advance += f64::from(TYPEFACE.glyph_hor_advance(glyph).unwrap_or(0));
     }
-    Ok(centred(pen.loops))
+    match text.chars().next() {
+        Some(character) if pen.loops.is_empty() => Err(IndenterError::NoGlyph { text: text.into(), character }),
+        _ => Ok(centred(pen.loops)),
+    }
 }
 
 fn centred(mut loops: Vec<Vec<[f64; 2]>>) -> Vec<Vec<[f64; 2]>> {
@@ -149,5 +152,9 @@ mod tests {
     fn a_character_without_a_glyph_is_named() {
         let error = outlines("A漢", 6.0).unwrap_err();
         assert_eq!(error.to_string(), "indenter.text = \"A漢\": there is no letter for '漢'");
+        assert!(
+            outlines("A\n", 6.0).is_err()
+                && outlines("\u{ad}", 6.0).is_err_and(|error| error.hint().contains("letters"))
+        );
     }
 }

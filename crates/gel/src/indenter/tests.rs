@@ -240,7 +240,10 @@ fn an_indenter_that_does_not_fit_is_refused() {
         Indenter::new(shape).relief_on(&GEL, centre, Path::new(".")).map(|_| ()).map_err(|error| error.to_string())
     };
     let wide = on(IndenterShape::Circle { radius_mm: 20.0 }, [0.0; 2]).unwrap_err();
-    assert_eq!(wide, "indenter.radius_mm = 20: the indenter is 42.432 by 42.432 mm wide, the gel 30 by 30 mm");
+    assert_eq!(
+        wide,
+        "indenter.radius_mm = 20: the indenter is 42.432 by 42.432 mm wide 3 mm behind its foremost point, the gel 30 by 30 mm"
+    );
     let off = on(IndenterShape::Rectangle { size_mm: [6.0, 6.0] }, [13.0, 0.0]).unwrap_err();
     assert!(off.starts_with("motion.centre_mm = [13.0, 0.0]: the indenter's face reaches from x 9.776"), "{off}");
     assert_eq!(on(IndenterShape::Rectangle { size_mm: [6.0, 6.0] }, [11.5, -11.5]), Ok(()));
