@@ -22,6 +22,7 @@
 //! ```
 
 mod blur;
+mod coverage;
 mod error;
 mod indenter;
 mod pattern;
@@ -30,5 +31,8 @@ mod sheet;
 
 pub use error::GelError;
 pub use indenter::{Indenter, IndenterError, IndenterRelief, IndenterShape};
-pub use pattern::{ColourPattern, Motif, NEIGHBOUR_DISTANCE, Pattern, PatternError, Print, Texture};
+pub use pattern::{
+    ColourPattern, Coupling, Motif, NEIGHBOUR_DISTANCE, Pattern, PatternError, Print, Texture, Trackability, View,
+    trackability,
+};
 pub use sheet::{Light, Motion, Sheet, SheetRenderer, TrueFlow};

@@ -4,7 +4,7 @@
 //! that every cell edge shows (Du, Zhang, Zhang, Wang 2021, doi 10.1109/LRA.2021.3061306). The pattern repeats like a
 //! torus, its seam included in the rule: it has no border.
 
-use super::texture::wrapped;
+use super::texture::{Cells, wrapped};
 use crate::GelError;
 use fingervision_image::Image;
 use rand_distr::{Distribution, Uniform};
@@ -67,6 +67,13 @@ impl ColourPattern {
     pub fn at(&self, column: i64, row: i64) -> [f32; 3] {
         let (columns, rows) = self.cells.size();
         self.cells.at(wrapped(column, columns), wrapped(row, rows))
+    }
+}
+
+impl Cells for ColourPattern {
+    #[inline]
+    fn at(&self, column: i64, row: i64) -> [f32; 3] {
+        self.at(column, row)
     }
 }
 

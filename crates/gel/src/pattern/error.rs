@@ -49,6 +49,9 @@ pub enum PatternError {
         /// Resolution.
         px_per_m: u32,
     },
+    /// The camera's image shows no gel.
+    #[error("the camera sees the gel nowhere")]
+    NotSeen,
     /// The colours cannot be drawn.
     #[error(transparent)]
     Colours(#[from] GelError),
@@ -66,6 +69,9 @@ impl PatternError {
             Self::Count { count, .. } if *count < 3.0 => "give a larger pattern or smaller parts".into(),
             Self::Count { .. } => "give a smaller pattern or larger parts".into(),
             Self::TooManyPixels { .. } => "give a lower resolution, or write PDF or SVG, which have none".into(),
+            Self::NotSeen => {
+                "check the camera's principal point and translation, and the image's and the gel's size".into()
+            }
             Self::Colours(_) => "give levels that lie further apart".into(),
         }
     }

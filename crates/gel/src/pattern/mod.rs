@@ -8,9 +8,12 @@ mod error;
 mod print;
 mod table;
 mod texture;
+mod trackability;
 
 pub use colour::{ColourPattern, NEIGHBOUR_DISTANCE};
 pub use description::{Motif, Pattern};
 pub use error::PatternError;
 pub use print::Print;
+pub(crate) use texture::Cells;
 pub use texture::Texture;
+pub use trackability::{Coupling, Trackability, View, trackability};

@@ -59,6 +59,19 @@ impl Texture {
     }
 }
 
+/// A plane of cells of one colour each.
+pub(crate) trait Cells {
+    /// Red, green and blue of a cell, in grey levels.
+    fn at(&self, column: i64, row: i64) -> [f32; 3];
+}
+
+impl Cells for Texture {
+    #[inline]
+    fn at(&self, column: i64, row: i64) -> [f32; 3] {
+        self.at(column, row)
+    }
+}
+
 /// The index on a ring of `len`.
 #[inline]
 #[expect(clippy::cast_possible_wrap, reason = "a raster has far fewer than 2^63 cells")]

@@ -1,6 +1,5 @@
 //! A flat sheet of pattern seen straight on, moved by an analytic [`Motion`]: frames whose flow is exact by construction.
 
-mod coverage;
 mod motion;
 mod params;
 mod render;

@@ -4,9 +4,9 @@
 //! then rounding. Every step before rounding is in floating point, and a margin is rendered for the blur, so no pixel
 //! depends on the image's size.
 
-use super::coverage::mean_colours;
 use super::{Motion, Sheet};
 use crate::blur::{Blur, SUB_PIXELS};
+use crate::coverage::mean_colours;
 use crate::polygon::Point;
 use crate::{ColourPattern, GelError};
 use fingervision_image::Image;

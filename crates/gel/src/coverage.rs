@@ -4,12 +4,12 @@
 //! one polygon a cell; the pixel is the mean of the cells' colours weighted by the polygons' areas. Nothing is sampled.
 //! The sides are straight, so a curved motion errs by the bulge of a curve one pixel long.
 
-use crate::ColourPattern;
+use crate::pattern::Cells;
 use crate::polygon::{Point, cut, signed_area};
 use fingervision_image::Image;
 
 /// Mean colour of every quadrilateral of a grid of corners; the result has one column and row less.
-pub(crate) fn mean_colours(corners: &Image<Point>, pattern: &ColourPattern) -> Image<[f32; 3]> {
+pub(crate) fn mean_colours(corners: &Image<Point>, pattern: &impl Cells) -> Image<[f32; 3]> {
     let mut cutter = Cutter::default();
     Image::from_fn(corners.width() - 1, corners.height() - 1, |x, y| {
         let (above, below) = (corners.row(y), corners.row(y + 1));
@@ -27,7 +27,7 @@ struct Cutter {
 }
 
 impl Cutter {
-    fn mean_colour(&mut self, quad: [Point; 4], pattern: &ColourPattern) -> [f32; 3] {
+    fn mean_colour(&mut self, quad: [Point; 4], pattern: &impl Cells) -> [f32; 3] {
         let [columns, rows] = [0, 1].map(|axis| cell_range(quad, axis));
         if columns.0 == columns.1 && rows.0 == rows.1 {
             return pattern.at(columns.0, rows.0);
@@ -62,6 +62,7 @@ fn cell_range(quad: [Point; 4], axis: usize) -> (i64, i64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ColourPattern;
 
     fn pattern() -> ColourPattern {
         ColourPattern::random(16, 16, [0, 255], 11).unwrap()
