@@ -41,6 +41,11 @@ impl Blur {
         (self.weights.len() - SUB_PIXELS) / 2
     }
 
+    /// A pixel's weights of the parts along one axis, from the first to the last that it sees.
+    pub(crate) fn weights(&self) -> &[f32] {
+        &self.weights
+    }
+
     /// The image of whole pixels.
     pub(crate) fn apply(&self, parts: &Image<[f32; 3]>) -> Image<[f32; 3]> {
         let [width, height] = [parts.width(), parts.height()].map(|size| (size - 2 * self.margin()) / SUB_PIXELS);

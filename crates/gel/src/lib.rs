@@ -27,7 +27,9 @@ mod error;
 mod indenter;
 mod pattern;
 mod polygon;
+mod render;
 mod sheet;
+mod truth;
 
 pub use error::GelError;
 pub use indenter::{Indenter, IndenterError, IndenterRelief, IndenterShape};
@@ -35,4 +37,6 @@ pub use pattern::{
     ColourPattern, Coupling, Motif, NEIGHBOUR_DISTANCE, Pattern, PatternError, Print, Texture, Trackability, View,
     trackability,
 };
+pub use render::{FrameRenderer, MotionBlur, RenderError, RenderParams, RingLight};
 pub use sheet::{Light, Motion, Sheet, SheetRenderer, TrueFlow};
+pub use truth::{Truth, TruthProjector};

@@ -1,27 +1,15 @@
 //! A rendered shift, measured again from the images, is the shift that was asked for: no sub-pixel bias.
 
+mod lanczos;
+
 use fingervision_gel::{Motion, Sheet, SheetRenderer};
 use fingervision_image::Image;
-
-/// Pixels on either side that the interpolation takes.
-const REACH: i32 = 10;
+use lanczos::{REACH, weights};
 
 /// Half the step of the difference quotient that stands for the gradient, px.
 const HALF_STEP: f64 = 1e-3;
 
 type Colours = Image<[f32; 3]>;
-
-/// Weights of the neighbours `-REACH + 1..=REACH` at a fraction of a pixel: the ideal low-pass under a Lanczos window.
-fn weights(fraction: f64) -> Vec<f64> {
-    let sinc = |t: f64| if t.abs() < 1e-12 { 1.0 } else { t.sin() / t };
-    let weight = |k: i32| {
-        let t = std::f64::consts::PI * (fraction - f64::from(k));
-        sinc(t) * sinc(t / f64::from(REACH))
-    };
-    let weights: Vec<_> = (1 - REACH..=REACH).map(weight).collect();
-    let total: f64 = weights.iter().sum();
-    weights.iter().map(|weight| weight / total).collect()
-}
 
 /// All channels of the image moved by `shift`, without the border that moving leaves undefined.
 fn moved(image: &Colours, shift: [f64; 2], border: usize) -> Vec<f64> {
@@ -30,7 +18,7 @@ fn moved(image: &Colours, shift: [f64; 2], border: usize) -> Vec<f64> {
         (whole as isize, weights(-shift - whole))
     });
     let (width, height) = image.size();
-    let place = |index: usize, whole: isize, k: usize| index.strict_add_signed(whole + 1) + k - REACH as usize;
+    let place = |index: usize, whole: isize, k: usize| index.strict_add_signed(whole + 1) + k - REACH;
     let mut rows = Vec::new();
     for y in border..height - border {
         for x in border..width - border {

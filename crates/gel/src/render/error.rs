@@ -1,0 +1,49 @@
+use thiserror::Error;
+
+/// Why a surface cannot be drawn.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum RenderError {
+    /// A parameter lies outside its range.
+    #[error("{key} is {value}: {allowed} is allowed")]
+    OutOfRange {
+        /// The parameter, by its key in the `[render]` table.
+        key: &'static str,
+        /// Its value, in the parameter's own unit.
+        value: f64,
+        /// The range in words, with its unit.
+        allowed: &'static str,
+    },
+    /// The surface's grid is none: its lines must be two or more along each axis, finite and ascending.
+    #[error(
+        "the surface's grid lines along {axis} are {count} and not ascending: two or more, each beyond the last, make a grid"
+    )]
+    GridLines {
+        /// x or y.
+        axis: char,
+        /// How many there are.
+        count: usize,
+    },
+    /// A field of the surface does not have a value for each node of its grid.
+    #[error("the surface has {found} values of {field}: its grid of {columns}x{rows} lines has {} nodes", columns * rows)]
+    NodeCount {
+        /// The field.
+        field: &'static str,
+        /// Values in it.
+        found: usize,
+        /// Grid lines along x.
+        columns: usize,
+        /// Grid lines along y.
+        rows: usize,
+    },
+    /// A node's displacement is not a finite number.
+    #[error("the surface's displacement at x = {x_mm} mm, y = {y_mm} mm is not finite")]
+    NotFinite {
+        /// The node at rest, mm.
+        x_mm: f64,
+        /// The node at rest, mm.
+        y_mm: f64,
+    },
+    /// Two states that should be of one motion have different grids.
+    #[error("the surface before has other grid lines than the surface now: blur of motion needs one grid for both")]
+    OtherGrid,
+}

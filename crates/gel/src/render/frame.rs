@@ -1,0 +1,207 @@
+//! From a state of the gel to the camera's frame.
+
+use super::cells::CellTable;
+use super::lattice::{Lattice, Rays, bulge_px};
+use super::light::{Light, vignette};
+use super::noise;
+use super::parts::{PartRows, Sight};
+use super::patches::Patches;
+use super::raster::{Planes, Target};
+use super::samples::{Samples, Scene};
+use super::sensor::Sensor;
+use super::surface::{Instant, Surface, widest_mm};
+use super::{RenderError, RenderParams};
+use crate::Texture;
+use crate::blur::Blur;
+use fearless_simd::{Level, Simd, dispatch};
+use fingervision_elastic::SurfaceState;
+use fingervision_image::{Image, LUMA_WEIGHTS, Pixels};
+use fingervision_optics::Camera;
+
+/// Draws frames. Made once for a camera and a pattern: it owns all that a frame takes.
+#[derive(Debug, Clone)]
+pub struct FrameRenderer {
+    params: RenderParams,
+    camera: Camera,
+    texture: Texture,
+    light: Light,
+    background: [f32; 3],
+    lattice: Lattice,
+    rays: Rays,
+    vignette: Vec<f32>,
+    surface: Surface,
+    patches: Patches,
+    planes: Planes,
+    /// The pattern's cells on the gel, made with the first surface.
+    cells: Option<CellTable>,
+    parts: PartRows,
+    samples: Samples,
+    sensor: Sensor,
+    levels: Image<[f32; 3]>,
+    /// A row of channels on its way to the frame.
+    row: Vec<f32>,
+    pixels: Pixels,
+    simd: Level,
+}
+
+impl FrameRenderer {
+    /// A renderer of what this camera sees of a gel with this pattern.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError::OutOfRange`] if a parameter is.
+    pub fn new(params: &RenderParams, camera: &Camera, texture: &Texture) -> Result<Self, RenderError> {
+        params.validate()?;
+        let (width, height) = (params.width, params.height);
+        let blur = Blur::new(params.blur_px);
+        let lattice = Lattice::new(width, height, blur.margin());
+        let widest_mm = widest_mm(camera, width, height);
+        let background = params.background.map(f32::from);
+        let luma = background.iter().zip(LUMA_WEIGHTS).map(|(level, weight)| level * weight).sum();
+        let pixels = if params.colour {
+            Pixels::Rgb8(Image::filled(width, height, [0; 3]))
+        } else {
+            Pixels::Grey8(Image::filled(width, height, 0))
+        };
+        Ok(Self {
+            light: Light::new(params.ring, params.shading),
+            background: if params.colour { background } else { [luma; 3] },
+            lattice,
+            rays: Rays::new(lattice, camera),
+            vignette: vignette(camera, params.vignetting, width, height),
+            surface: Surface::new(widest_mm),
+            patches: Patches::new(lattice, bulge_px(lattice, camera, widest_mm)),
+            planes: Planes::new(lattice),
+            cells: None,
+            parts: PartRows::new(lattice),
+            samples: Samples::new(),
+            sensor: Sensor::new(&blur, lattice.columns - 1),
+            levels: Image::filled(width, height, [0.0; 3]),
+            row: vec![0.0; 3 * width],
+            pixels,
+            simd: Level::new(),
+            params: params.clone(),
+            camera: camera.clone(),
+            texture: texture.clone(),
+        })
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub fn params(&self) -> &RenderParams {
+        &self.params
+    }
+
+    /// The frame of a state that the surface rests in. `frame` counts frames: each has noise of its own.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError`] if the state is not one.
+    pub fn render(&mut self, state: &SurfaceState, frame: u64) -> Result<&Pixels, RenderError> {
+        self.render_levels(state)?;
+        Ok(self.expose(frame))
+    }
+
+    /// The frame of a state that the surface passes through, coming from the state a frame before.
+    ///
+    /// It goes on as it came while the shutter is open, from half the exposure before the state to half of it after.
+    /// So the truth of the state itself is that of the frame's middle.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError`] if a state is not one or their grids differ.
+    pub fn render_moving(
+        &mut self,
+        before: &SurfaceState,
+        state: &SurfaceState,
+        frame: u64,
+    ) -> Result<&Pixels, RenderError> {
+        let blur = self.params.motion_blur;
+        let count = blur.sub_frames as f64;
+        self.levels.values_mut().fill([0.0; 3]);
+        for k in 0..blur.sub_frames {
+            let later = blur.exposure * ((k as f64 + 0.5) / count - 0.5);
+            self.add(Instant { state, before, later }, 1.0 / count as f32)?;
+        }
+        Ok(self.expose(frame))
+    }
+
+    /// What falls on the sensor, in grey levels, before noise and rounding. Grey repeats its value.
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError`] if the state is not one.
+    pub fn render_levels(&mut self, state: &SurfaceState) -> Result<&Image<[f32; 3]>, RenderError> {
+        self.levels.values_mut().fill([0.0; 3]);
+        self.add(Instant::of(state), 1.0)?;
+        Ok(&self.levels)
+    }
+
+    /// Adds the surface at an instant to the levels, by a weight.
+    fn add(&mut self, instant: Instant, weight: f32) -> Result<(), RenderError> {
+        self.surface.take(&self.camera, Some(&self.light), instant)?;
+        self.patches.take(&self.surface);
+        let borders_mm = self.surface.borders_mm();
+        if self.cells.as_ref().is_none_or(|cells| cells.borders_mm() != borders_mm) {
+            self.cells = Some(CellTable::new(&self.texture, self.params.colour, borders_mm));
+        }
+        let level = self.simd;
+        dispatch!(level, simd => self.draw(simd));
+        dispatch!(level, simd => self.develop(simd, weight));
+        Ok(())
+    }
+
+    /// Finds what every part corner sees.
+    #[inline(always)]
+    fn draw<S: Simd>(&mut self, simd: S) {
+        self.planes.clear();
+        for (column, row, bounds) in self.patches.iter() {
+            let beyond = Patches::beyond(&self.surface, column, row);
+            let target = Target::new(&self.surface.patch(column, row), beyond);
+            self.planes.draw(simd, self.lattice, &self.rays, &target, bounds);
+        }
+    }
+
+    /// Colours the parts and adds up the pixels.
+    #[inline(always)]
+    fn develop<S: Simd>(&mut self, simd: S, weight: f32) {
+        let Self { cells, parts, sensor, levels, vignette, samples, lattice, .. } = self;
+        let Some(cells) = cells else { return };
+        let (planes, patches, background) = (&self.planes, &self.patches, self.background);
+        let sight = Sight { lattice: *lattice, planes, cells, patches, background };
+        let scene = Scene { surface: &self.surface, rays: &self.rays };
+        let width = levels.width();
+        parts.begin(simd, &sight);
+        for row in 0..lattice.rows - 1 {
+            parts.next(simd, &sight, (samples, &scene), row, sensor.row_mut(row));
+            let Some(pixel_row) = sensor.completed(row) else { continue };
+            let gains = &vignette[pixel_row * width..][..width];
+            let levels = levels.row_mut(pixel_row);
+            sensor.expose(simd, pixel_row, |column, [red, green, blue, _]| {
+                let gain = weight * gains[column];
+                levels[column].iter_mut().zip([red, green, blue]).for_each(|(level, value)| *level += gain * value);
+            });
+        }
+    }
+
+    /// Adds noise and rounds.
+    fn expose(&mut self, frame: u64) -> &Pixels {
+        let Self { params, levels, row: grey, pixels, .. } = self;
+        let deviation = params.noise_levels as f32;
+        for (row, levels) in levels.rows().enumerate() {
+            let stream = noise::stream(params.seed, frame, row as u64);
+            match pixels {
+                Pixels::Rgb8(image) => {
+                    noise::round_row(levels.as_flattened(), deviation, stream, image.row_mut(row).as_flattened_mut());
+                }
+                Pixels::Grey8(image) => {
+                    grey.clear();
+                    grey.extend(levels.iter().map(|level| level[0]));
+                    noise::round_row(grey, deviation, stream, image.row_mut(row));
+                }
+                Pixels::Grey16(_) | Pixels::Rgb16(_) => {}
+            }
+        }
+        pixels
+    }
+}

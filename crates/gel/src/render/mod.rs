@@ -1,0 +1,28 @@
+//! The deformed surface as the camera sees it: from a state of the gel to an 8-bit frame.
+//!
+//! The order is nature's: the nearest surface along every ray, the pattern's exact coverage, the light on the slope,
+//! the optics' blur, the pixel's area, vignetting, noise, rounding.
+
+mod cells;
+mod error;
+mod frame;
+mod lattice;
+mod light;
+mod noise;
+mod params;
+mod parts;
+mod patch;
+mod patches;
+mod raster;
+mod samples;
+mod sensor;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+pub use error::RenderError;
+pub use frame::FrameRenderer;
+pub(crate) use lattice::{Lattice, bulge_px};
+pub use params::{MotionBlur, RenderParams, RingLight};
+pub(crate) use patches::Patches;
+pub(crate) use surface::{Instant, Surface, check, widest_mm};

@@ -1,0 +1,182 @@
+//! What every part corner of the image sees: the nearest meeting of its ray with the surface.
+
+use super::lattice::{Bounds, LANES, Lattice, Rays};
+use super::patch::{Patch, SLACK};
+use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
+use fearless_simd_macros::simd;
+
+/// What lies beyond the gel's border counts as so much farther away, mm: it never hides the gel.
+const BEYOND_MM: f32 = 1e4;
+
+/// A picture of the surface at the part corners.
+#[derive(Debug, Clone)]
+pub(crate) struct Planes {
+    /// How far down from the camera, mm; infinite where nothing is seen.
+    pub(crate) down: Vec<f32>,
+    /// The point of the surface that is seen, at rest, mm; NaN where nothing is seen. It may lie a little beyond the
+    /// gel's border.
+    pub(crate) x: Vec<f32>,
+    pub(crate) y: Vec<f32>,
+    /// Gain of the light.
+    pub(crate) gain: Vec<f32>,
+}
+
+/// A patch ready for rays near its middle, in single precision.
+///
+/// Slopes are taken relative to the middle's, so that what is subtracted is small already.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Target {
+    middle: [f32; 2],
+    /// The terms a, b, c and e, x and y less the middle's slope times the way down.
+    terms: [[f32; 3]; 4],
+    rest: [[f32; 2]; 3],
+    gain: [f32; 4],
+    /// Least and greatest s and t that count.
+    range: [[f32; 2]; 2],
+    is_mild: bool,
+}
+
+/// Eight rays that met a patch.
+#[derive(Clone, Copy)]
+struct Hit<S: Simd> {
+    hits: mask32x8<S>,
+    s: f32x8<S>,
+    t: f32x8<S>,
+}
+
+/// What eight rays have met so far.
+#[derive(Clone, Copy)]
+pub(crate) struct Seen<S: Simd> {
+    pub(crate) down: f32x8<S>,
+    pub(crate) x: f32x8<S>,
+    pub(crate) y: f32x8<S>,
+    pub(crate) gain: f32x8<S>,
+}
+
+impl Planes {
+    pub(crate) fn new(lattice: Lattice) -> Self {
+        let plane = |value| vec![value; lattice.stride * lattice.rows];
+        Self { down: plane(f32::INFINITY), x: plane(f32::NAN), y: plane(f32::NAN), gain: plane(1.0) }
+    }
+
+    /// Nothing is seen.
+    pub(crate) fn clear(&mut self) {
+        self.down.fill(f32::INFINITY);
+        self.x.fill(f32::NAN);
+    }
+
+    /// Draws a patch over the corners in its bounds.
+    #[simd]
+    pub(crate) fn draw<S: Simd>(&mut self, simd: S, lattice: Lattice, rays: &Rays, target: &Target, bounds: Bounds) {
+        let [columns, rows] = bounds.corners();
+        for row in rows {
+            for column in columns.clone().step_by(LANES) {
+                let from = row * lattice.stride + column;
+                let load = |plane: &[f32]| f32x8::from_slice(simd, &plane[from..from + LANES]);
+                let slope = [load(&rays.x), load(&rays.y)];
+                let mut seen =
+                    Seen { down: load(&self.down), x: load(&self.x), y: load(&self.y), gain: load(&self.gain) };
+                if target.meet(simd, slope, &mut seen) {
+                    seen.down.store_slice(&mut self.down[from..from + LANES]);
+                    seen.x.store_slice(&mut self.x[from..from + LANES]);
+                    seen.y.store_slice(&mut self.y[from..from + LANES]);
+                    seen.gain.store_slice(&mut self.gain[from..from + LANES]);
+                }
+            }
+        }
+    }
+}
+
+impl<S: Simd> Seen<S> {
+    /// Nothing.
+    pub(crate) fn nothing(simd: S) -> Self {
+        let [down, x, gain] = [f32::INFINITY, f32::NAN, 1.0].map(|value| f32x8::splat(simd, value));
+        Self { down, x, y: x, gain }
+    }
+}
+
+impl Target {
+    /// The patch, which goes on beyond its borders by shares of its width: `beyond` is those at the least and the
+    /// greatest s and t.
+    pub(crate) fn new(patch: &Patch, beyond: [[f64; 2]; 2]) -> Self {
+        let [a, b, c, _] = patch.terms;
+        let middle = [0, 1].map(|axis| (a[axis] + 0.5 * (b[axis] + c[axis])) / (a[2] + 0.5 * (b[2] + c[2])));
+        let single = |value: f64| value as f32;
+        Self {
+            middle: middle.map(single),
+            terms: patch.terms.map(|term| {
+                // The middle as it is stored: what rounding took from it must not be lost.
+                let [x, y] = [0, 1].map(|axis| term[axis] - f64::from(middle[axis] as f32) * term[2]);
+                [x, y, term[2]].map(single)
+            }),
+            rest: patch.rest_mm.map(|point| point.map(single)),
+            gain: patch.gain.map(single),
+            range: beyond.map(|[least, most]| [-SLACK - least, 1.0 + SLACK + most].map(single)),
+            is_mild: patch.is_mild,
+        }
+    }
+
+    /// Takes the patch where it is nearer than what was seen; says whether it was anywhere.
+    #[inline(always)]
+    pub(crate) fn meet<S: Simd>(&self, simd: S, slope: [f32x8<S>; 2], seen: &mut Seen<S>) -> bool {
+        let [dx, dy] = [slope[0] - self.middle[0], slope[1] - self.middle[1]];
+        let [a, b, c, e] = self.terms.map(|[x, y, down]| [dx.mul_add(-down, x), dy.mul_add(-down, y)]);
+        let quadratic = cross(b, e);
+        let linear = cross(b, c) + cross(a, e);
+        let constant = cross(a, c);
+        let root = (linear * linear - quadratic * constant * 4.0).sqrt();
+        if self.is_mild {
+            let s = (constant * -2.0) / (linear + root);
+            return self.take(simd, self.hit(simd, [a, b, c, e], s), seen);
+        }
+        let sum = (linear + root.copysign(linear)) * -0.5;
+        let first = self.take(simd, self.hit(simd, [a, b, c, e], constant / sum), seen);
+        let second = self.take(simd, self.hit(simd, [a, b, c, e], sum / quadratic), seen);
+        first || second
+    }
+
+    #[inline(always)]
+    fn hit<S: Simd>(&self, _: S, [a, b, c, e]: [[f32x8<S>; 2]; 4], s: f32x8<S>) -> Hit<S> {
+        let from = [s.mul_add(b[0], a[0]), s.mul_add(b[1], a[1])];
+        let along = [s.mul_add(e[0], c[0]), s.mul_add(e[1], c[1])];
+        let dot = |p: [f32x8<S>; 2], q: [f32x8<S>; 2]| p[0].mul_add(q[0], p[1] * q[1]);
+        let t = -dot(from, along) / dot(along, along);
+        let [range_s, range_t] = self.range;
+        let within = |value: f32x8<S>, range: [f32; 2]| value.simd_ge(range[0]) & value.simd_le(range[1]);
+        Hit { hits: within(s, range_s) & within(t, range_t), s, t }
+    }
+
+    #[inline(always)]
+    fn take<S: Simd>(&self, simd: S, hit: Hit<S>, seen: &mut Seen<S>) -> bool {
+        if !hit.hits.any_true() {
+            return false;
+        }
+        let Hit { hits, s, t } = hit;
+        let mix = |[one, by_s, by_t, by_both]: [f32; 4]| {
+            let rest = s.mul_add(by_both, splat(simd, by_t));
+            t.mul_add(rest, s.mul_add(by_s, splat(simd, one)))
+        };
+        let far = SLACK as f32;
+        let beyond = s.simd_lt(-far) | s.simd_gt(1.0 + far) | t.simd_lt(-far) | t.simd_gt(1.0 + far);
+        let down = mix(self.terms.map(|term| term[2]));
+        let down = beyond.select(down + BEYOND_MM, down);
+        let nearer = hits & down.simd_lt(seen.down);
+        let [corner, along_s, along_t] = self.rest;
+        let rest = |axis: usize| s.mul_add(along_s[axis], t.mul_add(along_t[axis], splat(simd, corner[axis])));
+        seen.down = nearer.select(down, seen.down);
+        seen.x = nearer.select(rest(0), seen.x);
+        seen.y = nearer.select(rest(1), seen.y);
+        seen.gain = nearer.select(mix(self.gain), seen.gain);
+        true
+    }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, value: f32) -> f32x8<S> {
+    f32x8::splat(simd, value)
+}
+
+#[inline(always)]
+fn cross<S: Simd>(p: [f32x8<S>; 2], q: [f32x8<S>; 2]) -> f32x8<S> {
+    p[0] * q[1] - p[1] * q[0]
+}
