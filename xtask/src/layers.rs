@@ -31,7 +31,7 @@ const LAYERS: [(&str, &[&str]); 14] = [
 const FOR_TESTS: &str = "gel";
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 21] = [
+const HEAVY: [(&str, &[&str]); 23] = [
     ("axum", &["live"]),
     ("clap", &["cli", "xtask"]),
     ("faer", &["elastic"]),
@@ -44,7 +44,9 @@ const HEAVY: [(&str, &[&str]); 21] = [
     ("png", &["gel"]),
     ("rayon", &["elastic", "calibrate", "evaluate"]),
     ("re_mp4", &["source"]),
+    ("realfft", &["elastic"]),
     ("rust_h264", &["source"]),
+    ("rustfft", &["elastic"]),
     ("serde_json", &["sink", "evaluate", "live", "cli", "xtask"]),
     ("svg", &["gel"]),
     ("tiff", &["source"]),

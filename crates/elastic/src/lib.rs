@@ -6,6 +6,10 @@
 
 mod block;
 mod contact;
+mod layer;
 
 pub use block::{BlockError, GelBlock, Law};
 pub use contact::{ContactLaw, Pose, Relief, ReliefPoint, SurfaceState};
+pub use layer::{
+    ContactParams, Layer, LayerContact, LayerError, LayerOperator, LayerPress, SurfaceGrid, WaveCompliance,
+};
