@@ -16,7 +16,7 @@ mod table;
 pub use arrays::{ArrayWriter, Element};
 pub use error::SinkError;
 pub use picture::{
-    ColourMap, Comparison, ErrorPlot, HeatScale, INVALID_COLOUR, Pair, Preview, PreviewOptions, colour_wheel,
+    ColourMap, Comparison, FramePlot, HeatScale, INVALID_COLOUR, Pair, Preview, PreviewOptions, colour_wheel,
     flow_colours, heat_map, write_png,
 };
 pub use run_folder::{Field, RunFolder, RunOptions, RunSummary};

@@ -6,6 +6,8 @@ mod colour_map;
 mod comparison;
 mod flow_colours;
 mod heat_map;
+mod lines;
+mod outline;
 mod page;
 mod panels;
 mod preview;
@@ -22,9 +24,10 @@ use fingervision_image::Image;
 use image::ImageFormat;
 
 pub use colour_map::ColourMap;
-pub use comparison::{Comparison, ErrorPlot, Pair};
+pub use comparison::{Comparison, Pair};
 pub use flow_colours::{colour_wheel, flow_colours};
 pub use heat_map::{HeatScale, heat_map};
+pub use lines::FramePlot;
 pub use preview::{Preview, PreviewOptions};
 
 use crate::SinkError;

@@ -2,7 +2,7 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
-use fingervision_sink::{Comparison, ErrorPlot, INVALID_COLOUR, Pair};
+use fingervision_sink::{Comparison, FramePlot, INVALID_COLOUR, Pair};
 
 /// A round press and what was made of it.
 struct Press {
@@ -13,7 +13,7 @@ struct Press {
     seen: Image<u8>,
     valid: Image<u8>,
     contact: Image<u8>,
-    plots: Vec<ErrorPlot>,
+    plots: Vec<FramePlot>,
 }
 
 impl Press {
@@ -49,8 +49,8 @@ impl Press {
             valid: Image::from_fn(width, height, |_, y| u8::from(y > 4)),
             contact: Image::from_fn(width, height, |x, y| u8::from(place(x, y).0.hypot(place(x, y).1) < 1.0)),
             plots: vec![
-                ErrorPlot { heading: "Mean absolute error of depth, mm".into(), lines: depth_lines },
-                ErrorPlot { heading: "Flow error, px".into(), lines: vec![("mean".into(), frames(0.002))] },
+                FramePlot { heading: "Mean absolute error of depth, mm".into(), lines: depth_lines },
+                FramePlot { heading: "Flow error, px".into(), lines: vec![("mean".into(), frames(0.002))] },
             ],
         }
     }

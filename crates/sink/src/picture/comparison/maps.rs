@@ -4,8 +4,8 @@ use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
 use super::Pair;
-use super::outline::{self, Outline};
 use crate::picture::canvas::{Area, Canvas};
+use crate::picture::outline::{self, Outline};
 use crate::picture::page::NOTE;
 use crate::picture::panels::{LEAST_FLOW_PX, Panel, draw_colour_bar, draw_invalid_key, draw_wheel_key};
 use crate::picture::ticks::round_up;

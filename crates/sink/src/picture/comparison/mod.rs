@@ -1,18 +1,17 @@
 //! Estimated fields beside the true ones: truth, estimate and difference side by side, errors over frames below.
 
-mod lines;
 mod maps;
-mod outline;
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
 use super::Rgb;
 use super::canvas::{Area, Canvas};
+use super::lines::{self, FramePlot};
+use super::outline::Outline;
 use super::page::{BACKGROUND, COLUMN, GAP, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIGHT, NOTE, PANEL_TOP, TITLE, WIDTH};
 use super::panels::Panel;
 use maps::Row;
-use outline::Outline;
 
 /// From the legends of a row to the panels of the next, px: room for headings.
 const ROW_GAP: f32 = 56.0;
@@ -27,15 +26,6 @@ pub struct Pair<'a, T> {
     pub truth: &'a T,
     /// What it was taken for.
     pub estimate: &'a T,
-}
-
-/// How an error went over the frames of a run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ErrorPlot {
-    /// What is drawn, with its unit.
-    pub heading: String,
-    /// Up to four lines: the name of each and its value in every frame, NaN where a frame has none.
-    pub lines: Vec<(String, Vec<f32>)>,
 }
 
 /// One frame's fields, true and estimated, and how the errors went over all frames.
@@ -61,7 +51,7 @@ pub struct Comparison<'a> {
     /// The frame's place in the lines of the plots.
     pub shown_frame: usize,
     /// What is plotted below, side by side.
-    pub plots: &'a [ErrorPlot],
+    pub plots: &'a [FramePlot],
 }
 
 impl Comparison<'_> {

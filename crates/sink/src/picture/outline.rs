@@ -2,9 +2,9 @@
 
 use fingervision_image::Image;
 
-use crate::picture::canvas::{Canvas, Point};
-use crate::picture::panels::Panel;
-use crate::picture::{Rgb, canvas};
+use super::canvas::{Canvas, Point};
+use super::panels::Panel;
+use super::{Rgb, canvas};
 
 const LINE: Rgb = [20, 20, 20];
 const HALO: Rgb = [255; 3];

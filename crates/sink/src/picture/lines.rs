@@ -1,11 +1,10 @@
-//! Errors over frames: a few lines with their names.
+//! A few numbers over frames: lines with their names.
 
-use super::ErrorPlot;
-use crate::picture::Rgb;
-use crate::picture::axes::Axes;
-use crate::picture::canvas::{Area, Canvas, Point};
-use crate::picture::page::{BODY, HEADING};
-use crate::picture::ticks::round_up;
+use super::Rgb;
+use super::axes::Axes;
+use super::canvas::{Area, Canvas, Point};
+use super::page::{BODY, HEADING};
+use super::ticks::round_up;
 
 /// Told apart by every kind of sight. Okabe and Ito, "Color Universal Design", 2008.
 const COLOURS: [Rgb; 4] = [[0, 114, 178], [213, 94, 0], [0, 158, 115], [86, 86, 86]];
@@ -13,8 +12,17 @@ const MARK: Rgb = [120; 3];
 /// For the numbers on the vertical axis, px.
 const LABELS: f32 = 56.0;
 
+/// How some numbers of one kind, none of them negative, went over the frames of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FramePlot {
+    /// What is drawn, with its unit.
+    pub heading: String,
+    /// Up to four lines: the name of each and its value in every frame, NaN where a frame has none.
+    pub lines: Vec<(String, Vec<f32>)>,
+}
+
 /// Draws a plot with heading, names and axes into an area and marks the frame that is shown above.
-pub(super) fn draw(canvas: &mut Canvas, area: Area, plot: &ErrorPlot, shown_frame: usize) {
+pub(super) fn draw(canvas: &mut Canvas, area: Area, plot: &FramePlot, shown_frame: usize) {
     canvas.text(&plot.heading, (area.x, area.y + 16.0), HEADING);
     draw_names(canvas, (area.x + LABELS, area.y + 46.0), plot);
     let values = || plot.lines.iter().flat_map(|(_, values)| values).copied().filter(|value| value.is_finite());
@@ -33,7 +41,7 @@ pub(super) fn draw(canvas: &mut Canvas, area: Area, plot: &ErrorPlot, shown_fram
     }
 }
 
-fn draw_names(canvas: &mut Canvas, (mut x, y): Point, plot: &ErrorPlot) {
+fn draw_names(canvas: &mut Canvas, (mut x, y): Point, plot: &FramePlot) {
     for ((name, _), colour) in plot.lines.iter().zip(COLOURS) {
         canvas.line(&[(x, y - 5.0), (x + 24.0, y - 5.0)], 2.5, colour);
         canvas.text(name, (x + 34.0, y), BODY);
