@@ -6,10 +6,11 @@
 
 mod block;
 mod contact;
-mod layer;
+mod fem;
+mod press;
+mod solver;
 
 pub use block::{BlockError, GelBlock, Law};
 pub use contact::{ContactLaw, Pose, Relief, ReliefPoint, SurfaceState};
-pub use layer::{
-    ContactParams, Layer, LayerContact, LayerError, LayerOperator, LayerPress, SurfaceGrid, WaveCompliance,
-};
+pub use fem::{BlockMesh, graded_lines};
+pub use press::{MeshParams, Press, PressError, PressSetup, Resolution, StepReport, swept_region};

@@ -1,0 +1,173 @@
+//! A rigid indenter pressed into the gel, step by step.
+//!
+//! Contact is node against surface and exact: where a node touches, its displacement along the indenter's normal (and
+//! sideways, where it sticks) is prescribed, and the force that this takes is the contact force. Which nodes touch is
+//! found together with the displacement: a node that would penetrate is taken in, one that would have to be pulled is
+//! let go ([Hueeber2005]). Between nodes the surface may cut the indenter's edges by what a cell can not resolve.
+
+mod error;
+mod frame;
+mod newton;
+mod region;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod touch;
+
+pub use error::PressError;
+pub use region::{MeshParams, Resolution, swept_region};
+
+use crate::fem::{Assembled, Assembly, BlockMesh, Material};
+use crate::solver::{Multigrid, Solver, Stencil};
+use crate::{ContactLaw, GelBlock, Law, Pose, Relief, SurfaceState};
+use frame::Frame;
+use touch::Touch;
+
+/// How often a step may be halved.
+const MOST_HALVINGS: u32 = 6;
+
+/// What is pressed, and how it holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PressSetup {
+    /// The gel.
+    pub block: GelBlock,
+    /// Its law.
+    pub law: Law,
+    /// What happens where it touches.
+    pub contact: ContactLaw,
+}
+
+/// How a step went.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepReport {
+    /// Newton iterations, all parts of the step together.
+    pub newton_iterations: usize,
+    /// Conjugate-gradient iterations.
+    pub linear_iterations: usize,
+    /// Parts into which the step was cut.
+    pub parts: usize,
+    /// Strain energy, N mm.
+    pub energy_nmm: f64,
+    /// Force of the base on the gel, N.
+    pub base_force_n: [f64; 3],
+}
+
+/// A block of gel under an indenter.
+pub struct Press<'a> {
+    relief: &'a dyn Relief,
+    centre_mm: [f64; 2],
+    contact: ContactLaw,
+    assembly: Assembly,
+    matrix: Stencil<f64>,
+    multigrid: Multigrid,
+    solver: Solver,
+    work: newton::Scratch,
+    /// Present state; what the last converged part of a step came to while one is under way.
+    displacement: Vec<[f64; 3]>,
+    forces: Vec<[f64; 3]>,
+    touches: Vec<Touch>,
+    pose: Pose,
+    assembled: Assembled,
+    state: SurfaceState,
+    report: StepReport,
+}
+
+impl std::fmt::Debug for Press<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Press").field("pose", &self.pose).field("report", &self.report).finish_non_exhaustive()
+    }
+}
+
+impl<'a> Press<'a> {
+    /// A block at rest, with an indenter above `centre_mm` that just touches it.
+    ///
+    /// # Errors
+    ///
+    /// [`PressError::Block`] or [`PressError::Friction`] if the setup can not be.
+    pub fn new(
+        setup: &PressSetup,
+        mesh: BlockMesh,
+        relief: &'a dyn Relief,
+        centre_mm: [f64; 2],
+    ) -> Result<Self, PressError> {
+        setup.block.validate()?;
+        if let ContactLaw::Friction(coefficient) = setup.contact
+            && !(coefficient.is_finite() && coefficient > 0.0)
+        {
+            return Err(PressError::Friction { coefficient });
+        }
+        let base = mesh.lines()[2].last().copied().unwrap_or_default();
+        let lines = mesh.lines();
+        let multigrid = Multigrid::new([lines[0], lines[1], &lines[2][..lines[2].len() - 1]], base);
+        let assembly = Assembly::new(mesh, Material::of(&setup.block, setup.law));
+        let grid = assembly.grid;
+        let [nx, ny, _] = grid.nodes;
+        let field = || vec![[0.0; 3]; grid.len()];
+        let mut press = Self {
+            relief,
+            centre_mm,
+            contact: setup.contact,
+            matrix: Stencil::zero(grid),
+            multigrid,
+            solver: Solver::new(grid),
+            work: newton::Scratch::new(grid),
+            displacement: field(),
+            forces: field(),
+            touches: vec![Touch::Free; nx * ny],
+            pose: Pose::default(),
+            assembled: Assembled::default(),
+            state: SurfaceState::default(),
+            report: StepReport::default(),
+            assembly,
+        };
+        press.write_state();
+        Ok(press)
+    }
+
+    /// Moves the indenter from where it stands to `pose` and finds the gel's new rest.
+    ///
+    /// A step that does not converge is halved, and halved again. After an error the press is where it last converged.
+    ///
+    /// # Errors
+    ///
+    /// [`PressError::Stalled`] with the depth that was reached, [`PressError::Pose`] for a pose that is not finite.
+    pub fn step(&mut self, pose: &Pose) -> Result<&SurfaceState, PressError> {
+        if !pose.is_finite() {
+            return Err(PressError::Pose { pose: *pose });
+        }
+        self.report = StepReport::default();
+        let (from, mut reached, mut halvings) = (self.pose, 0.0, 0_u32);
+        while reached < 1.0 {
+            let share = 0.5_f64.powi(halvings.cast_signed());
+            let target = if reached + share >= 1.0 { *pose } else { from.towards(pose, reached + share) };
+            self.report.parts += 1;
+            if self.equilibrate(&target) {
+                reached += share;
+                self.pose = target;
+            } else if halvings == MOST_HALVINGS {
+                self.write_state();
+                return Err(PressError::Stalled { reached_mm: self.pose.depth_mm, asked_mm: pose.depth_mm });
+            } else {
+                halvings += 1;
+            }
+        }
+        self.write_state();
+        Ok(&self.state)
+    }
+
+    /// The surface as it is.
+    #[must_use]
+    pub fn surface(&self) -> &SurfaceState {
+        &self.state
+    }
+
+    /// How the last step went.
+    #[must_use]
+    pub fn report(&self) -> StepReport {
+        self.report
+    }
+
+    fn frame(&self, pose: &Pose) -> Frame {
+        Frame::new(pose, self.centre_mm)
+    }
+}

@@ -1,0 +1,42 @@
+//! The surface as it is told to others.
+
+use super::Press;
+use super::touch::Touch;
+use crate::SurfaceState;
+
+impl Press<'_> {
+    /// Writes the present state for whoever asks.
+    pub(super) fn write_state(&mut self) {
+        self.finish_report();
+        let [x_mm, y_mm, _] = self.assembly.mesh.lines().map(<[f64]>::to_vec);
+        let origin = self.frame(&self.pose).origin;
+        let areas: Vec<f64> =
+            widths(&y_mm).iter().flat_map(|dy| widths(&x_mm).into_iter().map(move |dx| dx * dy)).collect();
+        let mut state = SurfaceState { x_mm, y_mm, ..SurfaceState::default() };
+        let grid = self.assembly.grid;
+        for (surface, area) in areas.into_iter().enumerate() {
+            let (i, j) = (surface % grid.nodes[0], surface / grid.nodes[0]);
+            let index = grid.index(i, j, 0);
+            let in_contact = self.touches[surface] != Touch::Free;
+            let force = if in_contact { self.forces[index] } else { [0.0; 3] };
+            let (node, displacement) = (self.assembly.mesh.node(i, j, 0), self.displacement[index]);
+            let arm = [0, 1, 2].map(|c| node[c] + displacement[c] - origin[c]);
+            for c in 0..3 {
+                let (next, last) = ((c + 1) % 3, (c + 2) % 3);
+                state.force_n[c] += force[c];
+                state.torque_nmm[c] += arm[next] * force[last] - arm[last] * force[next];
+            }
+            state.displacement_mm.push(displacement);
+            state.nodal_force_n.push(force);
+            state.traction_mpa.push(force.map(|force| force / area));
+            state.in_contact.push(in_contact);
+        }
+        self.state = state;
+    }
+}
+
+/// Length that each line stands for: half the way to each neighbour, mm.
+fn widths(lines: &[f64]) -> Vec<f64> {
+    let at = |n: usize| lines[n.min(lines.len() - 1)];
+    (0..lines.len()).map(|n| 0.5 * (at(n + 1) - at(n.saturating_sub(1)))).collect()
+}

@@ -1,0 +1,198 @@
+//! Presses whose outcome is known.
+
+use super::{Press, PressError, PressSetup};
+use crate::{BlockMesh, ContactLaw, GelBlock, Law, Pose, Relief, ReliefPoint, graded_lines};
+
+const GEL: GelBlock =
+    GelBlock { size_mm: [30.0, 30.0], thickness_mm: 10.0, poissons_ratio: 0.48, youngs_modulus_mpa: Some(0.6) };
+
+/// A round flat face with a fillet and a wall of slope 3.
+struct Punch {
+    radius_mm: f64,
+}
+
+impl Relief for Punch {
+    fn at(&self, x_mm: f64, y_mm: f64) -> ReliefPoint {
+        let (fillet, slope) = (0.3, 3.0_f64);
+        let radius = x_mm.hypot(y_mm);
+        let distance = radius - self.radius_mm;
+        if distance <= 0.0 {
+            return ReliefPoint { height_mm: 0.0, slope: [0.0; 2], curvature_per_mm: [0.0; 3] };
+        }
+        let end = fillet * slope / (1.0 + slope * slope).sqrt();
+        let depth = |at: f64| (fillet * fillet - at * at).sqrt();
+        let (height, first, second) = if distance < end {
+            let depth = depth(distance);
+            (fillet - depth, distance / depth, fillet * fillet / depth.powi(3))
+        } else {
+            (fillet - depth(end) + slope * (distance - end), slope, 0.0)
+        };
+        radial([x_mm, y_mm], radius, [height, first, second])
+    }
+
+    fn half_extent_mm(&self) -> [f64; 2] {
+        [self.radius_mm + 1.0; 2]
+    }
+}
+
+struct Ball {
+    radius_mm: f64,
+}
+
+impl Relief for Ball {
+    fn at(&self, x_mm: f64, y_mm: f64) -> ReliefPoint {
+        let radius = x_mm.hypot(y_mm);
+        let squared = self.radius_mm.powi(2) - radius * radius;
+        if squared <= 0.0 {
+            return ReliefPoint { height_mm: f64::INFINITY, slope: [0.0; 2], curvature_per_mm: [0.0; 3] };
+        }
+        let depth = squared.sqrt();
+        let curvature = self.radius_mm.powi(2) / depth.powi(3);
+        radial([x_mm, y_mm], radius, [self.radius_mm - depth, radius / depth, curvature])
+    }
+
+    fn half_extent_mm(&self) -> [f64; 2] {
+        [self.radius_mm; 2]
+    }
+}
+
+/// A relief that depends on the distance from the axis alone: height, slope and curvature along it.
+fn radial([x, y]: [f64; 2], radius: f64, [height_mm, first, second]: [f64; 3]) -> ReliefPoint {
+    if radius <= 0.0 {
+        return ReliefPoint { height_mm, slope: [0.0; 2], curvature_per_mm: [second, 0.0, second] };
+    }
+    let ([ex, ey], around) = ([x / radius, y / radius], first / radius);
+    let curvature_per_mm =
+        [second * ex * ex + around * ey * ey, (second - around) * ex * ey, second * ey * ey + around * ex * ex];
+    ReliefPoint { height_mm, slope: [first * ex, first * ey], curvature_per_mm }
+}
+
+fn mesh(block: &GelBlock, fine_mm: f64, spacing_mm: f64, growth: f64) -> BlockMesh {
+    let across = |size: f64| graded_lines([-0.5 * size, 0.5 * size], [-fine_mm, fine_mm], spacing_mm, growth);
+    let down = graded_lines([0.0, block.thickness_mm], [0.0, 2.0 * spacing_mm], spacing_mm, growth);
+    BlockMesh::new(across(block.size_mm[0]), across(block.size_mm[1]), down)
+}
+
+fn setup(block: GelBlock, law: Law, contact: ContactLaw) -> PressSetup {
+    PressSetup { block, law, contact }
+}
+
+fn deep(depth_mm: f64) -> Pose {
+    Pose { depth_mm, ..Pose::default() }
+}
+
+#[test]
+fn a_sphere_on_a_deep_block_is_hertz() {
+    let block =
+        GelBlock { size_mm: [100.0, 100.0], thickness_mm: 80.0, poissons_ratio: 0.35, youngs_modulus_mpa: Some(0.6) };
+    let (radius, depth) = (4.0, 0.03_f64);
+    let contact_radius = (radius * depth).sqrt();
+    let spacing = contact_radius / 10.0;
+    let ball = Ball { radius_mm: radius };
+    let setup = setup(block, Law::Linear, ContactLaw::Frictionless);
+    let mesh = mesh(&block, 1.2 * contact_radius, spacing, 1.4);
+    let mut press = Press::new(&setup, mesh, &ball, [0.0, 0.0]).unwrap();
+    let state = press.step(&deep(depth)).unwrap();
+    let modulus = 0.6 / (1.0 - 0.35 * 0.35);
+    let force = 4.0 / 3.0 * modulus * radius.sqrt() * depth.powf(1.5);
+    assert!((state.force_n[2] / force - 1.0).abs() < 0.02, "{} N, Hertz {force} N", state.force_n[2]);
+    // A node in touch stands for a cell; the outermost ones carry part of theirs: area weighted by Hertz' pressure.
+    let largest = state.traction_mpa.iter().map(|traction| traction[2]).fold(0.0, f64::max);
+    let mean_radius = (1.5 * state.force_n[2] / (std::f64::consts::PI * largest)).sqrt();
+    assert!((mean_radius / contact_radius - 1.0).abs() < 0.02, "{mean_radius} mm, Hertz {contact_radius} mm");
+}
+
+#[test]
+fn forces_balance_and_work_is_stored() {
+    let punch = Punch { radius_mm: 4.0 };
+    for contact in [ContactLaw::Stick, ContactLaw::Frictionless] {
+        let setup = setup(GEL, Law::NeoHookean, contact);
+        let mut press = Press::new(&setup, mesh(&GEL, 5.0, 0.9, 1.4), &punch, [0.0, 0.0]).unwrap();
+        let (mut work, mut before) = (0.0, 0.0);
+        for step in 1..=20 {
+            let force = press.step(&deep(0.1 * f64::from(step))).unwrap().force_n;
+            work += 0.05 * (before + force[2]);
+            before = force[2];
+            let base = press.report().base_force_n;
+            for c in 0..3 {
+                assert!((force[c] + base[c]).abs() < 1e-4 * force[2], "{contact:?}: {force:?} N on {base:?} N");
+            }
+        }
+        let stored = press.report().energy_nmm;
+        assert!((work / stored - 1.0).abs() < 3e-3, "{contact:?}: work {work} N mm, stored {stored} N mm");
+        // No node of the flat face lifts off or goes in.
+        let state = press.surface();
+        let nodes = state.y_mm.iter().flat_map(|y| state.x_mm.iter().map(move |x| (x, y)));
+        for ((x, y), displacement) in nodes.zip(&state.displacement_mm) {
+            if (x + displacement[0]).hypot(y + displacement[1]) < 3.9 {
+                assert!((displacement[2] - 2.0).abs() < 5e-3, "({x}, {y}): {} mm", displacement[2]);
+            }
+        }
+    }
+}
+
+#[test]
+fn friction_carries_its_coefficient_times_the_normal_force() {
+    let (punch, coefficient) = (Punch { radius_mm: 4.0 }, 0.3);
+    let setup = setup(GEL, Law::NeoHookean, ContactLaw::Friction(coefficient));
+    let mut press = Press::new(&setup, mesh(&GEL, 5.0, 0.9, 1.5), &punch, [0.0, 0.0]).unwrap();
+    press.step(&deep(0.15)).unwrap();
+    let mut ratio = 0.0;
+    for step in 1..=6 {
+        let pose = Pose { shear_mm: [0.15 * f64::from(step), 0.0], ..deep(0.15) };
+        let force = press.step(&pose).unwrap().force_n;
+        ratio = force[0] / force[2];
+    }
+    assert!((ratio / coefficient - 1.0).abs() < 0.02, "shear over normal force: {ratio}");
+}
+
+#[test]
+fn a_stuck_face_turns_the_gel_with_it() {
+    let punch = Punch { radius_mm: 3.0 };
+    let setup = setup(GEL, Law::NeoHookean, ContactLaw::Stick);
+    let mut press = Press::new(&setup, mesh(&GEL, 4.0, 1.0, 1.5), &punch, [1.0, -2.0]).unwrap();
+    press.step(&deep(0.5)).unwrap();
+    let state = press.step(&Pose { twist_rad: 0.1, ..deep(0.5) }).unwrap();
+    assert!(state.torque_nmm[2] > 1.0, "{:?}", state.torque_nmm);
+    let nodes = state.y_mm.iter().flat_map(|y| state.x_mm.iter().map(move |x| [x - 1.0, y + 2.0]));
+    for ([x, y], displacement) in nodes.zip(&state.displacement_mm).filter(|([x, y], _)| x.hypot(*y) < 2.9) {
+        let turned = [x * 0.1_f64.cos() - y * 0.1_f64.sin() - x, x * 0.1_f64.sin() + y * 0.1_f64.cos() - y];
+        for c in 0..2 {
+            assert!((displacement[c] - turned[c]).abs() < 0.01, "({x}, {y}): {displacement:?}, {turned:?}");
+        }
+    }
+}
+
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    let punch = Punch { radius_mm: 4.0 };
+    let press_with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let setup = setup(GEL, Law::NeoHookean, ContactLaw::Stick);
+            let mut press = Press::new(&setup, mesh(&GEL, 5.0, 1.5, 1.6), &punch, [0.0, 0.0]).unwrap();
+            press.step(&deep(0.3)).unwrap().clone()
+        })
+    };
+    assert_eq!(press_with(1), press_with(3));
+}
+
+#[test]
+fn what_can_not_be_is_refused() {
+    let punch = Punch { radius_mm: 4.0 };
+    let small = || mesh(&GEL, 5.0, 2.5, 1.8);
+    let bad = setup(GelBlock { poissons_ratio: 0.5, ..GEL }, Law::Linear, ContactLaw::Stick);
+    assert!(matches!(Press::new(&bad, small(), &punch, [0.0; 2]), Err(PressError::Block(_))));
+    let bad = setup(GEL, Law::Linear, ContactLaw::Friction(-0.1));
+    let error = Press::new(&bad, small(), &punch, [0.0; 2]).unwrap_err();
+    assert_eq!(error.to_string(), "friction is -0.1: a finite coefficient above 0 is allowed");
+    let good = setup(GEL, Law::NeoHookean, ContactLaw::Stick);
+    let mut press = Press::new(&good, small(), &punch, [0.0; 2]).unwrap();
+    assert!(matches!(press.step(&deep(f64::NAN)), Err(PressError::Pose { .. })));
+    // Through the base: the press says how far it came and stays there.
+    let Err(PressError::Stalled { reached_mm, .. }) = press.step(&deep(12.0)) else {
+        panic!("pressed through the base")
+    };
+    assert!((0.0..10.0).contains(&reached_mm));
+    assert!(press.step(&deep(0.9 * reached_mm)).is_ok());
+}

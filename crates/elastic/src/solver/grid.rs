@@ -1,0 +1,43 @@
+//! Where a node of a structured grid lies in memory.
+
+/// A box of `nx · ny · nz` nodes with one layer of empty nodes around it, so that every node has 26 neighbours.
+///
+/// Rows along x are contiguous, then z, then y: a *slab* is all nodes of one y. Values in the empty layer stay zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Grid {
+    /// Nodes along x, y and z.
+    pub(crate) nodes: [usize; 3],
+}
+
+impl Grid {
+    /// Nodes from one row along x to the next, along z.
+    pub(crate) fn row(self) -> usize {
+        self.nodes[0] + 2
+    }
+
+    /// Nodes from one slab to the next.
+    pub(crate) fn slab(self) -> usize {
+        self.row() * (self.nodes[2] + 2)
+    }
+
+    /// All nodes, the empty layer included.
+    pub(crate) fn len(self) -> usize {
+        self.slab() * (self.nodes[1] + 2)
+    }
+
+    /// Place of a node.
+    pub(crate) fn index(self, i: usize, j: usize, k: usize) -> usize {
+        (j + 1) * self.slab() + self.in_slab(i, k)
+    }
+
+    /// Place of a node within its slab.
+    pub(crate) fn in_slab(self, i: usize, k: usize) -> usize {
+        (k + 1) * self.row() + i + 1
+    }
+
+    /// Places within a slab of all nodes, x fastest.
+    pub(crate) fn slab_nodes(self) -> impl DoubleEndedIterator<Item = usize> {
+        let [nx, _, nz] = self.nodes;
+        (0..nz).flat_map(move |k| (0..nx).map(move |i| self.in_slab(i, k)))
+    }
+}
