@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(error.to_string(), "indenter.text = \"A漢\": there is no letter for '漢'");
         assert!(
             outlines("A\n", 6.0).is_err()
-                && outlines("\u{ad}", 6.0).is_err_and(|error| error.hint().contains("letters"))
+                && outlines("\u{a0}", 6.0).is_err_and(|error| error.hint().contains("letters"))
         );
     }
 }
