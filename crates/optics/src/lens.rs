@@ -83,14 +83,14 @@ impl Lens {
         if self.is_pinhole {
             return distorted.iter().all(|value| value.is_finite()).then_some(distorted);
         }
-        let length = distorted[0].hypot(distorted[1]);
+        let length = squared(distorted).sqrt();
         let tolerance = TOLERANCE * (1.0 + length);
         // Half the range at most: the Jacobian vanishes at its end.
         let start = (0.5 * self.squared_range.sqrt() / length).min(1.0);
         let mut direction = distorted.map(|value| start * value);
         let mut residual = difference(distorted, self.map(direction));
         for _ in 0..MOST_STEPS {
-            if residual[0].hypot(residual[1]) <= tolerance {
+            if squared(residual) <= tolerance * tolerance {
                 return Some(direction);
             }
             (direction, residual) = self.newton_step(distorted, direction, residual)?;
@@ -104,13 +104,13 @@ impl Lens {
         let determinant = xx * yy - xy * xy;
         let full =
             [(yy * residual[0] - xy * residual[1]) / determinant, (xx * residual[1] - xy * residual[0]) / determinant];
-        let before = residual[0].hypot(residual[1]);
+        let before = squared(residual);
         let mut part = 1.0;
         for _ in 0..MOST_HALVINGS {
             let direction = [from[0] + part * full[0], from[1] + part * full[1]];
             if let Some(image) = self.distort(direction) {
                 let residual = difference(distorted, image);
-                if residual[0].hypot(residual[1]) < before {
+                if squared(residual) < before {
                     return Some((direction, residual));
                 }
             }
@@ -122,6 +122,10 @@ impl Lens {
 
 fn difference(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] - b[0], a[1] - b[1]]
+}
+
+fn squared([x, y]: [f64; 2]) -> f64 {
+    x * x + y * y
 }
 
 /// The radial factor `f(r)` and `f′(r) / r`, by r².
