@@ -12,7 +12,7 @@ use super::{Layer, LayerError, SurfaceGrid};
 ///
 /// Each cell carries uniform traction; the surface outside the grid is free and the layer goes on without end. The sum
 /// over cells is a convolution, done by Fourier transform on a grid padded with zeros to `cells + reach` along each axis,
-/// where the reach is that of the kernel: `cells − 1`, or sixteen thicknesses where that is less, beyond which a bonded
+/// where the reach is that of the kernel: `cells − 1`, or 24 thicknesses where that is less, beyond which a bonded
 /// layer does not move. So the periodic images of the transform never touch the grid and the sum is exact. The kernel is
 /// the closed form of a half-space plus the smooth remainder that a base adds.
 ///

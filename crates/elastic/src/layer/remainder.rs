@@ -16,9 +16,9 @@ use super::half_space::Influence;
 
 /// Differences are below 1e-15 beyond.
 const LAST_Q: f64 = 20.0;
-/// Distance in thicknesses beyond which a bonded layer does not move: influence has fallen below 1e-9 of that of a
-/// half-space at one thickness.
-pub(super) const REACH: f64 = 16.0;
+/// Distance in thicknesses beyond which a bonded layer is taken not to move: influence falls with `e^{−0.8 ρ}` or faster
+/// and is below 1e-7 of that at one thickness.
+pub(super) const REACH: f64 = 24.0;
 /// Spacing of the table: cubic interpolation is then exact to 1e-8.
 const STEP: f64 = 0.02;
 /// Gauss–Legendre points and weights on (−1, 1), the positive half.
