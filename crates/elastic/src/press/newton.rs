@@ -13,7 +13,7 @@ const TOLERANCE: f64 = 1e-6;
 const DISTANCE_MM: f64 = 1e-7;
 const MOST_ITERATIONS: usize = 40;
 /// Residual of a linear solve over its right side, dimensionless, and its most steps.
-const LINEAR_TOLERANCE: f64 = 1e-3;
+const LINEAR_TOLERANCE: f64 = 3e-3;
 const MOST_LINEAR_ITERATIONS: usize = 200;
 /// Residual over the contact force below which friction takes up the present normal forces.
 const BALANCED: f64 = 1e-2;

@@ -1,7 +1,8 @@
 //! Presses whose outcome is known.
 
 use super::{Press, PressError, PressSetup};
-use crate::{BlockMesh, ContactLaw, GelBlock, Law, Pose, Relief, ReliefPoint, graded_lines};
+use crate::{BlockMesh, ContactLaw, ContactParams, GelBlock, Law, Layer, LayerContact, Pose, Relief, ReliefPoint};
+use crate::{SurfaceGrid, graded_lines};
 
 const GEL: GelBlock =
     GelBlock { size_mm: [30.0, 30.0], thickness_mm: 10.0, poissons_ratio: 0.48, youngs_modulus_mpa: Some(0.6) };
@@ -195,4 +196,28 @@ fn what_can_not_be_is_refused() {
     };
     assert!((0.0..10.0).contains(&reached_mm));
     assert!(press.step(&deep(0.9 * reached_mm)).is_ok());
+}
+
+#[test]
+fn a_flat_punch_agrees_with_the_layer() {
+    for (nu, tolerance) in [(0.35, 0.02), (0.48, 0.03)] {
+        let block =
+            GelBlock { size_mm: [80.0, 80.0], thickness_mm: 10.0, poissons_ratio: nu, youngs_modulus_mpa: Some(0.6) };
+        let grid = SurfaceGrid { columns: 80, rows: 80, cell_mm: 8.0 / 72.0 };
+        let region: Vec<bool> = grid.centres_mm().map(|[x, y]| x.hypot(y) < 4.0).collect();
+        let depth = 0.01;
+        let mut layer = LayerContact::new(&Layer::new(&block).unwrap(), grid).unwrap();
+        let params = ContactParams::default();
+        let wanted: Vec<f64> = region.iter().map(|in_face| if *in_face { depth } else { f64::NEG_INFINITY }).collect();
+        let free = layer.press_frictionless(&wanted, &params).force_n[2];
+        let moved: Vec<_> = region.iter().map(|in_face| [0.0, 0.0, if *in_face { depth } else { 0.0 }]).collect();
+        let stuck = layer.press_stuck(&region, &moved, &params).force_n[2];
+        for (contact, expected) in [(ContactLaw::Frictionless, free), (ContactLaw::Stick, stuck)] {
+            let punch = Punch { radius_mm: 4.0 };
+            let setup = setup(block, Law::Linear, contact);
+            let mut press = Press::new(&setup, mesh(&block, 4.2, 0.2, 1.4), &punch, [0.0, 0.0]).unwrap();
+            let force = press.step(&deep(depth)).unwrap().force_n[2];
+            assert!((force / expected - 1.0).abs() < tolerance, "ν {nu}, {contact:?}: {force} N, layer {expected} N");
+        }
+    }
 }
