@@ -1,4 +1,24 @@
-//! The simulated sensor: images of a moving colour pattern **with exact truth**.
+//! The simulated sensor: images of a patterned gel **with exact truth**.
+//!
+//! Two of them. A **scene** is the whole sensor: a [`Scene`] says what presses the gel, how, and what camera looks at it.
+//! [`Simulation`] solves the press by finite elements and hands out frames with their [`Truth`]; solved presses are kept
+//! in a [`PressCache`].
+//!
+//! ```
+//! use fingervision_gel::{PressCache, Scene, Simulation};
+//! use std::ops::ControlFlow;
+//!
+//! let mut scene = Scene::find("board")?;
+//! scene.set_all([("render.width", "64"), ("render.height", "48")])?;
+//! let mut simulation = Simulation::new(&scene)?;
+//! simulation.solve(&PressCache::OFF, &mut |_| ControlFlow::Continue(()))?;
+//! let flow = simulation.truth(20)?.flow.at(32, 24);
+//! assert_eq!(simulation.frame(20)?.size(), (64, 48));
+//! # assert!(flow[0] > 100.0);
+//! # Ok::<(), fingervision_gel::SceneError>(())
+//! ```
+//!
+//! A **sheet** is a pattern that is moved by a formula, without mechanics and without a camera:
 //!
 //! A [`Sheet`] says what the camera sees at rest, a [`Motion`] where every point of it goes. [`SheetRenderer`] draws the
 //! frame: every quarter of a pixel is the area-weighted mean of the pattern cells that it covers, then optics blur it,
@@ -28,6 +48,7 @@ mod indenter;
 mod pattern;
 mod polygon;
 mod render;
+mod scene;
 mod sheet;
 mod truth;
 
@@ -38,5 +59,9 @@ pub use pattern::{
     trackability,
 };
 pub use render::{FrameRenderer, MotionBlur, RenderError, RenderParams, RingLight};
+pub use scene::{
+    CacheError, CacheSize, CameraTable, ContactTable, EarlyEnd, Keyframe, MaterialTable, MotionKind, Origin,
+    PressCache, Progress, RandomScenes, ReadyMade, Scene, SceneError, SceneMotion, Simulation, SolvedPress,
+};
 pub use sheet::{Light, Motion, Sheet, SheetRenderer, TrueFlow};
 pub use truth::{Truth, TruthProjector};

@@ -1,6 +1,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
+use crate::line::line_of;
+
 /// Where in a document something is. Prints as a prefix such as `sensor.toml, line 7: `, empty if nothing is known.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Place {
@@ -8,6 +10,15 @@ pub struct Place {
     pub file: Option<PathBuf>,
     /// The line, from 1; absent for a value that was set by its path.
     pub line: Option<usize>,
+}
+
+impl Place {
+    /// Where in a text the value stands that a path leads to, as in `motion.keyframes[2].depth_mm`. What is not written
+    /// has the line of the innermost table on the way that is; without any, no line.
+    #[must_use]
+    pub fn of_key(text: &str, path: &str) -> Self {
+        Self { file: None, line: line_of(text, path) }
+    }
 }
 
 impl fmt::Display for Place {
