@@ -1,5 +1,7 @@
 //! Rendered surfaces against the truth that is told with them.
 
+#![expect(clippy::unwrap_used, clippy::print_stdout, reason = "what the tests share is test code too")]
+
 mod lanczos;
 
 use fingervision_elastic::SurfaceState;

@@ -7,10 +7,15 @@
 //!
 //! Colours are counted from their mean over the pattern, which keeps the sums small enough for single precision.
 
+use super::RenderError;
 use crate::Texture;
 use crate::polygon::{Point, signed_area};
 use fearless_simd::{Simd, f32x4, prelude::*};
+use fearless_simd_macros::simd;
 use fingervision_image::LUMA_WEIGHTS;
+
+/// Most cells of a table: 400 MB.
+const MOST_CELLS: f64 = 25e6;
 
 /// Cells around the gel that are in the table too.
 const MARGIN: f64 = 2.0;
@@ -58,14 +63,16 @@ impl Place {
 
 impl CellTable {
     /// The cells between these borders, mm; grey if there is no colour.
-    pub(crate) fn new(texture: &Texture, colour: bool, borders_mm: [[f64; 2]; 2]) -> Self {
-        let [[left, right], [top, bottom]] = borders_mm;
-        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]].map(|p| texture.cell_coordinates(p));
-        let [columns, rows] = [0, 1].map(|axis| {
-            let [a, b, c, d] = corners.map(|corner| corner[axis]);
-            let first = (a.min(b).min(c.min(d)) - MARGIN).floor() as i64;
-            (first, (a.max(b).max(c.max(d)) + MARGIN).ceil() as i64)
-        });
+    ///
+    /// # Errors
+    ///
+    /// [`RenderError::TooManyCells`] if they are.
+    pub(crate) fn new(texture: &Texture, colour: bool, borders_mm: [[f64; 2]; 2]) -> Result<Self, RenderError> {
+        let [columns, rows] = reach(texture, borders_mm);
+        let count = (columns.1 - columns.0) as f64 * (rows.1 - rows.0) as f64;
+        if count > MOST_CELLS {
+            return Err(RenderError::TooManyCells { count, most: MOST_CELLS });
+        }
         let colour_of = |column, row| {
             let [red, green, blue] = texture.at(column, row);
             let luma = || LUMA_WEIGHTS[0] * red + LUMA_WEIGHTS[1] * green + LUMA_WEIGHTS[2] * blue;
@@ -86,7 +93,7 @@ impl CellTable {
         }
         let first = [columns.0 as f64, rows.0 as f64];
         let by_mm = by_mm(texture, first);
-        Self { borders_mm, by_mm, sums, stride, mean: mean.map(|mean| mean as f32) }
+        Ok(Self { borders_mm, by_mm, sums, stride, mean: mean.map(|mean| mean as f32) })
     }
 
     /// What the table covers at rest, mm.
@@ -101,8 +108,9 @@ impl CellTable {
 
     /// Colour of a place's cell.
     pub(crate) fn colour(&self, place: Place) -> [f32; 3] {
-        let sums = &self.sums[place.row as usize * self.stride + place.column as usize..][..2];
-        std::array::from_fn(|channel| self.mean[channel] + (sums[1][channel] - sums[0][channel]))
+        let first = place.row as usize * self.stride + place.column as usize;
+        let [left, right] = [self.sums[first], self.sums[first + 1]];
+        std::array::from_fn(|channel| self.mean[channel] + (right[channel] - left[channel]))
     }
 
     /// `∫ F dv` from a place to another, both on the gel.
@@ -144,12 +152,12 @@ impl CellTable {
     #[inline(always)]
     fn piece<S: Simd>(&self, simd: S, column: u32, row: u32, u: f32, dv: f32) -> f32x4<S> {
         let sums = &self.sums[row as usize * self.stride + column as usize..][..2];
-        let [left, right] = [sums[0], sums[1]].map(|sum| f32x4::load_array(simd, sum));
+        let (left, right) = (f32x4::load_array(simd, sums[0]), f32x4::load_array(simd, sums[1]));
         ((right - left) * (u - column as f32) + left) * dv
     }
 
     /// The side from place to place, cut at every grid line that it crosses.
-    #[inline(never)]
+    #[simd]
     fn walk<S: Simd>(&self, simd: S, from: &Place, to: &Place) -> f32x4<S> {
         let mut total = f32x4::splat(simd, 0.0);
         if !(from.is_on_gel() && to.is_on_gel()) {
@@ -204,6 +212,16 @@ impl Crossings {
     }
 }
 
+/// The columns and rows of cells between borders, mm, and around them, without the ends.
+fn reach(texture: &Texture, [[left, right], [top, bottom]]: [[f64; 2]; 2]) -> [(i64, i64); 2] {
+    let corners = [[left, top], [right, top], [left, bottom], [right, bottom]].map(|p| texture.cell_coordinates(p));
+    [0, 1].map(|axis| {
+        let [a, b, c, d] = corners.map(|corner| corner[axis]);
+        let first = a.min(b).min(c.min(d)) - MARGIN;
+        (first.floor() as i64, (a.max(b).max(c.max(d)) + MARGIN).ceil() as i64)
+    })
+}
+
 /// Mean colour of the cells from column to column and row to row.
 fn mean(
     ((left, right), (top, bottom)): ((i64, i64), (i64, i64)),
@@ -222,4 +240,55 @@ fn mean(
 fn by_mm(texture: &Texture, first: [f64; 2]) -> [[f64; 3]; 2] {
     let [origin, along_x, along_y] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|p| texture.cell_coordinates(p));
     [0, 1].map(|axis| [along_x[axis] - origin[axis], along_y[axis] - origin[axis], origin[axis] - first[axis]])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::coverage::mean_colours;
+    use fearless_simd::{Level, dispatch};
+    use fingervision_image::Image;
+
+    #[test]
+    fn integrals_around_equal_the_cut_cells() {
+        let level = |x: usize, y: usize, k: usize| ((31 * x + 17 * y + 7 * k + x * y) % 251) as f32;
+        let cells = Image::from_fn(40, 30, |x, y| [0, 1, 2].map(|k| level(x, y, k)));
+        let texture = Texture::new(cells, [0.1, 0.07], 0.3);
+        let table = CellTable::new(&texture, true, [[-15.0, 15.0], [-12.0, 12.0]]).unwrap();
+        let mut scratch = Vec::new();
+        // Quadrilaterals of a third of a cell and of several, at the far corner of the gel.
+        for size_mm in [0.03, 0.4] {
+            let corners = Image::from_fn(21, 16, |x, y| {
+                let (x, y) = (x as f64, y as f64);
+                let bent = [x + 0.2 * (0.9 * y).sin() - 20.0, y + 0.2 * (0.7 * x).cos() - 16.0];
+                [14.9 + size_mm * bent[0], 11.9 + size_mm * bent[1]]
+            });
+            let in_cells = Image::from_fn(21, 16, |x, y| texture.cell_coordinates(corners.at(x, y)));
+            let expected = mean_colours(&in_cells, &texture);
+            for (x, y) in (0..20).flat_map(|x| (0..15).map(move |y| (x, y))) {
+                let quad = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(|(x, y)| corners.at(x, y));
+                let colour =
+                    dispatch!(Level::new(), simd => table.mean_colour_within(simd, &quad, &mut scratch).to_array());
+                for (level, expected) in colour.iter().zip(expected.at(x, y)) {
+                    assert!((level - expected).abs() < 0.05, "{size_mm} mm, ({x}, {y}): {level}, cut {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_place_has_the_colour_of_its_cell() {
+        let cells = Image::from_fn(3, 2, |x, y| [10.0 * x as f32, 100.0 * y as f32, 7.0]);
+        let texture = Texture::new(cells, [1.0; 2], 0.0);
+        let table = CellTable::new(&texture, true, [[-1.5, 1.5], [-1.0, 1.0]]).unwrap();
+        let [u, v] = table.by_mm();
+        let place = |x: f32, y: f32| Place::new(u[0] * x + u[1] * y + u[2], v[0] * x + v[1] * y + v[2]);
+        for (x, y, expected) in
+            [(-1.4, -0.9, [0.0, 0.0, 7.0]), (0.0, 0.1, [10.0, 100.0, 7.0]), (1.4, -0.1, [20.0, 0.0, 7.0])]
+        {
+            for (level, expected) in table.colour(place(x, y)).iter().zip(expected) {
+                assert!((level - expected).abs() < 1e-4, "({x}, {y}): {level}, {expected}");
+            }
+        }
+    }
 }

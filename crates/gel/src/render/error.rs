@@ -43,6 +43,14 @@ pub enum RenderError {
         /// The node at rest, mm.
         y_mm: f64,
     },
+    /// The pattern's cells are so small that a table of them would not fit in memory.
+    #[error("the pattern has {count:.0} cells on the gel: at most {most:.0} can be drawn, so take larger ones")]
+    TooManyCells {
+        /// Cells on the gel and close to it.
+        count: f64,
+        /// How many there may be.
+        most: f64,
+    },
     /// Two states that should be of one motion have different grids.
     #[error("the surface before has other grid lines than the surface now: blur of motion needs one grid for both")]
     OtherGrid,

@@ -19,6 +19,44 @@ use fingervision_image::{Image, LUMA_WEIGHTS, Pixels};
 use fingervision_optics::Camera;
 
 /// Draws frames. Made once for a camera and a pattern: it owns all that a frame takes.
+///
+/// The gel's surface is drawn, its sides are not. A frame depends on the state and its number only, so renderers on
+/// several threads give the same bytes.
+///
+/// ```
+/// use fingervision_elastic::SurfaceState;
+/// use fingervision_gel::{FrameRenderer, Pattern, RenderParams, TruthProjector};
+/// use fingervision_optics::{Camera, CameraParams};
+///
+/// let camera = Camera::new(&CameraParams {
+///     focal_length_px: [400.0, 400.0],
+///     principal_point_px: [31.5, 23.5],
+///     distortion: Default::default(),
+///     rotation_rad: [0.0; 3],
+///     translation_mm: [0.0, 0.0, 25.0],
+/// })?;
+/// let params = RenderParams { width: 64, height: 48, ..RenderParams::default() };
+/// let texture = Pattern::default().texture([30.0, 30.0])?;
+/// let mut renderer = FrameRenderer::new(&params, &camera, &texture)?;
+///
+/// // A surface that as a whole is 1 mm nearer to the camera.
+/// let lines = vec![-15.0, 0.0, 15.0];
+/// let state = SurfaceState {
+///     x_mm: lines.clone(),
+///     y_mm: lines,
+///     displacement_mm: vec![[0.0, 0.0, 1.0]; 9],
+///     in_contact: vec![true; 9],
+///     ..SurfaceState::default()
+/// };
+/// let frame = renderer.render(&state, 0)?;
+/// assert_eq!(frame.size(), (64, 48));
+///
+/// let mut projector = TruthProjector::new(&camera, params.width, params.height);
+/// let truth = projector.project(&state)?;
+/// // 31.5 px from the axis, 25 mm away before and 24 mm now.
+/// assert!((truth.flow.at(63, 0)[0] - 31.5 * (25.0 / 24.0 - 1.0)).abs() < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct FrameRenderer {
     params: RenderParams,
@@ -31,6 +69,7 @@ pub struct FrameRenderer {
     vignette: Vec<f32>,
     surface: Surface,
     patches: Patches,
+    targets: Vec<Target>,
     planes: Planes,
     /// The pattern's cells on the gel, made with the first surface.
     cells: Option<CellTable>,
@@ -71,6 +110,7 @@ impl FrameRenderer {
             vignette: vignette(camera, params.vignetting, width, height),
             surface: Surface::new(widest_mm),
             patches: Patches::new(lattice, bulge_px(lattice, camera, widest_mm)),
+            targets: Vec::new(),
             planes: Planes::new(lattice),
             cells: None,
             parts: PartRows::new(lattice),
@@ -96,7 +136,7 @@ impl FrameRenderer {
     ///
     /// # Errors
     ///
-    /// [`RenderError`] if the state is not one.
+    /// [`RenderError`] if the state is not one, or the pattern's cells are too small for so large a gel.
     pub fn render(&mut self, state: &SurfaceState, frame: u64) -> Result<&Pixels, RenderError> {
         self.render_levels(state)?;
         Ok(self.expose(frame))
@@ -143,7 +183,7 @@ impl FrameRenderer {
         self.patches.take(&self.surface);
         let borders_mm = self.surface.borders_mm();
         if self.cells.as_ref().is_none_or(|cells| cells.borders_mm() != borders_mm) {
-            self.cells = Some(CellTable::new(&self.texture, self.params.colour, borders_mm));
+            self.cells = Some(CellTable::new(&self.texture, self.params.colour, borders_mm)?);
         }
         let level = self.simd;
         dispatch!(level, simd => self.draw(simd));
@@ -155,9 +195,11 @@ impl FrameRenderer {
     #[inline(always)]
     fn draw<S: Simd>(&mut self, simd: S) {
         self.planes.clear();
-        for (column, row, bounds) in self.patches.iter() {
-            let beyond = Patches::beyond(&self.surface, column, row);
-            let target = Target::new(&self.surface.patch(column, row), beyond);
+        self.targets.clear();
+        self.targets.resize(self.surface.patches(), Target::default());
+        for (patch, bounds) in self.patches.iter() {
+            let target = Target::new(&self.surface.patch(patch), Patches::beyond(&self.surface, patch));
+            self.targets[patch] = target;
             self.planes.draw(simd, self.lattice, &self.rays, &target, bounds);
         }
     }
@@ -169,7 +211,7 @@ impl FrameRenderer {
         let Some(cells) = cells else { return };
         let (planes, patches, background) = (&self.planes, &self.patches, self.background);
         let sight = Sight { lattice: *lattice, planes, cells, patches, background };
-        let scene = Scene { surface: &self.surface, rays: &self.rays };
+        let scene = Scene { targets: &self.targets, rays: &self.rays };
         let width = levels.width();
         parts.begin(simd, &sight);
         for row in 0..lattice.rows - 1 {

@@ -2,7 +2,7 @@ use super::RenderError;
 use serde::{Deserialize, Serialize};
 
 /// Most pixels along a side of the image.
-const MOST_PIXELS: usize = 8192;
+const MOST_PIXELS: usize = 4096;
 
 /// Most images that a moving frame is the mean of.
 const MOST_SUB_FRAMES: usize = 64;
@@ -98,8 +98,8 @@ impl RenderParams {
         let is_share = |value: f64| (0.0..=1.0).contains(&value);
         let (blur, ring) = (self.motion_blur, self.ring);
         let checks = [
-            ("width", self.width as f64, is_size(self.width), "1 to 8192 px"),
-            ("height", self.height as f64, is_size(self.height), "1 to 8192 px"),
+            ("width", self.width as f64, is_size(self.width), "1 to 4096 px"),
+            ("height", self.height as f64, is_size(self.height), "1 to 4096 px"),
             ("blur_px", self.blur_px, (0.0..=20.0).contains(&self.blur_px), "0 to 20 px"),
             ("shading", self.shading, is_share(self.shading), share),
             ("ring.radius_mm", ring.radius_mm, is_length(ring.radius_mm), "0.001 to 1e6 mm"),

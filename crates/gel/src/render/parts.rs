@@ -118,7 +118,7 @@ impl PartRows {
     }
 
     /// A part at the gel's border or beyond, or one that takes rays.
-    #[inline(never)]
+    #[simd]
     fn odd_part<S: Simd>(
         &mut self,
         simd: S,

@@ -68,7 +68,9 @@ impl Patch {
             let (from, along) = ([a[0] + s * b[0], a[1] + s * b[1]], [c[0] + s * e[0], c[1] + s * e[1]]);
             let t = -(from[0] * along[0] + from[1] * along[1]) / (along[0] * along[0] + along[1] * along[1]);
             let range = -SLACK..=1.0 + SLACK;
-            (range.contains(&s) && range.contains(&t)).then(|| patch.at(s, t))
+            let is_met = range.contains(&s) && range.contains(&t);
+            // What is behind the camera is not met.
+            is_met.then(|| patch.at(s, t)).filter(|meeting| meeting.down_mm > 0.0)
         })
     }
 

@@ -17,7 +17,6 @@ const MOST_BEYOND: f64 = 0.5;
 pub(crate) struct Patches {
     lattice: Lattice,
     pad_px: f64,
-    columns: usize,
     bounds: Vec<Bounds>,
     /// Patches in each tile: `members[first[tile]..first[tile + 1]]`.
     first: Vec<u32>,
@@ -35,7 +34,6 @@ impl Patches {
         Self {
             lattice,
             pad_px,
-            columns: 0,
             bounds: Vec::new(),
             first: vec![0; tiles[0] * tiles[1] + 1],
             members: Vec::new(),
@@ -47,35 +45,35 @@ impl Patches {
 
     /// Takes the patches of a surface.
     pub(crate) fn take(&mut self, surface: &Surface) {
-        let (columns, rows) = surface.size();
-        self.columns = columns;
         if self.has_folds {
             self.folds.fill(0);
             self.has_folds = false;
         }
         self.bounds.clear();
-        for (column, row) in (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))) {
-            let is_border = column == 0 || row == 0 || column + 1 == columns || row + 1 == rows;
-            let pad_px = self.pad_px + if is_border { BEYOND_PX } else { 0.0 };
-            let bounds = self.lattice.bounds(surface.corners(column, row), pad_px);
+        for patch in 0..surface.patches() {
+            let pad_px = self.pad_px + if is_at_border(surface, patch) { BEYOND_PX } else { 0.0 };
+            let bounds = self.lattice.bounds(surface.corners(patch), pad_px);
             self.bounds.push(bounds);
-            if !bounds.is_outside() && !surface.patch(column, row).is_regular {
+            if !bounds.is_outside() && !surface.patch(patch).is_regular {
                 self.mark(bounds);
             }
         }
         self.sort_into_tiles();
     }
 
-    /// All patches that may be in the image: index, column, row and bounds.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, usize, Bounds)> {
-        let patches = self.bounds.iter().enumerate().filter(|(_, bounds)| !bounds.is_outside());
-        patches.map(|(index, &bounds)| (index % self.columns, index / self.columns, bounds))
+    /// All patches that may be in the image, with their bounds.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (usize, Bounds)> {
+        self.bounds.iter().copied().enumerate().filter(|(_, bounds)| !bounds.is_outside())
     }
 
     /// By how much a patch goes on beyond the gel's border at its least and greatest s and t, as shares of its width.
-    pub(crate) fn beyond(surface: &Surface, column: usize, row: usize) -> [[f64; 2]; 2] {
+    pub(crate) fn beyond(surface: &Surface, patch: usize) -> [[f64; 2]; 2] {
+        if !is_at_border(surface, patch) {
+            return [[0.0; 2]; 2];
+        }
+        let (column, row) = surface.place(patch);
         let (columns, rows) = surface.size();
-        let [a, b, c, d] = surface.corners(column, row).map(|node| node.px);
+        let [a, b, c, d] = surface.corners(patch).map(|node| node.px);
         let length = |p: [f64; 2], q: [f64; 2]| (q[0] - p[0]).hypot(q[1] - p[1]);
         // A width that is not known is taken as none.
         let share = |width: f64| (BEYOND_PX / width.max(BEYOND_PX / MOST_BEYOND)).min(MOST_BEYOND);
@@ -95,12 +93,11 @@ impl Patches {
         self.has_folds.then(|| &self.folds[row * self.lattice.stride..][..self.lattice.columns - 1])
     }
 
-    /// Column and row of every patch that may cover some of a part.
-    pub(crate) fn around(&self, part: (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
+    /// Every patch that may cover some of a part.
+    pub(crate) fn around(&self, part: (usize, usize)) -> impl Iterator<Item = usize> {
         let tile = part.1 / TILE * self.tiles[0] + part.0 / TILE;
         let members = &self.members[self.first[tile] as usize..self.first[tile + 1] as usize];
-        let found = members.iter().filter(move |&&patch| self.bounds[patch as usize].touches(part));
-        found.map(|&patch| (patch as usize % self.columns, patch as usize / self.columns))
+        members.iter().map(|&patch| patch as usize).filter(move |&patch| self.bounds[patch].touches(part))
     }
 
     /// Marks the parts in and around the bounds of a patch that does not face the camera.
@@ -135,6 +132,12 @@ impl Patches {
             });
         }
     }
+}
+
+/// Whether a patch lies at the gel's border.
+fn is_at_border(surface: &Surface, patch: usize) -> bool {
+    let ((columns, rows), (column, row)) = (surface.size(), surface.place(patch));
+    column == 0 || row == 0 || column + 1 == columns || row + 1 == rows
 }
 
 /// Calls back with every tile in which a box covers some of a part.

@@ -3,10 +3,9 @@
 use super::cells::Place;
 use super::lattice::{LANES, Lattice, Rays};
 use super::parts::Sight;
-use super::patches::Patches;
 use super::raster::{Seen, Target};
-use super::surface::Surface;
 use fearless_simd::{Simd, f32x8, prelude::*};
+use fearless_simd_macros::simd;
 
 /// Rays a part: an edge in any direction is placed within about 1/64 of a part.
 const RAYS: usize = LANES * LANES;
@@ -23,7 +22,8 @@ pub(crate) struct Samples {
 
 /// What the rays may meet.
 pub(crate) struct Scene<'a> {
-    pub(crate) surface: &'a Surface,
+    /// Every patch.
+    pub(crate) targets: &'a [Target],
     pub(crate) rays: &'a Rays,
 }
 
@@ -38,16 +38,21 @@ impl Samples {
     }
 
     /// Mean colour of what a part's rays meet first.
-    #[inline(never)]
+    #[simd]
     pub(crate) fn colour<S: Simd>(&self, simd: S, sight: &Sight, scene: &Scene, part: (usize, usize)) -> [f32; 4] {
         let mut seen = [Seen::nothing(simd); LANES];
-        let slopes: [[f32x8<S>; 2]; LANES] =
-            std::array::from_fn(|block| self.slopes(simd, sight.lattice, scene.rays, part, block));
-        for (column, row) in sight.patches.around(part) {
-            let beyond = Patches::beyond(scene.surface, column, row);
-            let target = Target::new(&scene.surface.patch(column, row), beyond);
+        let mut slopes = [[f32x8::splat(simd, 0.0); 2]; LANES];
+        for (block, slopes) in slopes.iter_mut().enumerate() {
+            let corner = part.1 * sight.lattice.stride + part.0;
+            let (x, y) = (f32x8::load_array(simd, self.x[block]), f32x8::load_array(simd, self.y[block]));
+            *slopes = [
+                mix(simd, x, y, square(&scene.rays.x, corner, sight.lattice)),
+                mix(simd, x, y, square(&scene.rays.y, corner, sight.lattice)),
+            ];
+        }
+        for patch in sight.patches.around(part) {
             for (seen, &slope) in seen.iter_mut().zip(&slopes) {
-                target.meet(simd, slope, seen);
+                scene.targets[patch].meet(simd, slope, seen);
             }
         }
         let mut sum = [0.0; 4];
@@ -60,27 +65,20 @@ impl Samples {
         let [red, green, blue, _] = sum.map(|sum| sum / RAYS as f32);
         [red, green, blue, 0.0]
     }
+}
 
-    #[inline(always)]
-    fn slopes<S: Simd>(
-        &self,
-        simd: S,
-        lattice: Lattice,
-        rays: &Rays,
-        (column, row): (usize, usize),
-        block: usize,
-    ) -> [f32x8<S>; 2] {
-        let corner = row * lattice.stride + column;
-        let (x, y) = (f32x8::load_array(simd, self.x[block]), f32x8::load_array(simd, self.y[block]));
-        [&rays.x, &rays.y].map(|slopes| {
-            let [a, b] = [slopes[corner], slopes[corner + 1]];
-            let [c, d] = [slopes[corner + lattice.stride], slopes[corner + lattice.stride + 1]];
-            let splat = |value: f32| f32x8::splat(simd, value);
-            let above = x.mul_add(b - a, splat(a));
-            let below = x.mul_add(d - c, splat(c));
-            y.mul_add(below - above, above)
-        })
-    }
+/// The values at a part's corners: upper left, upper right, lower left, lower right.
+fn square(values: &[f32], corner: usize, lattice: Lattice) -> [f32; 4] {
+    let below = corner + lattice.stride;
+    [values[corner], values[corner + 1], values[below], values[below + 1]]
+}
+
+/// Bilinear between the corners of a part.
+#[inline(always)]
+fn mix<S: Simd>(simd: S, x: f32x8<S>, y: f32x8<S>, [a, b, c, d]: [f32; 4]) -> f32x8<S> {
+    let above = x.mul_add(b - a, f32x8::splat(simd, a));
+    let below = x.mul_add(d - c, f32x8::splat(simd, c));
+    y.mul_add(below - above, above)
 }
 
 /// The colour of a point at rest, mm, in its light.

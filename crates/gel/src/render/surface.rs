@@ -122,18 +122,30 @@ impl Surface {
         })
     }
 
+    /// How many patches there are.
+    pub(crate) fn patches(&self) -> usize {
+        self.size().0 * self.size().1
+    }
+
+    /// Column and row of a patch.
+    pub(crate) fn place(&self, patch: usize) -> (usize, usize) {
+        let columns = self.size().0;
+        (patch % columns, patch / columns)
+    }
+
     /// Corners of a patch: upper left, upper right, lower left, lower right.
-    pub(crate) fn corners(&self, column: usize, row: usize) -> [&Node; 4] {
-        let stride = self.lines[0].len();
+    pub(crate) fn corners(&self, patch: usize) -> [&Node; 4] {
+        let ((column, row), stride) = (self.place(patch), self.lines[0].len());
         let first = row * stride + column;
         [first, first + 1, first + stride, first + stride + 1].map(|node| &self.nodes[node])
     }
 
-    /// The patch in a column and a row.
-    pub(crate) fn patch(&self, column: usize, row: usize) -> Patch {
+    /// A patch; they are counted row by row.
+    pub(crate) fn patch(&self, patch: usize) -> Patch {
+        let (column, row) = self.place(patch);
         let (x, y) = (&self.lines[0][column..][..2], &self.lines[1][row..][..2]);
         let rest = [[x[0].rest_mm, y[0].rest_mm], [x[1].rest_mm, y[1].rest_mm]];
-        Patch::new(self.corners(column, row), rest)
+        Patch::new(self.corners(patch), rest)
     }
 
     /// Takes the state's grid and divides its wide cells.

@@ -135,8 +135,8 @@ impl TruthProjector {
         let is_other =
             |rest: [f64; 2]| (rest[0] - located.rest_mm[0]).hypot(rest[1] - located.rest_mm[1]) > SAME_POINT_MM;
         let mut around = self.patches.around(part);
-        !around.any(|(column, row)| {
-            let patch = self.surface.patch(column, row);
+        !around.any(|patch| {
+            let patch = self.surface.patch(patch);
             patch.meetings(slope).any(|meeting| meeting.down_mm < down && is_other(meeting.rest_mm))
         })
     }

@@ -134,6 +134,25 @@ fn contact_is_where_half_of_the_nodes_around_have_it() {
 }
 
 #[test]
+fn cells_beyond_memory_are_refused() {
+    let fine = Texture::new(Image::filled(1, 1, [50.0; 3]), [1e-4; 2], 0.0);
+    let mut renderer = FrameRenderer::new(&params(8, 8), &camera(8, 8), &fine).unwrap();
+    let error = renderer.render(&surface(4, |_, _| [0.0; 3]), 0).unwrap_err();
+    assert!(matches!(error, RenderError::TooManyCells { count, .. } if count > 3e9), "{error}");
+}
+
+#[test]
+fn a_surface_behind_the_camera_is_not_seen() {
+    let params = RenderParams { noise_levels: 0.0, vignetting: 0.0, ..params(20, 16) };
+    let levels = renderer(&params).render_levels(&surface(4, |_, _| [0.0, 0.0, 12.0])).unwrap().clone();
+    assert!(levels.values().iter().flatten().all(|level| (level - 10.0).abs() < 1e-3));
+    let mut projector = TruthProjector::new(&camera(20, 16), 20, 16);
+    let truth = projector.project(&surface(4, |_, _| [0.0, 0.0, 12.0])).unwrap();
+    assert!(truth.visible.values().iter().all(|&visible| visible == 0) && truth.flow.at(3, 3)[0].is_nan());
+    assert!((truth.depth.at(3, 3) - 12.0).abs() < 1e-6);
+}
+
+#[test]
 fn what_is_no_surface_is_refused() {
     let mut renderer = renderer(&params(8, 8));
     let state = surface(4, |_, _| [0.0; 3]);

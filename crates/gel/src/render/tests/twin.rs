@@ -25,17 +25,15 @@ impl Twin {
         let mut surface = Surface::new(f64::INFINITY);
         let light = Light::new(params.ring, params.shading);
         surface.take(camera, Some(&light), Instant::of(state)).unwrap();
-        let (columns, rows) = surface.size();
-        let patch = |column: usize, row: usize| {
-            let px = surface.corners(column, row).map(|node| node.px);
+        let patch = |patch: usize| {
+            let px = surface.corners(patch).map(|node| node.px);
             let ends = [0, 1].map(|axis| {
                 let [a, b, c, d] = px.map(|px| px[axis]);
                 [a.min(b).min(c).min(d) - 1.0, a.max(b).max(c).max(d) + 1.0]
             });
-            (surface.patch(column, row), ends)
+            (surface.patch(patch), ends)
         };
-        let patches = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
-        let patches = patches.map(|(column, row)| patch(column, row)).collect();
+        let patches = (0..surface.patches()).map(patch).collect();
         let background = params.background.map(f32::from);
         Self { camera: camera.clone(), texture: texture(), background, patches }
     }
