@@ -21,7 +21,7 @@ const LAYERS: [(&str, &[&str]); 14] = [
     ("calibrate", &["touch", "gel"]),
     ("source", &["image", "gel"]),
     ("sink", &["touch", "image", "flow"]),
-    ("evaluate", &["touch", "gel", "calibrate", "image", "flow"]),
+    ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "sink"]),
     ("live", &["touch", "source", "sink"]),
     ("cli", &["image", "optics", "elastic", "flow", "gel", "touch", "calibrate", "source", "sink", "evaluate", "live"]),
     ("xtask", &["evaluate", "gel", "image"]),

@@ -9,6 +9,8 @@
 //!
 //! Everything is seeded: the same code gives the same tables.
 //!
+//! And what any run is worth: [`run`] compares a folder of fields with the simulator's truth.
+//!
 //! ```no_run
 //! let tables = fingervision_evaluate::pairs::measure(3)?;
 //! for table in [&tables.accuracy, &tables.calibration] {
@@ -22,6 +24,7 @@ mod error;
 mod matcher;
 pub mod pairs;
 pub mod recordings;
+pub mod run;
 pub mod sequences;
 mod table;
 

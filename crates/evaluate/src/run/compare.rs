@@ -1,0 +1,269 @@
+//! Compares the fields of one frame after another.
+
+use fingervision_image::Rect;
+
+use super::array::FrameArray;
+use super::correlation::Correlation;
+use super::fields::Fields;
+use super::inputs::Inputs;
+use super::tally::Tally;
+use super::{Components, Errors, FieldErrors, PixelCounts, Region, Regions, RunError};
+
+/// Adds up the errors of all frames.
+#[derive(Debug)]
+pub(super) struct Comparer {
+    /// For each pixel of the run, its place in the truth's arrays.
+    on_truth: Vec<usize>,
+    /// For each pixel of the run, a bit for each region that it lies in; 0 where it is not compared.
+    regions: Vec<u8>,
+    /// 1 where the truth is seen, on the run's grid.
+    seen: Vec<u8>,
+    /// 1 where the estimate holds.
+    valid: Vec<u8>,
+    flow: Option<[Tally; 4]>,
+    depth: Option<[Tally; 4]>,
+    displacement: Option<[Tally; 3]>,
+    pixels: PixelCounts,
+    overlap: Overlap,
+    peaks: Correlation,
+}
+
+/// Pixels in both masks, and in either.
+#[derive(Debug, Clone, Copy, Default)]
+struct Overlap {
+    both: u64,
+    either: u64,
+}
+
+impl Overlap {
+    fn part(self) -> Option<f64> {
+        (self.either > 0).then(|| self.both as f64 / self.either as f64)
+    }
+}
+
+fn bit(region: Region) -> u8 {
+    1 << region as u8
+}
+
+impl Comparer {
+    pub(super) fn new(inputs: &Inputs) -> Self {
+        let Rect { x, y, width, height } = inputs.place;
+        let columns = inputs.truth.size().0;
+        let on_truth: Vec<_> = (y..y + height).flat_map(|y| (x..x + width).map(move |x| y * columns + x)).collect();
+        let tallies = || [(); 4].map(|()| Tally::new());
+        Self {
+            regions: vec![0; on_truth.len()],
+            seen: vec![0; on_truth.len()],
+            valid: vec![0; on_truth.len()],
+            on_truth,
+            flow: inputs.run.flow.is_some().then(tallies),
+            depth: inputs.run.depth.is_some().then(tallies),
+            displacement: inputs.run.displacement.is_some().then(|| [(); 3].map(|()| Tally::new())),
+            pixels: PixelCounts::default(),
+            overlap: Overlap::default(),
+            peaks: Correlation::default(),
+        }
+    }
+
+    /// 1 where the truth of the last frame is seen, on the run's grid.
+    pub(super) fn seen(&self) -> &[u8] {
+        &self.seen
+    }
+
+    /// 1 where the estimate of the last frame holds.
+    pub(super) fn valid(&self) -> &[u8] {
+        &self.valid
+    }
+
+    /// For each pixel of the run, its place in the truth's arrays.
+    pub(super) fn on_truth(&self) -> &[usize] {
+        &self.on_truth
+    }
+
+    /// The errors of the frame that was just read.
+    pub(super) fn compare(&mut self, inputs: &mut Inputs, frame: u64) -> Result<FieldErrors, RunError> {
+        self.judge_truth(&inputs.truth);
+        self.judge_estimate(&inputs.run, frame)?;
+        self.assign_regions(inputs);
+        let pixels = self.count_pixels();
+        let Inputs { run, truth, .. } = inputs;
+        let overlap = self.measure_overlap(run, truth);
+        let flow_px = self.compare_flow(run, truth);
+        let depth_mm = self.compare_depth(run, truth);
+        let displacement_mm = self.compare_displacement(run, truth);
+        if let Some(Errors { estimated_peak, true_peak, .. }) = depth_mm.and_then(|depth| depth.everywhere) {
+            self.peaks.push(estimated_peak, true_peak);
+        }
+        Ok(FieldErrors { pixels, flow_px, depth_mm, displacement_mm, contact_overlap: overlap.part() })
+    }
+
+    /// The errors over all pixels of all frames.
+    pub(super) fn pooled(&self) -> FieldErrors {
+        let pooled = |tallies: &[Tally; 4]| Regions::from_fn(|region| tallies[region as usize].pooled());
+        FieldErrors {
+            pixels: self.pixels,
+            flow_px: self.flow.as_ref().map(pooled),
+            depth_mm: self.depth.as_ref().map(pooled),
+            displacement_mm: self.displacement.as_ref().map(|tallies| {
+                let [x, y, z] = [0, 1, 2].map(|axis: usize| tallies[axis].pooled());
+                Components { x, y, z }
+            }),
+            contact_overlap: self.overlap.part(),
+        }
+    }
+
+    /// Correlation of the largest estimated with the largest true depth over the frames.
+    pub(super) fn peak_depth_correlation(&self) -> Option<f64> {
+        self.peaks.coefficient()
+    }
+
+    fn judge_truth(&mut self, truth: &Fields) {
+        let visible = truth.mask.as_ref().map(FrameArray::values);
+        let (flow, depth) = (truth.flow.as_ref().map(FrameArray::values), truth.depth.as_ref().map(FrameArray::values));
+        let displacement = truth.displacement.as_ref().map(FrameArray::values);
+        for (seen, &at) in self.seen.iter_mut().zip(&self.on_truth) {
+            let is_seen = visible.is_none_or(|visible| visible[at] != 0)
+                && is_finite(flow, 2, at)
+                && is_finite(depth, 1, at)
+                && is_finite(displacement, 3, at);
+            *seen = u8::from(is_seen);
+        }
+    }
+
+    fn judge_estimate(&mut self, run: &Fields, frame: u64) -> Result<(), RunError> {
+        match &run.mask {
+            Some(mask) => self.valid.copy_from_slice(mask.values()),
+            None => self.valid.fill(1),
+        }
+        for (array, channels) in [(&run.flow, 2), (&run.depth, 1), (&run.displacement, 3)] {
+            let Some(array) = array else { continue };
+            for (at, valid) in self.valid.iter_mut().enumerate().filter(|(_, valid)| **valid != 0) {
+                if is_finite(Some(array.values()), channels, at) {
+                    continue;
+                }
+                if run.mask.is_some() {
+                    let (file, width) = (array.path().to_owned(), array.size().0);
+                    return Err(RunError::NotFinite { file, frame, x: at % width, y: at / width });
+                }
+                *valid = 0;
+            }
+        }
+        Ok(())
+    }
+
+    /// Says of each pixel that is compared in which regions it lies.
+    fn assign_regions(&mut self, inputs: &mut Inputs) {
+        let Inputs { truth, band, .. } = inputs;
+        let contact = truth.contact.as_ref().map(FrameArray::values);
+        let (flow, depth) = (truth.flow.as_ref().map(FrameArray::values), truth.depth.as_ref().map(FrameArray::values));
+        let is_gel = |at| is_finite(flow, 2, at) && is_finite(depth, 1, at);
+        let near = contact.zip(band.as_mut()).map(|(contact, band)| band.find(contact, is_gel));
+        for (i, regions) in self.regions.iter_mut().enumerate() {
+            if self.seen[i] == 0 || self.valid[i] == 0 {
+                *regions = 0;
+                continue;
+            }
+            let at = self.on_truth[i];
+            let is_inside = contact.is_some_and(|contact| contact[at] != 0);
+            *regions = bit(Region::Everywhere);
+            if is_inside {
+                *regions |= bit(Region::Inside);
+            }
+            match near.map(|near| near[at]) {
+                Some(true) => *regions |= bit(Region::Border),
+                Some(false) if !is_inside => *regions |= bit(Region::Outside),
+                _ => {}
+            }
+        }
+    }
+
+    fn count_pixels(&mut self) -> PixelCounts {
+        let mut pixels = PixelCounts::default();
+        for (seen, valid) in self.seen.iter().zip(&self.valid) {
+            match (seen, valid) {
+                (0, _) => pixels.hidden += 1,
+                (_, 0) => pixels.not_valid += 1,
+                _ => pixels.compared += 1,
+            }
+        }
+        self.pixels.compared += pixels.compared;
+        self.pixels.hidden += pixels.hidden;
+        self.pixels.not_valid += pixels.not_valid;
+        pixels
+    }
+
+    fn measure_overlap(&mut self, run: &Fields, truth: &Fields) -> Overlap {
+        let mut overlap = Overlap::default();
+        if let (Some(run), Some(truth)) = (&run.contact, &truth.contact) {
+            let compared =
+                self.regions.iter().zip(&self.on_truth).zip(run.values()).filter(|((region, _), _)| **region != 0);
+            for ((_, &at), &estimate) in compared {
+                let (estimate, truth) = (estimate != 0, truth.values()[at] != 0);
+                overlap.both += u64::from(estimate && truth);
+                overlap.either += u64::from(estimate || truth);
+            }
+        }
+        self.overlap.both += overlap.both;
+        self.overlap.either += overlap.either;
+        overlap
+    }
+
+    fn compare_flow(&mut self, run: &Fields, truth: &Fields) -> Option<Regions> {
+        let (run, truth) = (run.flow.as_ref()?.values(), truth.flow.as_ref()?.values());
+        let tallies = self.flow.as_mut()?;
+        let vector = |values: &[f32], at: usize| [f64::from(values[2 * at]), f64::from(values[2 * at + 1])];
+        for (i, (&regions, &at)) in self.regions.iter().zip(&self.on_truth).enumerate() {
+            if regions != 0 {
+                let ([u, v], [true_u, true_v]) = (vector(run, i), vector(truth, at));
+                push(tallies, regions, u.hypot(v), true_u.hypot(true_v), (u - true_u).hypot(v - true_v));
+            }
+        }
+        Some(end_frame(tallies))
+    }
+
+    fn compare_depth(&mut self, run: &Fields, truth: &Fields) -> Option<Regions> {
+        let (run, truth) = (run.depth.as_ref()?.values(), truth.depth.as_ref()?.values());
+        let tallies = self.depth.as_mut()?;
+        for (i, (&regions, &at)) in self.regions.iter().zip(&self.on_truth).enumerate() {
+            if regions != 0 {
+                let (depth, true_depth) = (f64::from(run[i]), f64::from(truth[at]));
+                push(tallies, regions, depth, true_depth, (depth - true_depth).abs());
+            }
+        }
+        Some(end_frame(tallies))
+    }
+
+    fn compare_displacement(&mut self, run: &Fields, truth: &Fields) -> Option<Components> {
+        let (run, truth) = (run.displacement.as_ref()?.values(), truth.displacement.as_ref()?.values());
+        let tallies = self.displacement.as_mut()?;
+        for (i, (&regions, &at)) in self.regions.iter().zip(&self.on_truth).enumerate() {
+            if regions != 0 {
+                for (axis, tally) in tallies.iter_mut().enumerate() {
+                    let (value, true_value) = (f64::from(run[3 * i + axis]), f64::from(truth[3 * at + axis]));
+                    tally.push(value, true_value, (value - true_value).abs());
+                }
+            }
+        }
+        let [x, y, z] = tallies.each_mut().map(Tally::end_frame);
+        Some(Components { x, y, z })
+    }
+}
+
+/// Takes a pixel into the tallies of its regions.
+fn push(tallies: &mut [Tally; 4], regions: u8, estimate: f64, truth: f64, error: f64) {
+    for (region, tally) in Region::ALL.into_iter().zip(tallies) {
+        if regions & bit(region) != 0 {
+            tally.push(estimate, truth, error);
+        }
+    }
+}
+
+fn end_frame(tallies: &mut [Tally; 4]) -> Regions {
+    let mut tallies = tallies.iter_mut();
+    Regions::from_fn(|_| tallies.next()?.end_frame())
+}
+
+/// Whether an array that is there holds numbers at a pixel.
+fn is_finite(values: Option<&[f32]>, channels: usize, at: usize) -> bool {
+    values.is_none_or(|values| values[channels * at..][..channels].iter().all(|value| value.is_finite()))
+}

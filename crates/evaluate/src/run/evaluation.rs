@@ -1,0 +1,167 @@
+//! Goes through a run and its truth, a frame at a time.
+
+use std::path::Path;
+
+use fingervision_image::Image;
+
+use super::compare::Comparer;
+use super::force;
+use super::inputs::Inputs;
+use super::picture::Shown;
+use super::report::{FieldErrors, FrameReport, Report};
+use super::{BORDER_MM, RunError};
+
+/// A depth or flow counts as the largest if it is not below it by more than this part: of a press that is held, the
+/// last frame is shown.
+const AS_DEEP: f64 = 1e-3;
+
+/// How a run and its truth are brought together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Options {
+    /// Compare the first frames, those that all files hold, where files count different numbers of them.
+    pub common_frames: bool,
+}
+
+/// A comparison under way.
+#[derive(Debug)]
+pub struct Evaluation {
+    inputs: Inputs,
+    comparer: Comparer,
+    force_peak_n: f64,
+    frames: Vec<FrameReport>,
+    deepest: Deepest,
+    shown: Shown,
+}
+
+/// The deepest frame so far.
+#[derive(Debug, Clone, Copy)]
+struct Deepest {
+    frame: u64,
+    largest: f64,
+}
+
+/// What a finished comparison came to.
+#[derive(Debug)]
+pub struct Outcome {
+    /// All figures.
+    pub report: Report,
+    shown: Shown,
+}
+
+impl Outcome {
+    /// The deepest frame's fields, true and estimated, and the errors over all frames.
+    #[must_use]
+    pub fn draw(&self) -> Image<[u8; 3]> {
+        self.shown.draw(&self.report)
+    }
+}
+
+impl Evaluation {
+    /// Opens a run and its truth.
+    ///
+    /// `run` holds `flow.npy`, `depth.npy` or both; `truth` does, or has a subfolder `truth` that does.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError`] if a file cannot be used or the two do not belong together.
+    pub fn open(run: &Path, truth: &Path, options: Options) -> Result<Self, RunError> {
+        let inputs = Inputs::open(run, truth, options)?;
+        Ok(Self {
+            comparer: Comparer::new(&inputs),
+            force_peak_n: inputs.forces.as_ref().map_or(0.0, |[_, truth]| force::peak_n(truth, inputs.frames)),
+            frames: Vec::with_capacity(inputs.frames as usize),
+            deepest: Deepest { frame: 0, largest: f64::NEG_INFINITY },
+            shown: Shown::new(&inputs),
+            inputs,
+        })
+    }
+
+    /// How many frames there are to compare.
+    #[must_use]
+    pub fn frame_count(&self) -> u64 {
+        self.inputs.frames
+    }
+
+    /// Compares the next frame; false after the last one.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError::Read`] if a file can no longer be read, [`RunError::NotFinite`] if the run holds no number where it
+    /// says that it is valid.
+    pub fn advance(&mut self) -> Result<bool, RunError> {
+        let frame = self.frames.len() as u64;
+        if frame == self.inputs.frames {
+            return Ok(false);
+        }
+        self.inputs.advance()?;
+        let errors = self.comparer.compare(&mut self.inputs, frame)?;
+        let report = self.frame_report(frame, &errors);
+        let depth = report.true_depth_mm.or(report.true_flow_px).unwrap_or(f64::NEG_INFINITY);
+        if frame == 0 || depth >= self.deepest.largest - AS_DEEP * self.deepest.largest.abs() {
+            self.deepest = Deepest { frame, largest: depth.max(self.deepest.largest) };
+            self.shown.copy_from(&self.inputs, &self.comparer);
+        }
+        self.frames.push(report);
+        Ok(true)
+    }
+
+    /// What the frames compared so far came to.
+    #[must_use]
+    pub fn finish(self) -> Outcome {
+        let Self { inputs, comparer, force_peak_n, frames, deepest, shown } = self;
+        let forces: Vec<_> = frames.iter().filter_map(|frame| frame.force).collect();
+        let run = &inputs.run;
+        let fields = [
+            ("flow", run.flow.is_some()),
+            ("depth", run.depth.is_some()),
+            ("displacement", run.displacement.is_some()),
+            ("contact", run.contact.is_some()),
+            ("force", inputs.forces.is_some()),
+        ];
+        let place = inputs.place;
+        let report = Report {
+            run: inputs.run_folder,
+            truth: inputs.truth_folder,
+            frames: frames.len() as u64,
+            region: [place.x, place.y, place.width, place.height],
+            fields: fields.into_iter().filter_map(|(name, is_compared)| is_compared.then_some(name)).collect(),
+            border_mm: BORDER_MM,
+            notes: inputs.notes,
+            deepest_frame: deepest.frame,
+            mean: FieldErrors::mean_of(&frames),
+            pooled: comparer.pooled(),
+            peak_depth_correlation: comparer.peak_depth_correlation(),
+            force: (!forces.is_empty()).then(|| force::report(&forces, force_peak_n)),
+            per_frame: frames,
+        };
+        Outcome { report, shown }
+    }
+
+    fn frame_report(&self, frame: u64, errors: &FieldErrors) -> FrameReport {
+        let row = frame as usize;
+        FrameReport {
+            frame,
+            true_depth_mm: self.largest_seen(self.inputs.truth.depth.as_ref().map(|depth| {
+                let values = depth.values();
+                move |at: usize| f64::from(values[at])
+            })),
+            true_flow_px: self.largest_seen(self.inputs.truth.flow.as_ref().map(|flow| {
+                let values = flow.values();
+                move |at: usize| f64::from(values[2 * at]).hypot(f64::from(values[2 * at + 1]))
+            })),
+            errors: *errors,
+            force: self
+                .inputs
+                .forces
+                .as_ref()
+                .map(|[estimated, truth]| force::frame_errors(estimated[row], truth[row], self.force_peak_n)),
+        }
+    }
+
+    /// The largest true value among the pixels of the run that see it.
+    fn largest_seen(&self, value: Option<impl Fn(usize) -> f64>) -> Option<f64> {
+        let value = value?;
+        let seen = self.comparer.on_truth().iter().zip(self.comparer.seen()).filter(|(_, seen)| **seen != 0);
+        seen.map(|(&at, _)| value(at)).reduce(f64::max)
+    }
+}

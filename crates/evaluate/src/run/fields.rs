@@ -1,0 +1,88 @@
+//! The arrays of a folder, read side by side.
+
+use std::path::{Path, PathBuf};
+
+use super::RunError;
+use super::array::FrameArray;
+
+/// The names of the fields that can be compared.
+const NAMES: [&str; 4] = ["flow", "depth", "displacement", "contact"];
+
+/// The arrays of a run or of a truth. What a folder lacks is absent.
+#[derive(Debug)]
+pub(super) struct Fields {
+    /// px, `(x, y)`.
+    pub(super) flow: Option<FrameArray<f32>>,
+    /// mm, positive pressed in.
+    pub(super) depth: Option<FrameArray<f32>>,
+    /// mm, `(x, y, z)` in gel space.
+    pub(super) displacement: Option<FrameArray<f32>>,
+    /// 1 where the gel is touched.
+    pub(super) contact: Option<FrameArray<u8>>,
+    /// 1 where the fields hold: `valid.npy` of a run, `visible.npy` of a truth.
+    pub(super) mask: Option<FrameArray<u8>>,
+}
+
+impl Fields {
+    /// Opens what the folder holds.
+    pub(super) fn open(folder: &Path, mask: &str) -> Result<Self, RunError> {
+        let fields = Self {
+            flow: FrameArray::open(&folder.join("flow.npy"), 2)?,
+            depth: FrameArray::open(&folder.join("depth.npy"), 1)?,
+            displacement: FrameArray::open(&folder.join("displacement.npy"), 3)?,
+            contact: FrameArray::open(&folder.join("contact.npy"), 1)?,
+            mask: FrameArray::open(&folder.join(mask), 1)?,
+        };
+        let sizes = fields.sizes();
+        if let [(first, (columns, rows)), ..] = sizes[..]
+            && let Some((other, (width, height))) = sizes.iter().find(|(_, size)| *size != (columns, rows))
+        {
+            let reason = format!("it has {width}x{height} px, but {} has {columns}x{rows} px", first.display());
+            let hint = "all arrays of a folder lie on one grid".into();
+            return Err(RunError::Array { file: (*other).to_owned(), reason, hint });
+        }
+        Ok(fields)
+    }
+
+    /// Columns and rows of all arrays, px.
+    pub(super) fn size(&self) -> (usize, usize) {
+        self.sizes().first().map_or((0, 0), |(_, size)| *size)
+    }
+
+    /// Every file and how many frames it counts.
+    pub(super) fn frame_counts(&self) -> Vec<(PathBuf, u64)> {
+        let numbers = self.numbers().map(|array| (array.path().to_owned(), array.frames()));
+        numbers.chain(self.masks().map(|array| (array.path().to_owned(), array.frames()))).collect()
+    }
+
+    /// Which of the fields are here, in the order of [`NAMES`].
+    fn presence(&self) -> [bool; 4] {
+        [self.flow.is_some(), self.depth.is_some(), self.displacement.is_some(), self.contact.is_some()]
+    }
+
+    /// The names of the fields that are here, parted by commas.
+    pub(super) fn names(&self) -> String {
+        let present = NAMES.into_iter().zip(self.presence()).filter_map(|(name, is_here)| is_here.then_some(name));
+        present.collect::<Vec<_>>().join(", ")
+    }
+
+    /// Reads the next frame of every array.
+    pub(super) fn advance(&mut self) -> Result<(), RunError> {
+        let numbers = [&mut self.flow, &mut self.depth, &mut self.displacement];
+        numbers.into_iter().flatten().try_for_each(FrameArray::advance)?;
+        [&mut self.contact, &mut self.mask].into_iter().flatten().try_for_each(FrameArray::advance)
+    }
+
+    fn sizes(&self) -> Vec<(&Path, (usize, usize))> {
+        let numbers = self.numbers().map(|array| (array.path(), array.size()));
+        numbers.chain(self.masks().map(|array| (array.path(), array.size()))).collect()
+    }
+
+    fn numbers(&self) -> impl Iterator<Item = &FrameArray<f32>> {
+        [&self.flow, &self.depth, &self.displacement].into_iter().flatten()
+    }
+
+    fn masks(&self) -> impl Iterator<Item = &FrameArray<u8>> {
+        [&self.contact, &self.mask].into_iter().flatten()
+    }
+}

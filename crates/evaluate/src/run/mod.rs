@@ -1,0 +1,65 @@
+//! A run against its truth: what `fingervision evaluate` measures.
+//!
+//! A *run* is a folder that the tracker wrote, or any other program in its layout; a *truth* is one that the simulator
+//! wrote. Both hold arrays `[frame][row][column]`, which are read side by side, a frame at a time: memory grows with
+//! the number of frames by the report's figures only.
+//!
+//! # What is compared
+//!
+//! A pixel is compared where the truth is seen (`visible.npy`, and the truth is a number) and the estimate holds
+//! (`valid.npy`; where that is absent, wherever the estimate is a number). Fields that only one side has are left out,
+//! and the report says so. A run on a part of the image names it in its `run.toml`, and the truth is cropped.
+//!
+//! # Regions
+//!
+//! | region | which pixels |
+//! | --- | --- |
+//! | everywhere | all that are compared |
+//! | inside contact | in the truth's contact |
+//! | near its border | at most [`BORDER_MM`] from where the truth's contact ends, on **both** sides |
+//! | outside | neither in contact nor near its border |
+//!
+//! The first two overlap with the third: the inner half of the band near the border is in contact as well. Distances
+//! are measured on the undeformed gel, with the camera of the truth's `profile.toml`.
+//!
+//! # Errors
+//!
+//! A depth's error is `|estimate − truth|`, mm; a flow's the distance between the places that estimate and truth lead
+//! to, px. [`Errors`] has their mean, root mean square, 95th percentile and largest, and beside them bias, peaks and
+//! correlation. They are given for each frame, as the mean over the frames, and over all pixels of all frames at once.
+//!
+//! ```no_run
+//! use fingervision_evaluate::run::{Evaluation, Options};
+//!
+//! let mut evaluation = Evaluation::open("run".as_ref(), "simulation".as_ref(), Options::default())?;
+//! while evaluation.advance()? {}
+//! let outcome = evaluation.finish();
+//! println!("{}", outcome.report);
+//! # Ok::<(), fingervision_evaluate::run::RunError>(())
+//! ```
+
+mod array;
+mod border;
+mod compare;
+mod correlation;
+mod error;
+mod evaluation;
+mod fields;
+mod force;
+mod grid;
+mod histogram;
+mod inputs;
+mod picture;
+mod report;
+mod table_file;
+mod tally;
+mod text;
+
+pub use error::RunError;
+pub use evaluation::{Evaluation, Options, Outcome};
+pub use report::{
+    Components, Errors, FieldErrors, ForceErrors, ForceReport, FrameReport, PixelCounts, Region, Regions, Report,
+};
+
+/// How far the region near the contact's border reaches to either side, mm on the undeformed gel.
+pub const BORDER_MM: f64 = 1.0;

@@ -1,0 +1,147 @@
+//! The picture of a comparison: the fields of its deepest frame and the errors over all frames.
+
+use fingervision_flow::FlowField;
+use fingervision_image::Image;
+use fingervision_sink::{Comparison, FramePlot, Pair};
+
+use super::compare::Comparer;
+use super::inputs::Inputs;
+use super::report::{Errors, FieldErrors, Region, Regions, Report};
+use super::text::{percent, region_name};
+
+/// Copies of one frame's fields, all on the run's grid.
+#[derive(Debug)]
+pub(super) struct Shown {
+    flow: Option<Compared<FlowField>>,
+    depth: Option<Compared<Image<f32>>>,
+    seen: Image<u8>,
+    valid: Image<u8>,
+    contact: Option<Image<u8>>,
+}
+
+#[derive(Debug)]
+struct Compared<T> {
+    truth: T,
+    estimate: T,
+}
+
+impl<T> Compared<T> {
+    fn pair(&self) -> Pair<'_, T> {
+        Pair { truth: &self.truth, estimate: &self.estimate }
+    }
+}
+
+impl Shown {
+    /// Room for the fields that are compared.
+    pub(super) fn new(inputs: &Inputs) -> Self {
+        let (width, height) = (inputs.place.width, inputs.place.height);
+        let (run, truth) = (&inputs.run, &inputs.truth);
+        let mask = || Image::filled(width, height, 0);
+        let flow = || FlowField::zero(width, height);
+        let depth = || Image::filled(width, height, 0.0);
+        Self {
+            flow: run.flow.is_some().then(|| Compared { truth: flow(), estimate: flow() }),
+            depth: run.depth.is_some().then(|| Compared { truth: depth(), estimate: depth() }),
+            seen: mask(),
+            valid: mask(),
+            contact: truth.contact.is_some().then(mask),
+        }
+    }
+
+    /// Takes the fields of the frame that was just compared.
+    pub(super) fn copy_from(&mut self, inputs: &Inputs, comparer: &Comparer) {
+        let on_truth = comparer.on_truth();
+        let (run, truth) = (&inputs.run, &inputs.truth);
+        if let (Some(shown), Some(run), Some(truth)) = (&mut self.flow, &run.flow, &truth.flow) {
+            copy_flow(&mut shown.truth, truth.values(), |i| on_truth[i]);
+            copy_flow(&mut shown.estimate, run.values(), |i| i);
+        }
+        if let (Some(shown), Some(run), Some(truth)) = (&mut self.depth, &run.depth, &truth.depth) {
+            fill(&mut shown.truth, |i| truth.values()[on_truth[i]]);
+            shown.estimate.values_mut().copy_from_slice(run.values());
+        }
+        if let (Some(shown), Some(truth)) = (&mut self.contact, &truth.contact) {
+            fill(shown, |i| truth.values()[on_truth[i]]);
+        }
+        self.seen.values_mut().copy_from_slice(comparer.seen());
+        self.valid.values_mut().copy_from_slice(comparer.valid());
+    }
+
+    pub(super) fn draw(&self, report: &Report) -> Image<[u8; 3]> {
+        let comparison = Comparison {
+            title: &title(report),
+            facts: &facts(report),
+            depth_mm: self.depth.as_ref().map(Compared::pair),
+            flow_px: self.flow.as_ref().map(Compared::pair),
+            seen: &self.seen,
+            valid: &self.valid,
+            contact: self.contact.as_ref(),
+            shown_frame: report.deepest_frame as usize,
+            plots: &plots(report),
+        };
+        comparison.draw()
+    }
+}
+
+fn fill<T>(image: &mut Image<T>, value: impl Fn(usize) -> T) {
+    for (i, pixel) in image.values_mut().iter_mut().enumerate() {
+        *pixel = value(i);
+    }
+}
+
+fn copy_flow(flow: &mut FlowField, values: &[f32], at: impl Fn(usize) -> usize) {
+    fill(&mut flow.u, |i| values[2 * at(i)]);
+    fill(&mut flow.v, |i| values[2 * at(i) + 1]);
+}
+
+fn title(report: &Report) -> String {
+    let frame = report.deepest_frame;
+    let deepest = report.deepest();
+    match deepest.and_then(|deepest| deepest.true_depth_mm) {
+        Some(depth) => format!("Frame {frame}, the deepest: {depth:.2} mm"),
+        None => match deepest.and_then(|deepest| deepest.true_flow_px) {
+            Some(flow) => format!("Frame {frame}, the farthest moved: {flow:.1} px"),
+            None => format!("Frame {frame}: no truth is seen"),
+        },
+    }
+}
+
+/// The deepest frame's figures in a line.
+fn facts(report: &Report) -> String {
+    let Some(deepest) = report.deepest() else { return String::new() };
+    let FieldErrors { pixels, flow_px, depth_mm, .. } = deepest.errors;
+    let mut facts = Vec::new();
+    for region in Region::ALL {
+        let errors = depth_mm.as_ref().and_then(|depth| depth.get(region));
+        let error = errors.map(|errors| format!("{} {:.3} mm", region_name(region, report.border_mm), errors.mean));
+        facts.extend(error);
+    }
+    if let Some(first) = facts.first_mut() {
+        first.insert_str(0, "depth is off by ");
+    }
+    let flow = flow_px.and_then(|flow| flow.everywhere);
+    facts.extend(flow.map(|errors| format!("flow is off by {:.3} px", errors.mean)));
+    let all = pixels.compared + pixels.hidden + pixels.not_valid;
+    facts.push(format!("{} of all pixels compared", percent(pixels.compared, all)));
+    facts.join("  ·  ")
+}
+
+fn plots(report: &Report) -> Vec<FramePlot> {
+    let line = |name: String, value: &dyn Fn(&FieldErrors) -> Option<f64>| {
+        let values = report.per_frame.iter().map(|frame| value(&frame.errors).map_or(f32::NAN, |value| value as f32));
+        (name, values.collect::<Vec<_>>())
+    };
+    let of = |regions: Option<Regions>, region| regions.as_ref().and_then(|regions| regions.get(region)).copied();
+    let has_values = |(_, values): &(String, Vec<f32>)| values.iter().any(|value| value.is_finite());
+    let depth_lines = [Region::Inside, Region::Border, Region::Outside, Region::Everywhere]
+        .map(|region| line(region_name(region, report.border_mm), &|errors| Some(of(errors.depth_mm, region)?.mean)));
+    let flow_line = |name: &str, figure: fn(&Errors) -> f64| {
+        line(name.into(), &|errors| Some(figure(&of(errors.flow_px, Region::Everywhere)?)))
+    };
+    let flow_lines =
+        [flow_line("mean", |errors| errors.mean), flow_line("95th percentile", |errors| errors.percentile_95)];
+    let plot = |heading: &str, lines: Vec<_>| (!lines.is_empty()).then(|| FramePlot { heading: heading.into(), lines });
+    let depth = plot("Mean error of depth, mm", depth_lines.into_iter().filter(has_values).collect());
+    let flow = plot("Error of flow, px", flow_lines.into_iter().filter(has_values).collect());
+    depth.into_iter().chain(flow).collect()
+}

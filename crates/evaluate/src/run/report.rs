@@ -1,0 +1,267 @@
+//! What a comparison came to.
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+
+/// Errors of one quantity over some pixels, in the quantity's unit.
+///
+/// Of a quantity with one value, depth or a component of the displacement, the error is the absolute difference
+/// between estimate and truth. Of the flow it is the distance between the places that both lead to, and the values
+/// whose bias, peaks and correlation are given are the lengths of the flow.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Errors {
+    /// How many pixels.
+    pub pixels: u64,
+    /// Mean error.
+    pub mean: f64,
+    /// Root of the mean squared error.
+    pub root_mean_square: f64,
+    /// 95 % of the errors are not above it. Exact for a frame, to one part in 4096 over frames.
+    pub percentile_95: f64,
+    /// The largest error.
+    pub largest: f64,
+    /// Mean of estimate − truth.
+    pub bias: f64,
+    /// The largest true value.
+    pub true_peak: f64,
+    /// The largest estimated value, wherever it lies.
+    pub estimated_peak: f64,
+    /// Pearson's correlation of estimate and truth over the pixels; none where either is the same everywhere.
+    pub correlation: Option<f64>,
+}
+
+impl Errors {
+    /// How much the largest estimated value exceeds the largest true one.
+    #[must_use]
+    pub fn peak_error(&self) -> f64 {
+        self.estimated_peak - self.true_peak
+    }
+
+    /// The mean of every figure over frames; the pixels are those of all frames together. None without a frame.
+    fn mean_of(frames: &[&Self]) -> Option<Self> {
+        let mean =
+            |figure: fn(&Self) -> f64| frames.iter().map(|errors| figure(errors)).sum::<f64>() / frames.len() as f64;
+        let correlations: Vec<f64> = frames.iter().filter_map(|errors| errors.correlation).collect();
+        (!frames.is_empty()).then(|| Self {
+            pixels: frames.iter().map(|errors| errors.pixels).sum(),
+            mean: mean(|errors| errors.mean),
+            root_mean_square: mean(|errors| errors.root_mean_square),
+            percentile_95: mean(|errors| errors.percentile_95),
+            largest: mean(|errors| errors.largest),
+            bias: mean(|errors| errors.bias),
+            true_peak: mean(|errors| errors.true_peak),
+            estimated_peak: mean(|errors| errors.estimated_peak),
+            correlation: mean_of(&correlations),
+        })
+    }
+}
+
+/// A part of the gel. `Inside` and `Border` overlap, and so may not be added up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Region {
+    /// All pixels that are compared.
+    Everywhere,
+    /// In the true contact.
+    Inside,
+    /// No farther than the border's reach from where the true contact ends, on either side of it, measured on the
+    /// undeformed gel.
+    Border,
+    /// Neither in contact nor near its border.
+    Outside,
+}
+
+impl Region {
+    /// Every region.
+    pub const ALL: [Self; 4] = [Self::Everywhere, Self::Inside, Self::Border, Self::Outside];
+}
+
+/// Errors by region; absent where a region has no pixels or is not known.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Regions {
+    /// All pixels that are compared.
+    pub everywhere: Option<Errors>,
+    /// [`Region::Inside`].
+    pub inside: Option<Errors>,
+    /// [`Region::Border`].
+    pub border: Option<Errors>,
+    /// [`Region::Outside`].
+    pub outside: Option<Errors>,
+}
+
+impl Regions {
+    /// The errors in one region.
+    #[must_use]
+    pub fn get(&self, region: Region) -> Option<&Errors> {
+        match region {
+            Region::Everywhere => self.everywhere.as_ref(),
+            Region::Inside => self.inside.as_ref(),
+            Region::Border => self.border.as_ref(),
+            Region::Outside => self.outside.as_ref(),
+        }
+    }
+
+    pub(super) fn from_fn(mut errors: impl FnMut(Region) -> Option<Errors>) -> Self {
+        let [everywhere, inside, border, outside] = Region::ALL.map(&mut errors);
+        Self { everywhere, inside, border, outside }
+    }
+}
+
+/// Errors of the displacement, mm, by component in gel space, over all pixels that are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Components {
+    /// To the right.
+    pub x: Option<Errors>,
+    /// Downwards in the image.
+    pub y: Option<Errors>,
+    /// Towards the camera.
+    pub z: Option<Errors>,
+}
+
+/// How many pixels were compared, and why others were not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct PixelCounts {
+    /// Truth and estimate hold.
+    pub compared: u64,
+    /// The truth is hidden by the gel, or the pixel does not see the gel.
+    pub hidden: u64,
+    /// The truth is seen, but the run has no estimate.
+    pub not_valid: u64,
+}
+
+/// The errors of one frame, or of several.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct FieldErrors {
+    /// What was compared.
+    pub pixels: PixelCounts,
+    /// Errors of the flow, px.
+    pub flow_px: Option<Regions>,
+    /// Errors of the depth, mm.
+    pub depth_mm: Option<Regions>,
+    /// Errors of the displacement, mm.
+    pub displacement_mm: Option<Components>,
+    /// Pixels that both call contact over those that either does, 0 to 1; none where neither does anywhere.
+    pub contact_overlap: Option<f64>,
+}
+
+impl FieldErrors {
+    /// The mean over frames of every figure, each over the frames that have it; pixels are added up.
+    pub(super) fn mean_of(frames: &[FrameReport]) -> Self {
+        let regions = |field: fn(&Self) -> Option<&Regions>| {
+            let any = frames.iter().any(|frame| field(&frame.errors).is_some());
+            any.then(|| {
+                Regions::from_fn(|region| {
+                    let errors = frames.iter().filter_map(|frame| field(&frame.errors)?.get(region));
+                    Errors::mean_of(&errors.collect::<Vec<_>>())
+                })
+            })
+        };
+        let component = |component: fn(&Components) -> Option<&Errors>| {
+            let errors = frames.iter().filter_map(|frame| component(frame.errors.displacement_mm.as_ref()?));
+            Errors::mean_of(&errors.collect::<Vec<_>>())
+        };
+        let sum = |count: fn(&PixelCounts) -> u64| frames.iter().map(|frame| count(&frame.errors.pixels)).sum();
+        let overlaps: Vec<f64> = frames.iter().filter_map(|frame| frame.errors.contact_overlap).collect();
+        Self {
+            pixels: PixelCounts {
+                compared: sum(|pixels| pixels.compared),
+                hidden: sum(|pixels| pixels.hidden),
+                not_valid: sum(|pixels| pixels.not_valid),
+            },
+            flow_px: regions(|errors| errors.flow_px.as_ref()),
+            depth_mm: regions(|errors| errors.depth_mm.as_ref()),
+            displacement_mm: frames.iter().any(|frame| frame.errors.displacement_mm.is_some()).then(|| Components {
+                x: component(|errors| errors.x.as_ref()),
+                y: component(|errors| errors.y.as_ref()),
+                z: component(|errors| errors.z.as_ref()),
+            }),
+            contact_overlap: mean_of(&overlaps),
+        }
+    }
+}
+
+/// What one frame came to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrameReport {
+    /// The frame, counted from 0.
+    pub frame: u64,
+    /// The largest true depth that is seen, mm.
+    pub true_depth_mm: Option<f64>,
+    /// The largest true flow that is seen, px.
+    pub true_flow_px: Option<f64>,
+    /// The errors of its fields.
+    #[serde(flatten)]
+    pub errors: FieldErrors,
+    /// The errors of its force.
+    pub force: Option<ForceErrors>,
+}
+
+/// The force of one frame, each array in the order x, y, z.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ForceErrors {
+    /// The true force on the gel, N.
+    pub true_n: [Option<f64>; 3],
+    /// The estimated force on the gel, N.
+    pub estimated_n: [Option<f64>; 3],
+    /// Estimate − truth, N.
+    pub error_n: [Option<f64>; 3],
+    /// The error over the length of the largest true force of all frames, dimensionless.
+    pub of_peak: [Option<f64>; 3],
+}
+
+/// The forces of all frames, each array in the order x, y, z.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ForceReport {
+    /// Length of the largest true force, N.
+    pub true_peak_n: f64,
+    /// Mean of the absolute error, N.
+    pub mean_n: [Option<f64>; 3],
+    /// The largest absolute error, N.
+    pub largest_n: [Option<f64>; 3],
+    /// The mean absolute error over the largest true force, dimensionless.
+    pub mean_of_peak: [Option<f64>; 3],
+}
+
+/// What a comparison came to. Prints as a table of the deepest frame and of the mean over frames.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// The run's folder.
+    pub run: PathBuf,
+    /// The folder of the truth.
+    pub truth: PathBuf,
+    /// How many frames were compared.
+    pub frames: u64,
+    /// Left column, top row, width and height of the run's grid on the truth's, px.
+    pub region: [usize; 4],
+    /// The fields that were compared.
+    pub fields: Vec<&'static str>,
+    /// How far [`Region::Border`] reaches to either side, mm on the undeformed gel.
+    pub border_mm: f64,
+    /// What was absent, and what follows.
+    pub notes: Vec<String>,
+    /// The frame of the largest true depth, or flow where there is no true depth; the last one within 0.1 % of it.
+    pub deepest_frame: u64,
+    /// Each figure's mean over the frames.
+    pub mean: FieldErrors,
+    /// The figures over all pixels of all frames at once.
+    pub pooled: FieldErrors,
+    /// Pearson's correlation over the frames of the largest estimated with the largest true depth.
+    pub peak_depth_correlation: Option<f64>,
+    /// The errors of the force.
+    pub force: Option<ForceReport>,
+    /// Every frame.
+    pub per_frame: Vec<FrameReport>,
+}
+
+impl Report {
+    /// What the deepest frame came to; none if there is no frame.
+    #[must_use]
+    pub fn deepest(&self) -> Option<&FrameReport> {
+        self.per_frame.get(usize::try_from(self.deepest_frame).ok()?)
+    }
+}
+
+/// The mean of some numbers; none if there are none.
+pub(super) fn mean_of(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
