@@ -144,6 +144,8 @@ impl<'a> Press<'a> {
             if self.equilibrate(&target) {
                 reached += share;
                 self.pose = target;
+                // What was hard may be over.
+                halvings = halvings.saturating_sub(1);
             } else if halvings == MOST_HALVINGS {
                 self.write_state();
                 return Err(PressError::Stalled { reached_mm: self.pose.depth_mm, asked_mm: pose.depth_mm });
