@@ -3,7 +3,7 @@
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
-use fingervision_gel::GelError;
+use fingervision_gel::{GelError, PatternError};
 use fingervision_image::ImageError;
 use fingervision_sink::SinkError;
 use fingervision_source::SourceError;
@@ -72,6 +72,12 @@ impl From<ProfileError> for Failure {
 impl From<GelError> for Failure {
     fn from(error: GelError) -> Self {
         Self::Stated { message: error.to_string(), hint: None }
+    }
+}
+
+impl From<PatternError> for Failure {
+    fn from(error: PatternError) -> Self {
+        Self::Stated { message: error.to_string(), hint: Some(error.hint()) }
     }
 }
 

@@ -9,6 +9,7 @@ mod doctor;
 mod failure;
 mod interrupt;
 mod output;
+mod pattern;
 mod profile_args;
 mod run_record;
 mod simulated_press;
@@ -36,6 +37,7 @@ struct Cli {
 enum Command {
     Track(track::Args),
     Demo(demo::Args),
+    Pattern(pattern::Args),
     Bench(bench::Args),
     Doctor(doctor::Args),
 }
@@ -45,6 +47,7 @@ impl Command {
         match self {
             Self::Track(args) => track::run(args, out)?,
             Self::Demo(args) => demo::run(args, out)?,
+            Self::Pattern(args) => pattern::run(args, out)?,
             Self::Bench(args) => bench::run(args, out)?,
             Self::Doctor(args) => doctor::run(args, out)?,
         }

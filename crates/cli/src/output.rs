@@ -18,6 +18,11 @@ pub(crate) struct OutputArgs {
 }
 
 impl OutputArgs {
+    /// Whether a program reads the result.
+    pub(crate) fn is_json(self) -> bool {
+        self.json
+    }
+
     /// Says something to the person at the keyboard, on standard error.
     pub(crate) fn note(self, text: &str) {
         if !self.quiet {

@@ -4,6 +4,7 @@
 
 mod damage;
 mod output;
+mod pattern;
 mod profile;
 mod track;
 mod usage;

@@ -106,7 +106,7 @@ impl Pattern {
     /// the size.
     ///
     /// The cells of a colour pattern are those of the print with the same seed and size. Discs become a raster of 24
-    /// cells to the (mean) diameter, each with the part of it that they cover.
+    /// cells to the (mean) diameter, fewer where they are many, each with the part of it that they cover.
     ///
     /// # Errors
     ///

@@ -10,11 +10,12 @@ use rand_pcg::rand_core::SeedableRng;
 use super::PatternError;
 use super::disc::{Disc, Ground};
 
-/// Cells of a raster along a disc's diameter.
+/// Cells of a raster along a disc's diameter: as many as wanted, and as few as will do.
 const CELLS_PER_DIAMETER: f64 = 24.0;
+const LEAST_PER_DIAMETER: f64 = 4.0;
 
 /// Most cells of a raster along a side.
-const MOST_CELLS: usize = 8192;
+const MOST_CELLS: usize = 2400;
 
 /// By what part of the mean a speckle's diameter may be smaller or larger.
 const SPREAD: f64 = 0.25;
@@ -66,8 +67,11 @@ pub(super) fn speckle(
 
 /// Bare ground fine enough for discs of this size.
 fn raster(diameter_mm: f64, size_mm: [f64; 2]) -> Result<Ground, PatternError> {
-    let part_mm = diameter_mm / CELLS_PER_DIAMETER;
-    let counts = size_mm.map(|size| (size / part_mm).ceil());
+    let longest_mm = size_mm[0].max(size_mm[1]);
+    let part_mm = (diameter_mm / CELLS_PER_DIAMETER).max(longest_mm / MOST_CELLS as f64);
+    let part_mm = part_mm.min(diameter_mm / LEAST_PER_DIAMETER);
+    // Rounding must not make one more than the most.
+    let counts = size_mm.map(|size| (size / part_mm - 1e-6).ceil());
     for (size_mm, count) in size_mm.into_iter().zip(counts) {
         if !(3.0..=MOST_CELLS as f64).contains(&count) {
             return Err(PatternError::Count { what: "raster", size_mm, part_mm, count, most: MOST_CELLS });

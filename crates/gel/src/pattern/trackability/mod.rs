@@ -11,6 +11,9 @@
 //! where the sum runs over the patch's pixels and channels, and I is the image without noise: the pattern as this camera
 //! sees it, with every pixel's exact coverage and the optics' blur. Fine cells have many edges but blur into grey, coarse
 //! ones are sharp but have few: in between lies the best.
+//!
+//! The bound is that of an estimator that is already near. Where a pattern repeats, as a grid of dots does, one part can
+//! be taken for another; of that it says nothing.
 
 mod coupling;
 mod patches;

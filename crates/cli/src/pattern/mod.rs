@@ -1,0 +1,72 @@
+//! `fingervision pattern`: a pattern to print, and how well a camera will track it.
+
+mod choice;
+mod print;
+mod score;
+mod table;
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use crate::failure::Failure;
+use crate::output::OutputArgs;
+use crate::profile_args::ProfileArgs;
+
+use choice::PatternArgs;
+
+/// Write a pattern at true scale, or say how well a camera will track it
+///
+/// With --out a page is written with the pattern, crop marks, a scale bar of 10 mm and a caption from which the pattern can
+/// be made again. Print it at 100 % and check the bar. With --score a table over cell sizes says how uncertain the flow
+/// will be with the profile's camera, by the Cramér–Rao bound, so that a size can be chosen before anything is printed.
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("task").required(true).multiple(true)))]
+pub(crate) struct Args {
+    /// The file to write; its ending says the format: .pdf, .svg or .png
+    #[arg(long, value_name = "FILE", group = "task")]
+    out: Option<PathBuf>,
+    /// Print a table of sizes with the noise of the flow that each leads to
+    #[arg(long, group = "task")]
+    score: bool,
+    #[command(flatten)]
+    pattern: PatternArgs,
+    /// Resolution of a PNG, px per inch; without it the one nearest to 1200 that gives every cell whole px
+    #[arg(long, value_name = "DPI", value_parser = dpi)]
+    dpi: Option<f64>,
+    #[command(flatten)]
+    sight: score::SightArgs,
+    #[command(flatten)]
+    profile: ProfileArgs,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    if let Some(file) = &args.out {
+        let written = print::write(args, file)?;
+        // Of two results only one can be the JSON.
+        if args.score && args.output.is_json() {
+            args.output.note(&written.to_string());
+        } else {
+            args.output.result(out, &written, &written.to_string())?;
+        }
+    }
+    if args.score {
+        let table = score::table(args)?;
+        args.output.result(out, &table, &table.to_string())?;
+    }
+    Ok(())
+}
+
+fn dpi(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(dpi) if (50.0..=20_000.0).contains(&dpi) => Ok(dpi),
+        _ => Err("a resolution is a number of 50 to 20000 px per inch".into()),
+    }
+}
+
+/// Two values apart by a comma.
+fn pair<T: std::str::FromStr + Copy>(text: &str, example: &str) -> Result<[T; 2], String> {
+    let values = text.split_once(',').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
+    values.ok_or_else(|| format!("it takes two values apart by a comma, as in {example}"))
+}
