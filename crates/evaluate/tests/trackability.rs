@@ -33,7 +33,7 @@ fn predicted(cell_px: f64, colour: bool) -> f64 {
     let affine = params(colour).affine;
     let row_step = if colour { affine.colour_row_step } else { 1 };
     let coupling = Coupling { stride_px: 8.0, curvature_px: f64::from(affine.curvature_px), row_step };
-    let [u, v] = coupling.deviation_px(&trackability(&pattern, &view).unwrap());
+    let [u, v] = coupling.deviation_px(&trackability(&pattern, &view).unwrap()).unwrap();
     (0.5 * (u * u + v * v)).sqrt()
 }
 

@@ -58,7 +58,7 @@ pub(super) fn table(args: &Args) -> Result<Table, Failure> {
     let mut rows = Vec::new();
     for pattern in &patterns {
         let score = trackability(pattern, &view)?;
-        let flow = coupling.as_ref().map(|coupling| coupling.deviation_px(&score));
+        let flow = coupling.and_then(|coupling| coupling.deviation_px(&score));
         rows.push(Row::new(part_mm(pattern), score, flow));
     }
     Ok(Table::new(args.pattern.kind.name(), &view, rows))

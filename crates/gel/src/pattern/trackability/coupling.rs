@@ -3,6 +3,9 @@ use std::f64::consts::PI;
 use super::Trackability;
 use super::patches::PATCH_PX;
 
+/// Part of the patches that may be poor in an even texture.
+const MOST_POOR: f64 = 0.05;
+
 /// How a tracker lets neighbouring patches help each other: what is needed to predict its noise.
 ///
 /// Nodes stand `stride_px` apart. What the pixels around one say of its displacement has the variance `n²`, the bound of
@@ -21,7 +24,7 @@ use super::patches::PATCH_PX;
 /// are sampled with cubic B-splines, which average a row with its neighbours by ⅙, ⅔, ⅙, so that on smooth texture the
 /// variance grows by 10/9 for r = 2 and by r/2 beyond.
 ///
-/// This is regularised correlation ([Hild2012]) on an even texture; nothing in it is fitted. It leaves out that the bond
+/// This is regularised correlation (Hild and Roux 2012) on an even texture; nothing in it is fitted. It leaves out that the bond
 /// between nodes gives way where the flow is rough, and what a tracker gets wrong without noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
@@ -35,12 +38,18 @@ pub struct Coupling {
 
 impl Coupling {
     /// Predicted standard deviation of a tracker's flow to the right and downwards, px.
+    ///
+    /// None where more than one patch in twenty is poor: with gaps in the texture the waves are not independent.
     #[must_use]
-    pub fn deviation_px(&self, score: &Trackability) -> [f64; 2] {
+    pub fn deviation_px(&self, score: &Trackability) -> Option<[f64; 2]> {
+        if score.poor > MOST_POOR {
+            return None;
+        }
         let rows = self.row_step as f64;
         let loss = [1.0, 1.0, 10.0 / 9.0].get(self.row_step).copied().unwrap_or(0.5 * rows);
         let believed = PATCH_PX as f64 / self.stride_px * rows.sqrt();
-        score.pooled_deviation_px.map(|own| (loss / rows).sqrt() * smoothed(believed * own, self.curvature_px))
+        let of_own = |own| (loss / rows).sqrt() * smoothed(believed * own, self.curvature_px);
+        Some(score.pooled_deviation_px.map(of_own))
     }
 }
 

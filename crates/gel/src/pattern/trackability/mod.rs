@@ -1,7 +1,7 @@
 //! How well a pattern can be tracked, before it is printed.
 //!
 //! An estimator that matches a patch of the reference with a patch of the current image cannot find its displacement
-//! better than the [Cramér–Rao bound](https://doi.org/10.1364/OE.16.007037) allows ([Kay1993] §3, [Pan2008]). With
+//! better than the Cramér–Rao bound allows (Kay 1993, §3; [Pan2008]). With
 //! independent noise of standard deviation σ on every channel of *both* images,
 //!
 //! ```text
@@ -14,6 +14,8 @@
 //!
 //! The bound is that of an estimator that is already near. Where a pattern repeats, as a grid of dots does, one part can
 //! be taken for another; of that it says nothing.
+//!
+//! [Pan2008]: https://doi.org/10.1364/OE.16.007037
 
 mod coupling;
 mod patches;
