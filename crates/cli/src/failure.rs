@@ -3,6 +3,7 @@
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
+use fingervision_evaluate::run::RunError;
 use fingervision_gel::{GelError, PatternError};
 use fingervision_image::ImageError;
 use fingervision_sink::SinkError;
@@ -65,6 +66,12 @@ impl From<TrackError> for Failure {
 
 impl From<ProfileError> for Failure {
     fn from(error: ProfileError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
         Self::Stated { message: error.to_string(), hint: error.hint() }
     }
 }

@@ -6,6 +6,7 @@
 mod bench;
 mod demo;
 mod doctor;
+mod evaluate;
 mod failure;
 mod interrupt;
 mod output;
@@ -36,6 +37,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Track(track::Args),
+    Evaluate(evaluate::Args),
     Demo(demo::Args),
     Pattern(pattern::Args),
     Bench(bench::Args),
@@ -46,6 +48,7 @@ impl Command {
     fn run(&self, out: &mut impl Write) -> Result<(), Failure> {
         match self {
             Self::Track(args) => track::run(args, out)?,
+            Self::Evaluate(args) => evaluate::run(args, out)?,
             Self::Demo(args) => demo::run(args, out)?,
             Self::Pattern(args) => pattern::run(args, out)?,
             Self::Bench(args) => bench::run(args, out)?,

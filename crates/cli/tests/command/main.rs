@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
 
 mod damage;
+mod evaluate;
 mod output;
 mod pattern;
 mod profile;

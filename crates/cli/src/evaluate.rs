@@ -1,0 +1,65 @@
+//! `fingervision evaluate`: how far a run is from the truth.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use fingervision_evaluate::run::{Evaluation, Options, Outcome, Report};
+use fingervision_sink::{SinkError, write_png};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::output::OutputArgs;
+
+/// The picture's name in its folder.
+const PICTURE: &str = "evaluation.png";
+
+/// Compare a run with its truth: errors of flow, depth and force, as a table and a picture
+///
+/// Depth and flow are compared where the truth is seen and the run is valid, everywhere and in three regions: inside the true contact, within 1 mm of its border on both sides (its inner half lies inside as well), and outside of both. Distances are measured on the undeformed gel. Any program that writes flow.npy [frames, rows, columns, 2], in px, or depth.npy [frames, rows, columns], in mm, can be compared; valid.npy, run.toml and readings.csv may be absent.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The folder that `track --out` wrote, or any other with such arrays
+    run: PathBuf,
+    /// The folder that `simulate --out` wrote, or its subfolder `truth`
+    truth: PathBuf,
+    /// The folder for evaluation.png, where an earlier one is replaced; without it RUN/evaluation
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Compare the first frames, those that all files hold, where the run was cut short
+    #[arg(long)]
+    common_frames: bool,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+#[derive(Debug, Serialize)]
+struct EvaluateResult {
+    #[serde(flatten)]
+    report: Report,
+    picture: PathBuf,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    let outcome = compare(args)?;
+    let picture = args.out.clone().unwrap_or_else(|| args.run.join("evaluation")).join(PICTURE);
+    write_picture(&outcome, &picture)?;
+    let text = format!("{}picture   {}", outcome.report, picture.display());
+    args.output.result(out, &EvaluateResult { report: outcome.report, picture }, &text)
+}
+
+fn compare(args: &Args) -> Result<Outcome, Failure> {
+    let mut evaluation = Evaluation::open(&args.run, &args.truth, Options { common_frames: args.common_frames })?;
+    let progress = args.output.progress(Some(evaluation.frame_count()));
+    while evaluation.advance()? {
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    Ok(evaluation.finish())
+}
+
+fn write_picture(outcome: &Outcome, path: &Path) -> Result<(), SinkError> {
+    let refused = |error| SinkError::Write { path: path.to_owned(), error };
+    path.parent().map_or(Ok(()), fs::create_dir_all).map_err(refused)?;
+    write_png(&outcome.draw(), path)
+}
