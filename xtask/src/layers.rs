@@ -20,7 +20,8 @@ const LAYERS: [(&str, &[&str]); 14] = [
     ("touch", &["image", "flow", "optics", "elastic", "settings"]),
     ("calibrate", &["touch", "gel"]),
     ("source", &["image", "gel"]),
-    ("sink", &["touch", "image", "flow"]),
+    // A simulated press is written like a run: the same arrays, tables and pictures.
+    ("sink", &["touch", "image", "flow", "gel"]),
     ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "sink"]),
     ("live", &["touch", "source", "sink"]),
     ("cli", &["image", "optics", "elastic", "flow", "gel", "touch", "calibrate", "source", "sink", "evaluate", "live"]),

@@ -2,7 +2,7 @@
 //!
 //! A [`Sink`] is handed every reading of a run. [`RunFolder`] streams them into files that can be read at any moment;
 //! [`Preview`] keeps the strongest frame and draws it as one picture. [`Comparison`] sets estimated fields beside true
-//! ones. The pieces of these pictures, [`flow_colours`] and [`heat_map`], stand on their own.
+//! ones. [`SimulationFolder`] takes a simulated press with its truth. The pieces of these pictures, [`flow_colours`] and [`heat_map`], stand on their own.
 
 mod arrays;
 mod claim;
@@ -10,15 +10,17 @@ mod error;
 mod picture;
 mod rows;
 mod run_folder;
+mod simulation_folder;
 mod sink;
 mod table;
 
 pub use arrays::{ArrayWriter, Element};
 pub use error::SinkError;
 pub use picture::{
-    ColourMap, Comparison, FramePlot, HeatScale, INVALID_COLOUR, Pair, Preview, PreviewOptions, colour_wheel,
-    flow_colours, heat_map, write_png,
+    ColourMap, Comparison, FramePlot, HeatScale, INVALID_COLOUR, Pair, Preview, PreviewOptions, SimulationPreview,
+    colour_wheel, flow_colours, heat_map, write_png,
 };
 pub use run_folder::{Field, RunFolder, RunOptions, RunSummary};
+pub use simulation_folder::{SimulatedFrame, SimulationFolder, simulated_profile};
 pub use sink::Sink;
 pub use table::{COLUMNS, Table};

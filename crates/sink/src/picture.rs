@@ -11,17 +11,18 @@ mod outline;
 mod page;
 mod panels;
 mod preview;
+mod simulation;
 mod strongest;
 mod text;
 mod ticks;
 mod time_plot;
 mod trend;
 
-use std::io::Cursor;
 use std::path::Path;
 
-use fingervision_image::Image;
-use image::ImageFormat;
+use fingervision_image::{Image, Pixels};
+use image::codecs::png::PngEncoder;
+use image::{ColorType, ImageEncoder};
 
 pub use colour_map::ColourMap;
 pub use comparison::{Comparison, Pair};
@@ -29,6 +30,7 @@ pub use flow_colours::{colour_wheel, flow_colours};
 pub use heat_map::{HeatScale, heat_map};
 pub use lines::FramePlot;
 pub use preview::{Preview, PreviewOptions};
+pub use simulation::SimulationPreview;
 
 use crate::SinkError;
 use crate::claim::write_file;
@@ -45,10 +47,30 @@ pub const INVALID_COLOUR: Rgb = [158; 3];
 ///
 /// [`SinkError::Write`] if the file cannot be written.
 pub fn write_png(image: &Image<Rgb>, path: &Path) -> Result<(), SinkError> {
-    let mut bytes = Cursor::new(Vec::new());
-    canvas::as_buffer(image)
-        .write_to(&mut bytes, ImageFormat::Png)
+    encode(image.values().as_flattened(), image.size(), ColorType::Rgb8, path)
+}
+
+/// Writes a frame as PNG, its bits as they are.
+pub(crate) fn write_pixels(pixels: &Pixels, path: &Path) -> Result<(), SinkError> {
+    let size = pixels.size();
+    match pixels {
+        Pixels::Grey8(image) => encode(image.values(), size, ColorType::L8, path),
+        Pixels::Rgb8(image) => encode(image.values().as_flattened(), size, ColorType::Rgb8, path),
+        Pixels::Grey16(image) => encode(&bytes(image.values()), size, ColorType::L16, path),
+        Pixels::Rgb16(image) => encode(&bytes(image.values().as_flattened()), size, ColorType::Rgb16, path),
+    }
+}
+
+/// The library takes 16 bits in the machine's own order.
+fn bytes(levels: &[u16]) -> Vec<u8> {
+    levels.iter().flat_map(|level| level.to_ne_bytes()).collect()
+}
+
+fn encode(bytes: &[u8], (width, height): (usize, usize), kind: ColorType, path: &Path) -> Result<(), SinkError> {
+    let mut file = Vec::new();
+    PngEncoder::new(&mut file)
+        .write_image(bytes, width as u32, height as u32, kind.into())
         .map_err(std::io::Error::other)
         .map_err(SinkError::writing(path))?;
-    write_file(path, bytes.get_ref())
+    write_file(path, &file)
 }

@@ -86,6 +86,16 @@ pub enum SourceError {
         /// The format of the first frame.
         expected: FrameFormat,
     },
+    /// A simulated scene that cannot be, or cannot be solved.
+    #[error("{location}: {reason}")]
+    Simulated {
+        /// The location asked for.
+        location: String,
+        /// What is wrong.
+        reason: String,
+        /// What to do about it, where there is something to say.
+        hint: Option<String>,
+    },
     /// A rate that no camera has.
     #[error("{frames_per_second} frames per second: a rate is a positive number")]
     Rate {
@@ -107,6 +117,7 @@ impl SourceError {
             Self::Frame { .. } => Some("the frames before it are whole".into()),
             Self::PixelRange { .. } => Some("scale the images to 0 to 1, or store them with 8 or 16 bit".into()),
             Self::FormatChanged { .. } => Some("one source holds frames of one size and one pixel format".into()),
+            Self::Simulated { hint, .. } => hint.clone(),
             Self::Io { .. } | Self::Rate { .. } => None,
         }
     }

@@ -1,6 +1,6 @@
 //! Frames in: whatever takes the pictures, every command reads it through [`Source`].
 //!
-//! [`open`] looks at what lies at a path and picks the reader. Two kinds are read:
+//! [`open`] looks at what lies at a path and picks the reader. Three kinds are read:
 //!
 //! - A **folder of images**: PNG, JPEG, TIFF and BMP, one frame a file, in natural order (`frame2` before `frame10`).
 //!   Grey and colour, 8 and 16 bit, are kept as they are stored; floating-point TIFF must lie in 0 to 1 and becomes
@@ -8,12 +8,14 @@
 //!   [`Options::frames_per_second`].
 //! - A **video file**: H.264 in MP4 or MOV, and motion JPEG in AVI, MP4 or MOV. Frames come in the order in which they
 //!   are shown, at the presentation time that the file carries.
+//! - A **simulated scene**, `sim:SCENE`: see [`SimulatedLocation`]. It is solved when it is opened, or found in the cache
+//!   of solved presses; then frames are drawn one at a time.
 //!
 //! Luma and chroma become RGB by the matrix and range that the video names; where it names none, by BT.601 in limited
 //! range. Bytes damaged within a compressed H.264 frame may go unnoticed: the format has no checksums.
 //!
-//! Both turn the picture upright where the file says that the camera was held sideways, hold one frame in memory (a
-//! video with B-frames up to seventeen), and end with an error, not in silence, where a file is cut off.
+//! Pictures are turned upright where the file says that the camera was held sideways. A source holds one frame in memory
+//! (a video with B-frames up to seventeen), and ends with an error, not in silence, where a file is cut off.
 //!
 //! Not read: H.265, VP9, AV1, Matroska, `WebM`, 10-bit and 4:4:4 H.264, H.264 in AVI. The error says so, and its
 //! [hint](SourceError::hint) gives the command that converts the file.
@@ -29,6 +31,7 @@ mod mp4;
 mod natural;
 mod open;
 mod picture;
+mod simulated;
 mod source;
 mod track;
 mod video;
@@ -37,4 +40,5 @@ mod yuv;
 pub use error::SourceError;
 pub use format::FrameFormat;
 pub use open::open;
+pub use simulated::{SimulatedLocation, SimulatedSource};
 pub use source::{Options, Source};

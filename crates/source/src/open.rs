@@ -2,27 +2,35 @@
 
 use crate::folder::FolderSource;
 use crate::video::VideoSource;
-use crate::{Options, Source, SourceError, avi, mp4};
+use crate::{Options, SimulatedLocation, SimulatedSource, Source, SourceError, avi, mp4};
+use fingervision_gel::PressCache;
 use std::fs::{self, File};
 use std::io::Read;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// How many bytes tell what a file is.
 const SIGNATURE_LEN: u64 = 64;
 
-/// Opens a folder of images or a video file; the content decides which, not the name.
+/// Opens a folder of images or a video file, by content and not by name, or a simulated scene, `sim:SCENE`.
 ///
-/// The first frame is read at once, so that a source that opens has a size.
+/// The first frame is read at once, so that a source that opens has a size. A simulated scene is solved first, which may
+/// take minutes; [`SimulatedSource::open`] tells how far it is.
 ///
 /// # Errors
 ///
 /// [`SourceError::NotFound`] and [`SourceError::Io`] if nothing can be read there, [`SourceError::NotRead`] if it is
 /// something else than a folder or a known video, [`SourceError::TooFewFrames`] if there are fewer than two frames,
-/// [`SourceError::Container`] if a video's index is damaged, [`SourceError::Rate`] if the options make no sense, and
+/// [`SourceError::Container`] if a video's index is damaged, [`SourceError::Rate`] if the options make no sense,
+/// [`SourceError::Simulated`] if a scene cannot be, and
 /// whatever [`Source::next_frame`] reports for the first frame.
 pub fn open(location: impl AsRef<Path>, options: &Options) -> Result<Box<dyn Source>, SourceError> {
     let path = location.as_ref();
     options.validate()?;
+    if let Some(location) = SimulatedLocation::of(path)? {
+        let progress = &mut |_| ControlFlow::Continue(());
+        return Ok(Box::new(SimulatedSource::open(&location, options, &PressCache::standard(), progress)?));
+    }
     if let Some(what) = promised(path) {
         return Err(SourceError::not_read_yet(path, what));
     }
@@ -38,7 +46,6 @@ fn promised(path: &Path) -> Option<&'static str> {
     let name = path.to_string_lossy();
     match name.as_ref() {
         name if name.starts_with("/dev/video") => Some("a camera"),
-        name if name.starts_with("sim:") => Some("a simulated scene"),
         _ => None,
     }
 }
