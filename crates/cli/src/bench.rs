@@ -40,7 +40,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let press = Press::new()?;
     if let Some(folder) = &args.write_frames {
-        let written = press.write(folder, &args.output.progress(Some(FRAMES)))?;
+        let written = press.write(folder, &args.output.progress("writing", Some(FRAMES)))?;
         return args.output.result(out, &written, &written.to_string());
     }
     let report = measure(args, &press)?;
@@ -52,7 +52,7 @@ fn measure(args: &Args, press: &Press) -> Result<Report, Failure> {
     let profile = args.profile.load_or(calibrated())?;
     let region = profile.region(press.size())?;
     let passes = u64::from(args.frames).div_ceil(FRAMES - 1);
-    let progress = args.output.progress(Some(FRAMES + (1 + passes) * (FRAMES - 1)));
+    let progress = args.output.progress("tracking", Some(FRAMES + (1 + passes) * (FRAMES - 1)));
     let mut frames = Vec::new();
     for sequence in 0..FRAMES {
         frames.push(press.frame(sequence)?);

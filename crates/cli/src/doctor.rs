@@ -3,10 +3,12 @@
 use std::fmt;
 use std::io::Write;
 use std::num::NonZero;
+use std::path::PathBuf;
 use std::thread::available_parallelism;
 use std::time::Instant;
 
 use fearless_simd::Level;
+use fingervision_gel::{CacheSize, PressCache};
 use fingervision_touch::{Fields, Profile, Tracker};
 use serde::Serialize;
 
@@ -22,12 +24,13 @@ const AMPLITUDE_PX: f64 = 3.0;
 /// The self-test fails beyond this mean end-point error, px: several times what noise explains.
 const LARGEST_ERROR_PX: f64 = 0.05;
 
-const READS: [&str; 3] = [
+const READS: [&str; 4] = [
     "folders of PNG, JPEG, TIFF and BMP images, 8 and 16 bit, grey and colour",
     "H.264 video in MP4 and MOV",
     "motion JPEG video in AVI, MP4 and MOV",
+    "simulated scenes, sim:NAME",
 ];
-const NOT_READ: &str = "cameras, recordings (MCAP) and simulated scenes: not in this version";
+const NOT_READ: &str = "cameras and recordings (MCAP): not in this version";
 
 /// Say what this machine can do and test it on a simulated touch
 #[derive(Debug, clap::Args)]
@@ -41,10 +44,39 @@ struct Diagnosis {
     version: &'static str,
     cores: usize,
     instruction_set: String,
-    reads: [&'static str; 3],
+    reads: [&'static str; 4],
+    cache: CacheState,
     self_test_error_px: f64,
     self_test_valid: f64,
     self_test_ms: f64,
+}
+
+/// What is kept of presses that were solved.
+#[derive(Debug, Serialize)]
+struct CacheState {
+    /// Absent where this machine has no place for it.
+    folder: Option<PathBuf>,
+    presses: usize,
+    bytes: u64,
+}
+
+impl CacheState {
+    fn new(cache: &PressCache) -> Self {
+        let CacheSize { entries, bytes } = cache.size();
+        Self { folder: cache.folder().map(Into::into), presses: entries, bytes }
+    }
+}
+
+impl fmt::Display for CacheState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.folder {
+            Some(folder) => {
+                let (presses, megabytes) = (self.presses, self.bytes as f64 / 1e6);
+                write!(f, "{presses} solved presses, {megabytes:.1} MB, in {}", folder.display())
+            }
+            None => f.write_str("none: this machine has no place for it, FINGERVISION_CACHE names one"),
+        }
+    }
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
@@ -79,6 +111,7 @@ impl Diagnosis {
             cores: available_parallelism().map_or(1, NonZero::get),
             instruction_set: instruction_set(Level::new()),
             reads: READS,
+            cache: CacheState::new(&PressCache::standard()),
             self_test_error_px: error.mean_px,
             self_test_valid: error.valid,
             self_test_ms,
@@ -108,6 +141,7 @@ impl fmt::Display for Diagnosis {
         for (k, kind) in self.reads.iter().enumerate() {
             writeln!(f, "{:10} {kind}", if k == 0 { "reads" } else { "" })?;
         }
-        writeln!(f, "reads not  {NOT_READ}")
+        writeln!(f, "reads not  {NOT_READ}")?;
+        writeln!(f, "cache      {}", self.cache)
     }
 }

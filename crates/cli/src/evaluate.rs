@@ -50,7 +50,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 
 fn compare(args: &Args) -> Result<Outcome, Failure> {
     let mut evaluation = Evaluation::open(&args.run, &args.truth, Options { common_frames: args.common_frames })?;
-    let progress = args.output.progress(Some(evaluation.frame_count()));
+    let progress = args.output.progress("comparing", Some(evaluation.frame_count()));
     while evaluation.advance()? {
         progress.inc(1);
     }

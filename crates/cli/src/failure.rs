@@ -1,10 +1,11 @@
 //! Why a command ends early, in words for the person at the keyboard.
 
+use std::fmt;
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
 use fingervision_evaluate::run::RunError;
-use fingervision_gel::{GelError, PatternError};
+use fingervision_gel::{GelError, PatternError, SceneError};
 use fingervision_image::ImageError;
 use fingervision_sink::SinkError;
 use fingervision_source::SourceError;
@@ -41,6 +42,16 @@ impl Failure {
     }
 }
 
+/// What went wrong, without what to do about it.
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stated { message, .. } => f.write_str(message),
+            Self::BrokenPipe => f.write_str("the reader has left"),
+        }
+    }
+}
+
 /// A file name may hold a line break; an error stays one line.
 fn one_line(text: &str) -> String {
     text.lines().collect::<Vec<_>>().join(" ")
@@ -66,6 +77,12 @@ impl From<TrackError> for Failure {
 
 impl From<ProfileError> for Failure {
     fn from(error: ProfileError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
         Self::Stated { message: error.to_string(), hint: error.hint() }
     }
 }

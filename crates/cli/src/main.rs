@@ -13,7 +13,10 @@ mod output;
 mod pattern;
 mod profile_args;
 mod run_record;
+mod scene_args;
+mod simulate;
 mod simulated_press;
+mod simulation_run;
 mod summary;
 mod track;
 mod tracking;
@@ -37,6 +40,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Track(track::Args),
+    Simulate(simulate::Args),
     Evaluate(evaluate::Args),
     Demo(demo::Args),
     Pattern(pattern::Args),
@@ -48,6 +52,7 @@ impl Command {
     fn run(&self, out: &mut impl Write) -> Result<(), Failure> {
         match self {
             Self::Track(args) => track::run(args, out)?,
+            Self::Simulate(args) => simulate::run(args, out)?,
             Self::Evaluate(args) => evaluate::run(args, out)?,
             Self::Demo(args) => demo::run(args, out)?,
             Self::Pattern(args) => pattern::run(args, out)?,

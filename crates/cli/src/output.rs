@@ -42,16 +42,17 @@ impl OutputArgs {
         Ok(())
     }
 
-    /// A bar on standard error over `count` frames; a counter where their number is not known. It shows nothing where
-    /// nobody looks.
-    pub(crate) fn progress(self, count: Option<u64>) -> ProgressBar {
+    /// A bar on standard error over `count` frames, after what is done with them; a counter where their number is not
+    /// known. It shows nothing where nobody looks.
+    pub(crate) fn progress(self, doing: &'static str, count: Option<u64>) -> ProgressBar {
         if self.quiet {
             return ProgressBar::hidden();
         }
         let (bar, template) = match count {
-            Some(count) => (ProgressBar::new(count), "{bar:40} {pos}/{len} frames, {eta} left"),
-            None => (ProgressBar::new_spinner(), "{spinner} {pos} frames in {elapsed}"),
+            Some(count) => (ProgressBar::new(count), "{prefix} {bar:40} {pos}/{len} frames, {eta} left"),
+            None => (ProgressBar::new_spinner(), "{spinner} {prefix} {pos} frames in {elapsed}"),
         };
+        let bar = bar.with_prefix(doing);
         match ProgressStyle::with_template(template) {
             Ok(style) => bar.with_style(style),
             Err(_) => bar,

@@ -32,7 +32,8 @@ impl ProfileArgs {
     }
 }
 
-fn assignment(text: &str) -> Result<(String, String), String> {
+/// Takes `KEY=VALUE` apart.
+pub(crate) fn assignment(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.trim().is_empty() => Ok((key.trim().into(), value.trim().into())),
         _ => Err("it takes KEY=VALUE, as in flow.finest_level=1".into()),

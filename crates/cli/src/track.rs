@@ -1,10 +1,13 @@
 //! `fingervision track`: from a recording to a folder of fields.
 
 use std::io::Write;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use fingervision_sink::Field;
-use fingervision_source::{Options, open};
+use fingervision_gel::PressCache;
+use fingervision_sink::{Field, simulated_profile};
+use fingervision_source::{Options, SimulatedLocation, SimulatedSource, Source, open};
+use fingervision_touch::Profile;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -14,7 +17,11 @@ use crate::tracking::Run;
 /// Track a recording: flow, density and, with a calibrated profile, depth of every frame
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A folder of PNG, JPEG, TIFF or BMP images, or a video: H.264 MP4 or MOV, motion JPEG AVI
+    /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 MP4 or MOV, motion JPEG AVI) or a simulated scene
+    ///
+    /// A scene is sim:NAME or sim:FILE, as in sim:letter; `fingervision simulate --list` names those that are ready-made.
+    /// Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft takes a coarse mesh. Without --profile its own
+    /// camera and gel are the sensor.
     source: PathBuf,
     /// The folder to write: new, empty, or with --overwrite a previous run
     #[arg(long, value_name = "DIR")]
@@ -24,7 +31,7 @@ pub(crate) struct Args {
     /// The fields to write; without it flow, density and, where calibrated, depth
     #[arg(long, value_delimiter = ',', value_name = "FIELD,...", value_enum)]
     fields: Option<Vec<FieldName>>,
-    /// Nominal rate of an image folder, frames a second; videos carry their own times
+    /// Nominal rate of an image folder or a simulated scene, frames a second; videos carry their own times
     #[arg(long, value_name = "RATE", default_value_t = Options::default().frames_per_second, value_parser = rate)]
     fps: f64,
     /// Replace a previous run in the folder
@@ -59,14 +66,31 @@ impl From<FieldName> for Field {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
-    let profile = args.profile.load()?;
-    let mut source = open(&args.source, &Options { frames_per_second: args.fps })?;
+    let (profile, mut source) = sensor(args)?;
     let fields = args.fields.as_ref().map(|fields| fields.iter().map(|&field| field.into()).collect());
     let (folder, overwrite, output) = (args.out.clone(), args.overwrite, args.output);
     let run = Run { profile, fields, folder, overwrite, output };
     let (summary, failure) = run.track(source.as_mut(), None)?;
     output.result(out, &summary, &summary.to_string())?;
     failure.map_or(Ok(()), Err)
+}
+
+/// The profile in force and the frames. A simulated scene knows its own sensor.
+fn sensor(args: &Args) -> Result<(Profile, Box<dyn Source>), Failure> {
+    let options = Options { frames_per_second: args.fps };
+    let Some(location) = SimulatedLocation::of(&args.source)? else {
+        return Ok((args.profile.load()?, open(&args.source, &options)?));
+    };
+    let scene = location.scene()?;
+    let profile = args.profile.load_or(simulated_profile(&scene))?;
+    let bar = args.output.progress("solving", Some(scene.motion.frames as u64));
+    let mut progress = |frames: usize| {
+        bar.set_position(frames as u64);
+        ControlFlow::Continue(())
+    };
+    let source = SimulatedSource::open(&location, &options, &PressCache::standard(), &mut progress)?;
+    bar.finish_and_clear();
+    Ok((profile, Box::new(source)))
 }
 
 fn rate(text: &str) -> Result<f64, String> {

@@ -104,7 +104,7 @@ impl Run {
     ) -> Result<(), Failure> {
         let interrupt = Interrupt::listen()?;
         let count = source.frame_count();
-        let progress = self.output.progress(count);
+        let progress = self.output.progress("tracking", count);
         let mut next = Some(first);
         while let Some(frame) = next {
             sinks.write(tracker.track(&frame)?, &frame)?;

@@ -7,6 +7,7 @@ mod evaluate;
 mod output;
 mod pattern;
 mod profile;
+mod simulate;
 mod track;
 mod usage;
 mod workbench;

@@ -17,6 +17,12 @@ fn wrong_usage_exits_with_2() {
         "track press --out run --fields flow,forces",
         "track press --out run --set flow.finest_level",
         "bench --frames 0",
+        "simulate",
+        "simulate circle",
+        "simulate circle --list",
+        "simulate circle --random 3 --out a",
+        "simulate --random 0 --out a",
+        "simulate circle --out a --set gel.thickness_mm",
         "evaluate run",
         "pattern",
         "pattern --out a.png --dpi 0",
@@ -37,7 +43,7 @@ fn wrong_usage_exits_with_2() {
 #[test]
 fn the_help_is_as_recorded() {
     let bench = Workbench::new();
-    for name in ["fingervision", "track", "evaluate", "demo", "pattern", "bench", "doctor"] {
+    for name in ["fingervision", "track", "evaluate", "demo", "pattern", "simulate", "bench", "doctor"] {
         let arguments = if name == "fingervision" { "--help".into() } else { format!("{name} --help") };
         let help = bench.run(&arguments).expect_done().out;
         let path = format!("{}/tests/help/{name}.txt", env!("CARGO_MANIFEST_DIR"));

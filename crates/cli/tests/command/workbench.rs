@@ -50,6 +50,7 @@ impl Workbench {
     pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_fingervision"));
         command.args(arguments.split_whitespace()).current_dir(self.folder.path());
+        command.env("FINGERVISION_CACHE", self.path("cache"));
         command
     }
 

@@ -1,0 +1,46 @@
+//! What the command line changes in a scene, and how it is solved.
+
+use fingervision_gel::{PressCache, Scene, SceneError};
+
+use crate::profile_args::assignment;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct SceneArgs {
+    /// Set one value of the scene, as in `gel.poissons_ratio=0.35`; may be repeated
+    ///
+    /// The scene.toml of any simulation lists the keys with their values.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
+    assignments: Vec<(String, String)>,
+    /// Take a coarse mesh: seconds instead of minutes
+    #[arg(long)]
+    draft: bool,
+    /// Show the motion in this many frames
+    #[arg(long, value_name = "N")]
+    frames: Option<usize>,
+    /// Solve without looking for the press among those solved before, and do not keep it
+    #[arg(long)]
+    no_cache: bool,
+}
+
+impl SceneArgs {
+    /// The scene as the command line wants it.
+    ///
+    /// # Errors
+    ///
+    /// [`SceneError`] if it cannot be.
+    pub(crate) fn change(&self, mut scene: Scene) -> Result<Scene, SceneError> {
+        if self.draft {
+            scene.make_draft();
+        }
+        let frames = self.frames.map(|frames| frames.to_string());
+        let frames = frames.iter().map(|frames| ("motion.frames", frames.as_str()));
+        let assignments = self.assignments.iter().map(|(key, value)| (key.as_str(), value.as_str()));
+        scene.set_all(frames.chain(assignments))?;
+        Ok(scene)
+    }
+
+    /// Where solved presses are kept.
+    pub(crate) fn cache(&self) -> PressCache {
+        if self.no_cache { PressCache::OFF } else { PressCache::standard() }
+    }
+}

@@ -1,0 +1,183 @@
+//! One scene on its way into a folder: solved, drawn, written, summed up.
+
+use std::fmt;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use fingervision_gel::{EarlyEnd, Origin, PressCache, Scene, Simulation};
+use fingervision_sink::{SimulatedFrame, SimulationFolder, SimulationPreview};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::output::OutputArgs;
+
+/// How scenes become folders.
+#[derive(Debug)]
+pub(crate) struct SimulationRun {
+    pub(crate) cache: PressCache,
+    /// Whether images are written beside the truth.
+    pub(crate) has_images: bool,
+    /// Whether a previous simulation may be replaced.
+    pub(crate) overwrite: bool,
+    pub(crate) output: OutputArgs,
+    pub(crate) interrupt: Interrupt,
+}
+
+/// What a simulation came to.
+#[derive(Debug, Serialize)]
+pub(crate) struct SimulationSummary {
+    scene: String,
+    folder: PathBuf,
+    /// Columns and rows of every frame, px.
+    size: (usize, usize),
+    /// Frames written.
+    frames: u64,
+    /// Frames of the scene.
+    frames_asked: u64,
+    /// Where the press comes from: `solved`, `cache` or `rigid`.
+    press: &'static str,
+    solving_s: f64,
+    drawing_s: f64,
+    /// Of the deepest frame; of the last of them where there are several.
+    depth_mm: f64,
+    force_n: [f64; 3],
+    has_images: bool,
+}
+
+impl SimulationRun {
+    /// Simulates a scene into a folder.
+    ///
+    /// The second value says why it ended early; what came before is written all the same.
+    ///
+    /// # Errors
+    ///
+    /// Whatever keeps the simulation from beginning.
+    pub(crate) fn simulate(&self, scene: &Scene, path: &Path) -> Result<(SimulationSummary, Option<Failure>), Failure> {
+        let mut simulation = Simulation::new(scene)?;
+        let mut folder = SimulationFolder::create(path, scene, self.has_images, self.overwrite)?;
+        let begin = Instant::now();
+        let (press, end) = self.solve(&mut simulation)?;
+        let solving_s = begin.elapsed().as_secs_f64();
+        let begin = Instant::now();
+        let mut preview = SimulationPreview::new(title(scene), simulation.states().len());
+        let drawn = self.draw(&mut simulation, &mut folder, &mut preview);
+        let closed = folder.finish();
+        let saved = preview.save(&path.join("preview.png"));
+        let frames = *closed.as_ref().unwrap_or(&0);
+        let deepest = deepest(&simulation, frames as usize);
+        let summary = SimulationSummary {
+            scene: scene.name.clone(),
+            folder: path.to_owned(),
+            size: simulation.size(),
+            frames,
+            frames_asked: simulation.poses().len() as u64,
+            press,
+            solving_s,
+            drawing_s: begin.elapsed().as_secs_f64(),
+            depth_mm: simulation.poses()[deepest].depth_mm,
+            force_n: simulation.states()[deepest].force_n,
+            has_images: self.has_images,
+        };
+        let ended = drawn.and(closed.map(drop).map_err(Failure::from)).and(saved.map_err(Failure::from));
+        let ended = ended.and(end.map_or(Ok(()), |end| Err(ended_early(&end, &summary))));
+        Ok((summary, ended.err()))
+    }
+
+    fn solve(&self, simulation: &mut Simulation) -> Result<(&'static str, Option<EarlyEnd>), Failure> {
+        let bar = self.output.progress("solving", Some(simulation.poses().len() as u64));
+        let mut progress = |frames: usize| {
+            bar.set_position(frames as u64);
+            if self.interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let press = simulation.solve(&self.cache, &mut progress)?;
+        bar.finish_and_clear();
+        if let Some(fault) = &press.cache_fault {
+            self.output.note(&format!("{fault}; the press was solved"));
+        }
+        let origin = match press.origin {
+            Origin::Solved => "solved",
+            Origin::Cache => "cache",
+            Origin::Rigid => "rigid",
+        };
+        Ok((origin, press.end.clone()))
+    }
+
+    /// Draws and writes frame after frame; returns why it ended early.
+    fn draw(
+        &self,
+        simulation: &mut Simulation,
+        folder: &mut SimulationFolder,
+        preview: &mut SimulationPreview,
+    ) -> Result<(), Failure> {
+        let count = simulation.states().len();
+        let bar = self.output.progress("drawing", Some(count as u64));
+        for number in 0..count {
+            let pixels = if self.has_images { Some(simulation.frame(number)?.clone()) } else { None };
+            let depth_mm = simulation.poses()[number].depth_mm;
+            let state = &simulation.states()[number];
+            let (force_n, torque_z_nmm) = (state.force_n, state.torque_nmm[2]);
+            let truth = simulation.truth(number)?;
+            let frame = SimulatedFrame { depth_mm, force_n, torque_z_nmm, pixels: pixels.as_ref(), truth };
+            folder.write(&frame)?;
+            preview.write(&frame);
+            bar.inc(1);
+            if self.interrupt.is_asked() && number + 1 < count {
+                let message = format!("interrupted after {} of {count} frames", number + 1);
+                return Err(Failure::new(message, "what was written can be read"));
+            }
+        }
+        bar.finish_and_clear();
+        Ok(())
+    }
+}
+
+fn title(scene: &Scene) -> String {
+    if scene.about.is_empty() { scene.name.clone() } else { format!("{}: {}", scene.name, scene.about) }
+}
+
+/// The last of the deepest frames among the first so many; the first where there is none.
+fn deepest(simulation: &Simulation, frames: usize) -> usize {
+    let depths = simulation.poses().iter().take(frames).map(|pose| pose.depth_mm);
+    let deepest = depths.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
+    deepest.map_or(0, |(frame, _)| frame)
+}
+
+/// Names the scene, how far it came, and what to do.
+fn ended_early(end: &EarlyEnd, summary: &SimulationSummary) -> Failure {
+    let SimulationSummary { scene, frames, frames_asked, .. } = summary;
+    let message = format!("{scene}: {end}; {frames} of {frames_asked} frames are written");
+    let hint = end.hint().unwrap_or_else(|| "the frames before can be read".into());
+    Failure::new(message, hint)
+}
+
+impl SimulationSummary {
+    /// All in a line.
+    pub(crate) fn line(&self) -> String {
+        let Self { folder, frames, depth_mm, force_n: [x, y, z], solving_s, drawing_s, .. } = self;
+        let (folder, seconds) = (folder.display(), solving_s + drawing_s);
+        format!("{folder}  {frames} frames, {depth_mm:.2} mm deep, force ({x:.2}, {y:.2}, {z:.2}) N, {seconds:.1} s")
+    }
+}
+
+/// A few lines for people.
+impl fmt::Display for SimulationSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { scene, frames, size: (width, height), solving_s, drawing_s, .. } = self;
+        let (folder, [x, y, z]) = (self.folder.display(), self.force_n);
+        let press = match self.press {
+            "cache" => "the press was solved before".into(),
+            "rigid" => "nothing to solve".into(),
+            _ => format!("solved in {solving_s:.1} s"),
+        };
+        writeln!(f, "{scene}: {frames} frames of {width}x{height} px, {press}, drawn in {drawing_s:.1} s")?;
+        writeln!(f, "force    ({x:.2}, {y:.2}, {z:.2}) N on the gel at {:.2} mm", self.depth_mm)?;
+        writeln!(f, "folder   {folder}")?;
+        writeln!(f, "preview  {folder}/preview.png")?;
+        if self.has_images {
+            writeln!(f, "track    fingervision track {folder}/frames --profile {folder}/profile.toml --out RUN")?;
+        }
+        Ok(())
+    }
+}
