@@ -122,7 +122,7 @@ mod tests {
 
     fn contact() -> Vec<u8> {
         let is_touched = |x: usize, y: usize| {
-            (10..26).contains(&x) && (8..20).contains(&y) && (x + y) % 13 != 0 || (x, y) == (40, 30)
+            (10..26).contains(&x) && (8..20).contains(&y) && !(x + y).is_multiple_of(13) || (x, y) == (40, 30)
         };
         (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| u8::from(is_touched(x, y)))).collect()
     }

@@ -110,20 +110,16 @@ fn title(report: &Report) -> String {
 fn facts(report: &Report) -> String {
     let Some(deepest) = report.deepest() else { return String::new() };
     let FieldErrors { pixels, flow_px, depth_mm, .. } = deepest.errors;
-    let mut facts = Vec::new();
-    for region in Region::ALL {
-        let errors = depth_mm.as_ref().and_then(|depth| depth.get(region));
-        let error = errors.map(|errors| format!("{} {:.3} mm", region_name(region, report.border_mm), errors.mean));
-        facts.extend(error);
-    }
-    if let Some(first) = facts.first_mut() {
-        first.insert_str(0, "depth is off by ");
-    }
-    let flow = flow_px.and_then(|flow| flow.everywhere);
-    facts.extend(flow.map(|errors| format!("flow is off by {:.3} px", errors.mean)));
+    let by_region = Region::ALL.into_iter().filter_map(|region| {
+        let error = depth_mm.as_ref()?.get(region)?.mean;
+        let name = if region == Region::Everywhere { "of depth".into() } else { region_name(region, report.border_mm) };
+        Some(format!("{name} {error:.3} mm"))
+    });
+    let depth: Vec<String> = by_region.collect();
+    let flow = flow_px.and_then(|flow| flow.everywhere).map(|errors| format!("of flow {:.3} px", errors.mean));
+    let means: Vec<String> = (!depth.is_empty()).then(|| depth.join(", ")).into_iter().chain(flow).collect();
     let all = pixels.compared + pixels.hidden + pixels.not_valid;
-    facts.push(format!("{} of all pixels compared", percent(pixels.compared, all)));
-    facts.join("  ·  ")
+    format!("Mean error {}  ·  {} of the pixels compared", means.join("  ·  "), percent(pixels.compared, all))
 }
 
 fn plots(report: &Report) -> Vec<FramePlot> {
