@@ -61,7 +61,7 @@ impl SimulationRun {
         let (press, end) = self.solve(&mut simulation)?;
         let solving_s = begin.elapsed().as_secs_f64();
         let begin = Instant::now();
-        let mut preview = SimulationPreview::new(title(scene), simulation.states().len());
+        let mut preview = SimulationPreview::new(scene, simulation.states().len());
         let drawn = self.draw(&mut simulation, &mut folder, &mut preview);
         let closed = folder.finish();
         let saved = preview.save(&path.join("preview.png"));
@@ -131,10 +131,6 @@ impl SimulationRun {
         bar.finish_and_clear();
         Ok(())
     }
-}
-
-fn title(scene: &Scene) -> String {
-    if scene.about.is_empty() { scene.name.clone() } else { format!("{}: {}", scene.name, scene.about) }
 }
 
 /// The last of the deepest frames among the first so many; the first where there is none.

@@ -3,13 +3,15 @@
 use std::path::Path;
 
 use fingervision_flow::FlowField;
-use fingervision_gel::Truth;
+use fingervision_gel::{Scene, Truth};
 use fingervision_image::{Image, Pixels};
 
 use super::canvas::{Area, Canvas, resized};
 use super::lines::{self, FramePlot};
 use super::outline::{self, Outline};
-use super::page::{BACKGROUND, COLUMN, GAP, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIGHT, NOTE, PANEL_TOP, TITLE, WIDTH};
+use super::page::{
+    BACKGROUND, COLUMN, GAP, HEADING, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIGHT, NOTE, PANEL_TOP, TITLE, WIDTH,
+};
 use super::panels::{LEAST_FLOW_PX, Panel, draw_colour_bar, draw_invalid_key, draw_wheel_key};
 use super::ticks::{number, round_up};
 use super::{HeatScale, Rgb, flow_colours, heat_map, write_png};
@@ -27,6 +29,7 @@ const LEAST_DEPTH_MM: f32 = 0.01;
 #[derive(Debug)]
 pub struct SimulationPreview {
     title: String,
+    about: String,
     frames: usize,
     shown: Option<Shown>,
     strip: Vec<Image<Rgb>>,
@@ -45,11 +48,18 @@ struct Shown {
 }
 
 impl SimulationPreview {
-    /// A preview of so many frames, under a title.
+    /// A preview of so many frames of a scene.
     #[must_use]
-    pub fn new(title: impl Into<String>, frames: usize) -> Self {
-        let (normal_n, sideways_n) = (Vec::with_capacity(frames), Vec::with_capacity(frames));
-        Self { title: title.into(), frames, shown: None, strip: Vec::new(), normal_n, sideways_n }
+    pub fn new(scene: &Scene, frames: usize) -> Self {
+        Self {
+            title: scene.name.clone(),
+            about: scene.about.clone(),
+            frames,
+            shown: None,
+            strip: Vec::new(),
+            normal_n: Vec::with_capacity(frames),
+            sideways_n: Vec::with_capacity(frames),
+        }
     }
 
     /// Looks at the next frame; the last of the deepest is the one to show.
@@ -97,7 +107,7 @@ impl SimulationPreview {
         let scale = (COLUMN / columns as f32).min(MAX_PANEL_HEIGHT / rows as f32);
         let (width, height) = ((scale * columns as f32).round().max(1.0), (scale * rows as f32).round().max(1.0));
         let strip_top = PANEL_TOP + height + 20.0 + LEGEND_HEIGHT + 28.0;
-        let strip_height = self.strip.first().map_or(0.0, |image| image.height() as f32 + 40.0);
+        let strip_height = self.strip.first().map_or(0.0, |image| image.height() as f32 + 60.0);
         let plot_top = strip_top + strip_height;
         let has_force = self.normal_n.iter().chain(&self.sideways_n).any(|&force| force > 0.0);
         let bottom = if has_force { plot_top + PLOT_HEIGHT } else { plot_top };
@@ -110,8 +120,11 @@ impl SimulationPreview {
             Panel { image: Area { x, y, width, height }, legend, scale }
         });
         shown.draw(&mut canvas, panels);
+        if !self.strip.is_empty() {
+            canvas.text("From the first frame to the last", (MARGIN, strip_top), HEADING);
+        }
         for (place, image) in self.strip.iter().enumerate() {
-            canvas.copy(image, (MARGIN + place as f32 * (STRIP_WIDTH + STRIP_GAP)) as usize, strip_top as usize);
+            canvas.copy(image, (MARGIN + place as f32 * (STRIP_WIDTH + STRIP_GAP)) as usize, strip_top as usize + 14);
         }
         if has_force {
             let area = Area { x: MARGIN, y: plot_top, width: WIDTH - 2.0 * MARGIN, height: PLOT_HEIGHT };
@@ -122,8 +135,9 @@ impl SimulationPreview {
 
     fn facts(&self, shown: &Shown) -> String {
         let [x, y, z] = shown.force_n.map(|force| number(force as f32));
-        let (frame, frames, depth) = (shown.frame, self.normal_n.len(), number(shown.depth_mm as f32));
-        format!("Frame {frame} of {frames}, counted from 0: {depth} mm deep, force on the gel ({x}, {y}, {z}) N")
+        let (frame, frames, depth) = (shown.frame + 1, self.normal_n.len(), number(shown.depth_mm as f32));
+        let about = if self.about.is_empty() { String::new() } else { format!("{}  ·  ", self.about) };
+        format!("{about}Frame {frame} of {frames}: {depth} mm deep, force on the gel ({x}, {y}, {z}) N")
     }
 
     fn forces(&self) -> FramePlot {
@@ -148,9 +162,11 @@ impl Shown {
         outline.draw(canvas, depth);
         draw_colour_bar(canvas, Area { height: 16.0, ..depth.legend }, scale);
         canvas.text("Red is pressed in, blue bulges out.", (depth.legend.x, depth.line(2.2)), NOTE);
-        let y = depth.line(3.4);
-        let x = outline::draw_key(canvas, (depth.legend.x, y));
-        canvas.text("border of the contact", (x, y), NOTE);
+        if truth.contact.values().contains(&1) {
+            let y = depth.line(3.4);
+            let x = outline::draw_key(canvas, (depth.legend.x, y));
+            canvas.text("border of the contact", (x, y), NOTE);
+        }
 
         let along = |axis: usize| {
             let at = |x: usize, y: usize| truth.flow.at(x, y)[axis];
