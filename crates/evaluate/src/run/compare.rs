@@ -23,7 +23,7 @@ pub(super) struct Comparer {
     flow: Option<[Tally; 4]>,
     depth: Option<[Tally; 4]>,
     displacement: Option<[Tally; 3]>,
-    pixels: PixelCounts,
+    pixels: [PixelCounts; 4],
     overlap: Overlap,
     peaks: Correlation,
 }
@@ -59,7 +59,7 @@ impl Comparer {
             flow: inputs.run.flow.is_some().then(tallies),
             depth: inputs.run.depth.is_some().then(tallies),
             displacement: inputs.run.displacement.is_some().then(|| [(); 3].map(|()| Tally::new())),
-            pixels: PixelCounts::default(),
+            pixels: [PixelCounts::default(); 4],
             overlap: Overlap::default(),
             peaks: Correlation::default(),
         }
@@ -84,8 +84,7 @@ impl Comparer {
     pub(super) fn compare(&mut self, inputs: &mut Inputs, frame: u64) -> Result<FieldErrors, RunError> {
         self.judge_truth(&inputs.truth);
         self.judge_estimate(&inputs.run, frame)?;
-        self.assign_regions(inputs);
-        let pixels = self.count_pixels();
+        let pixels = self.assign_regions(inputs);
         let Inputs { run, truth, .. } = inputs;
         let overlap = self.measure_overlap(run, truth);
         let flow_px = self.compare_flow(run, truth);
@@ -101,7 +100,7 @@ impl Comparer {
     pub(super) fn pooled(&self) -> FieldErrors {
         let pooled = |tallies: &[Tally; 4]| Regions::from_fn(|region| tallies[region as usize].pooled());
         FieldErrors {
-            pixels: self.pixels,
+            pixels: by_region(&self.pixels),
             flow_px: self.flow.as_ref().map(pooled),
             depth_mm: self.depth.as_ref().map(pooled),
             displacement_mm: self.displacement.as_ref().map(|tallies| {
@@ -151,45 +150,29 @@ impl Comparer {
         Ok(())
     }
 
-    /// Says of each pixel that is compared in which regions it lies.
-    fn assign_regions(&mut self, inputs: &mut Inputs) {
+    /// Says of each pixel that is compared in which regions it lies, and counts the others.
+    fn assign_regions(&mut self, inputs: &mut Inputs) -> Regions<PixelCounts> {
         let Inputs { truth, band, .. } = inputs;
         let contact = truth.contact.as_ref().map(FrameArray::values);
         let (flow, depth) = (truth.flow.as_ref().map(FrameArray::values), truth.depth.as_ref().map(FrameArray::values));
         let is_gel = |at| is_finite(flow, 2, at) && is_finite(depth, 1, at);
         let near = contact.zip(band.as_mut()).map(|(contact, band)| band.find(contact, is_gel));
-        for (i, regions) in self.regions.iter_mut().enumerate() {
-            if self.seen[i] == 0 || self.valid[i] == 0 {
-                *regions = 0;
-                continue;
+        let mut pixels = [PixelCounts::default(); 4];
+        for (i, (regions, &at)) in self.regions.iter_mut().zip(&self.on_truth).enumerate() {
+            let (contact, near) = (contact.map(|contact| contact[at] != 0), near.map(|near| near[at]));
+            let all = regions_of(contact, near);
+            for region in Region::ALL.into_iter().filter(|region| all & bit(*region) != 0) {
+                let PixelCounts { compared, hidden, not_valid } = &mut pixels[region as usize];
+                match (self.seen[i], self.valid[i]) {
+                    (0, _) => *hidden += 1,
+                    (_, 0) => *not_valid += 1,
+                    _ => *compared += 1,
+                }
             }
-            let at = self.on_truth[i];
-            let is_inside = contact.is_some_and(|contact| contact[at] != 0);
-            *regions = bit(Region::Everywhere);
-            if is_inside {
-                *regions |= bit(Region::Inside);
-            }
-            match near.map(|near| near[at]) {
-                Some(true) => *regions |= bit(Region::Border),
-                Some(false) if !is_inside => *regions |= bit(Region::Outside),
-                _ => {}
-            }
+            *regions = if self.seen[i] != 0 && self.valid[i] != 0 { all } else { 0 };
         }
-    }
-
-    fn count_pixels(&mut self) -> PixelCounts {
-        let mut pixels = PixelCounts::default();
-        for (seen, valid) in self.seen.iter().zip(&self.valid) {
-            match (seen, valid) {
-                (0, _) => pixels.hidden += 1,
-                (_, 0) => pixels.not_valid += 1,
-                _ => pixels.compared += 1,
-            }
-        }
-        self.pixels.compared += pixels.compared;
-        self.pixels.hidden += pixels.hidden;
-        self.pixels.not_valid += pixels.not_valid;
-        pixels
+        self.pixels.iter_mut().zip(&pixels).for_each(|(sum, pixels)| sum.add(pixels));
+        by_region(&pixels)
     }
 
     fn measure_overlap(&mut self, run: &Fields, truth: &Fields) -> Overlap {
@@ -247,6 +230,19 @@ impl Comparer {
         let [x, y, z] = tallies.each_mut().map(Tally::end_frame);
         Some(Components { x, y, z })
     }
+}
+
+/// The regions of a pixel that is in contact or not, near its border or not, as far as that is known.
+fn regions_of(contact: Option<bool>, near: Option<bool>) -> u8 {
+    let region = |region, is_there: bool| if is_there { bit(region) } else { 0 };
+    bit(Region::Everywhere)
+        | region(Region::Inside, contact == Some(true))
+        | region(Region::Border, near == Some(true))
+        | region(Region::Outside, contact == Some(false) && near == Some(false))
+}
+
+fn by_region(pixels: &[PixelCounts; 4]) -> Regions<PixelCounts> {
+    Regions::from_fn(|region| Some(pixels[region as usize]).filter(|pixels| pixels.all() > 0))
 }
 
 /// Takes a pixel into the tallies of its regions.

@@ -10,6 +10,9 @@
 //! (`valid.npy`; where that is absent, wherever the estimate is a number). Fields that only one side has are left out,
 //! and the report says so. A run on a part of the image names it in its `run.toml`, and the truth is cropped.
 //!
+//! What is not compared is counted by region ([`PixelCounts`]): the errors near the contact's border mean little where
+//! a run trusts few of its pixels.
+//!
 //! # Regions
 //!
 //! | region | which pixels |

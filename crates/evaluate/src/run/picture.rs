@@ -118,8 +118,13 @@ fn facts(report: &Report) -> String {
     let depth: Vec<String> = by_region.collect();
     let flow = flow_px.and_then(|flow| flow.everywhere).map(|errors| format!("of flow {:.3} px", errors.mean));
     let means: Vec<String> = (!depth.is_empty()).then(|| depth.join(", ")).into_iter().chain(flow).collect();
-    let all = pixels.compared + pixels.hidden + pixels.not_valid;
-    format!("Mean error {}  ·  {} of the pixels compared", means.join("  ·  "), percent(pixels.compared, all))
+    let compared = [(Region::Everywhere, "the pixels"), (Region::Border, "those near the border")];
+    let compared = compared.into_iter().filter_map(|(region, name)| {
+        let pixels = pixels.get(region)?;
+        Some(format!("{} of {name}", percent(pixels.compared, pixels.all())))
+    });
+    let compared: Vec<String> = compared.collect();
+    format!("Mean error {}  ·  compared {}", means.join("  ·  "), compared.join(", "))
 }
 
 fn plots(report: &Report) -> Vec<FramePlot> {

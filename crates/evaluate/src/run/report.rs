@@ -76,23 +76,23 @@ impl Region {
     pub const ALL: [Self; 4] = [Self::Everywhere, Self::Inside, Self::Border, Self::Outside];
 }
 
-/// Errors by region; absent where a region has no pixels or is not known.
+/// Something by region; absent where a region has no pixels or is not known.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
-pub struct Regions {
-    /// All pixels that are compared.
-    pub everywhere: Option<Errors>,
+pub struct Regions<T = Errors> {
+    /// [`Region::Everywhere`].
+    pub everywhere: Option<T>,
     /// [`Region::Inside`].
-    pub inside: Option<Errors>,
+    pub inside: Option<T>,
     /// [`Region::Border`].
-    pub border: Option<Errors>,
+    pub border: Option<T>,
     /// [`Region::Outside`].
-    pub outside: Option<Errors>,
+    pub outside: Option<T>,
 }
 
-impl Regions {
-    /// The errors in one region.
+impl<T> Regions<T> {
+    /// What is known of one region.
     #[must_use]
-    pub fn get(&self, region: Region) -> Option<&Errors> {
+    pub fn get(&self, region: Region) -> Option<&T> {
         match region {
             Region::Everywhere => self.everywhere.as_ref(),
             Region::Inside => self.inside.as_ref(),
@@ -101,8 +101,8 @@ impl Regions {
         }
     }
 
-    pub(super) fn from_fn(mut errors: impl FnMut(Region) -> Option<Errors>) -> Self {
-        let [everywhere, inside, border, outside] = Region::ALL.map(&mut errors);
+    pub(super) fn from_fn(mut value: impl FnMut(Region) -> Option<T>) -> Self {
+        let [everywhere, inside, border, outside] = Region::ALL.map(&mut value);
         Self { everywhere, inside, border, outside }
     }
 }
@@ -129,11 +129,25 @@ pub struct PixelCounts {
     pub not_valid: u64,
 }
 
+impl PixelCounts {
+    /// All of them.
+    #[must_use]
+    pub fn all(&self) -> u64 {
+        self.compared + self.hidden + self.not_valid
+    }
+
+    pub(super) fn add(&mut self, other: &Self) {
+        self.compared += other.compared;
+        self.hidden += other.hidden;
+        self.not_valid += other.not_valid;
+    }
+}
+
 /// The errors of one frame, or of several.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct FieldErrors {
-    /// What was compared.
-    pub pixels: PixelCounts,
+    /// What was compared. A run that leaves out the hard parts shows it here.
+    pub pixels: Regions<PixelCounts>,
     /// Errors of the flow, px.
     pub flow_px: Option<Regions>,
     /// Errors of the depth, mm.
@@ -160,14 +174,14 @@ impl FieldErrors {
             let errors = frames.iter().filter_map(|frame| component(frame.errors.displacement_mm.as_ref()?));
             Errors::mean_of(&errors.collect::<Vec<_>>())
         };
-        let sum = |count: fn(&PixelCounts) -> u64| frames.iter().map(|frame| count(&frame.errors.pixels)).sum();
         let overlaps: Vec<f64> = frames.iter().filter_map(|frame| frame.errors.contact_overlap).collect();
         Self {
-            pixels: PixelCounts {
-                compared: sum(|pixels| pixels.compared),
-                hidden: sum(|pixels| pixels.hidden),
-                not_valid: sum(|pixels| pixels.not_valid),
-            },
+            pixels: Regions::from_fn(|region| {
+                frames.iter().filter_map(|frame| frame.errors.pixels.get(region).copied()).reduce(|mut sum, pixels| {
+                    sum.add(&pixels);
+                    sum
+                })
+            }),
             flow_px: regions(|errors| errors.flow_px.as_ref()),
             depth_mm: regions(|errors| errors.depth_mm.as_ref()),
             displacement_mm: frames.iter().any(|frame| frame.errors.displacement_mm.is_some()).then(|| Components {

@@ -41,7 +41,7 @@ impl fmt::Display for Report {
         }
         let Some(deepest) = self.deepest() else { return Ok(()) };
         let shown = [(self.deepest_title(), &deepest.errors), (self.mean_title(), &self.mean)];
-        Self::write_pixels(f, &shown)?;
+        self.write_pixels(f, &shown)?;
         self.write_regions(f, "Flow error, px", &shown, |errors| errors.flow_px.as_ref())?;
         self.write_regions(f, "Depth error, mm", &shown, |errors| errors.depth_mm.as_ref())?;
         if let Some(Errors { correlation, .. }) = self.pooled.depth_mm.and_then(|depth| depth.everywhere) {
@@ -75,12 +75,15 @@ impl Report {
         format!("mean of {} frames", self.frames)
     }
 
-    fn write_pixels(f: &mut fmt::Formatter<'_>, shown: &Shown) -> fmt::Result {
+    fn write_pixels(&self, f: &mut fmt::Formatter<'_>, shown: &Shown) -> fmt::Result {
         write_heading(f, "Pixels", &["compared", "hidden", "not valid"])?;
         for (title, errors) in shown {
-            let pixels = errors.pixels;
-            let all = pixels.compared + pixels.hidden + pixels.not_valid;
-            write_row(f, 2, title, &[pixels.compared, pixels.hidden, pixels.not_valid].map(|part| percent(part, all)))?;
+            writeln!(f, "  {title}")?;
+            for region in Region::ALL {
+                let pixels = errors.pixels.get(region).copied().unwrap_or_default();
+                let parts = [pixels.compared, pixels.hidden, pixels.not_valid].map(|part| percent(part, pixels.all()));
+                write_row(f, 4, &region_name(region, self.border_mm), &parts)?;
+            }
         }
         Ok(())
     }

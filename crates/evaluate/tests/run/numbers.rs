@@ -76,7 +76,7 @@ fn figures_over_all_frames_are_those_of_their_pixels_at_once() {
     close(inside.correlation.unwrap(), pooled_correlation(), "correlation");
     let FieldPixels { compared, hidden, not_valid } = FieldPixels::of_a_frame();
     assert_eq!(
-        report.pooled.pixels,
+        report.pooled.pixels.everywhere.unwrap(),
         PixelCounts { compared: 3 * compared, hidden: 3 * hidden, not_valid: 3 * not_valid }
     );
 }
@@ -122,7 +122,7 @@ fn flow_errors_are_distances() {
     close(flow.outside.unwrap().largest, 0.0, "outside");
     let compared = CORE + INNER + OUTER + AWAY;
     close(everywhere.mean, 400.0 * 0.625 / compared, "mean everywhere");
-    assert_eq!(errors.pixels, PixelCounts { compared: compared as u64, hidden: 40, not_valid: 29 });
+    assert_eq!(errors.pixels.everywhere.unwrap(), PixelCounts { compared: compared as u64, hidden: 40, not_valid: 29 });
 }
 
 #[test]
@@ -164,4 +164,21 @@ fn displacement_and_contact_are_compared_where_the_run_has_them() {
     assert_eq!(report.per_frame[0].errors.contact_overlap, None, "nothing is touched in the first frame");
     close(report.pooled.contact_overlap.unwrap(), 19.0 / 22.0, "overlap of all frames");
     close(report.mean.displacement_mm.unwrap().x.unwrap().mean, 0.25, "mean over frames");
+}
+
+#[test]
+fn what_is_left_out_is_counted_by_region() {
+    let made_up = MadeUp::new();
+    // In contact, near its border: a row of 20 px that the run does not trust.
+    made_up.array("run/valid.npy", |_, x, y| u8::from(!(is_invalid(x, y) || y == 6 && (10..30).contains(&x))));
+    let report = made_up.evaluate().report;
+    let pixels = report.deepest().unwrap().errors.pixels;
+    let counts = |compared, hidden, not_valid| Some(PixelCounts { compared, hidden, not_valid });
+    assert_eq!(pixels.inside, counts(380, 0, 20));
+    assert_eq!(pixels.border, counts(600, 0, 20));
+    assert_eq!(pixels.outside, counts(436 - 69, 40, 29));
+    assert_eq!(pixels.everywhere, counts(1200 - 89, 40, 49));
+    assert_eq!(report.per_frame[0].errors.pixels.border, None, "nothing is touched in the first frame");
+    assert_eq!(report.mean.pixels.inside, counts(760, 0, 40));
+    assert_eq!(report.pooled.pixels, report.mean.pixels);
 }

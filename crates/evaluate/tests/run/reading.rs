@@ -32,7 +32,7 @@ fn a_program_can_read_every_frame() {
     assert_eq!(frames[0]["depth_mm"]["inside"], Value::Null, "nothing is touched in the first frame");
     assert_eq!(frames[2]["depth_mm"]["inside"]["pixels"], 400);
     assert_eq!((&frames[2]["true_depth_mm"], &frames[2]["true_flow_px"]), (&Value::from(2.0), &Value::from(5.0)));
-    assert_eq!(json["pooled"]["pixels"]["hidden"], 120);
+    assert_eq!(json["pooled"]["pixels"]["everywhere"]["hidden"], 120);
     assert_eq!(json["force"]["true_peak_n"], 5.0);
 }
 
