@@ -18,10 +18,10 @@ const LAYERS: [(&str, &[&str]); 14] = [
     ("flow", &["image"]),
     ("gel", &["image", "optics", "elastic", "settings"]),
     ("touch", &["image", "flow", "optics", "elastic", "settings"]),
-    ("calibrate", &["touch", "gel"]),
     ("source", &["image", "gel"]),
     // A simulated press is written like a run: the same arrays, tables and pictures.
     ("sink", &["touch", "image", "flow", "gel"]),
+    ("calibrate", &["touch", "sink", "flow", "optics", "settings", "image"]),
     ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "sink"]),
     ("live", &["touch", "source", "sink"]),
     ("cli", &["image", "optics", "elastic", "flow", "gel", "touch", "calibrate", "source", "sink", "evaluate", "live"]),

@@ -4,6 +4,7 @@
 //! where possible a `hint:`, 2 wrong usage. A reader that closes the pipe early is no failure.
 
 mod bench;
+mod calibrate;
 mod demo;
 mod doctor;
 mod evaluate;
@@ -44,6 +45,7 @@ enum Command {
     Evaluate(evaluate::Args),
     Demo(demo::Args),
     Pattern(pattern::Args),
+    Calibrate(calibrate::Args),
     Bench(bench::Args),
     Doctor(doctor::Args),
 }
@@ -56,6 +58,7 @@ impl Command {
             Self::Evaluate(args) => evaluate::run(args, out)?,
             Self::Demo(args) => demo::run(args, out)?,
             Self::Pattern(args) => pattern::run(args, out)?,
+            Self::Calibrate(args) => calibrate::run(args, out)?,
             Self::Bench(args) => bench::run(args, out)?,
             Self::Doctor(args) => doctor::run(args, out)?,
         }

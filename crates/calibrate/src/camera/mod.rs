@@ -1,0 +1,1 @@
+//! The camera, from a patterned board that slides in known steps.

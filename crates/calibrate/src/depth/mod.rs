@@ -1,0 +1,1 @@
+//! The line from the density feature to depth, from presses of known depth.
