@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 use image::GrayImage;
 use serde_json::Value;
@@ -217,6 +218,24 @@ fn the_file_of_an_indenter_is_taken_along() {
     let ended = bench.run("simulate sim/scene.toml --out again --json").expect_done();
     assert_eq!(json(&ended)["press"], "cache", "the same body wherever its file lies");
     assert!(files(&bench.path("again")) == files(&bench.path("sim")));
+}
+
+#[test]
+fn an_interrupted_simulation_keeps_what_was_written() {
+    let bench = Workbench::new();
+    let arguments = "simulate board --out sim --frames 3000 --set render.width=40 --set render.height=30";
+    let mut child = bench.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let table = bench.path("sim/truth/force.csv");
+    while !fs::read_to_string(&table).is_ok_and(|table| table.lines().count() > 2) {
+        assert!(child.try_wait().unwrap().is_none(), "the simulation ended before it was interrupted");
+        std::thread::yield_now();
+    }
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let ended = Ended::from(child.wait_with_output().unwrap());
+    ended.expect_failure("of 3000 frames", "what was written can be read");
+    let (shape, _) = bench.array_at::<f32>("sim/truth/depth.npy");
+    assert_eq!(fs::read_to_string(&table).unwrap().lines().count() as u64, 1 + shape[0]);
+    assert!(bench.path("sim/preview.png").exists());
 }
 
 #[test]
