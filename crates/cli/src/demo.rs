@@ -1,30 +1,31 @@
 //! `fingervision demo`: the main job with nothing attached.
 
+use std::fmt::Write as _;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use fingervision_sink::Field;
+use fingervision_evaluate::run::{Errors, Options, Report};
+use fingervision_gel::{PressCache, Scene};
+use fingervision_source::open;
 use fingervision_touch::Profile;
 use serde::Serialize;
 
+use crate::evaluate;
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
-use crate::simulated_press::SimulatedPress;
+use crate::simulation_run::{SimulationRun, SimulationSummary};
 use crate::summary::Summary;
 use crate::tracking::Run;
-use crate::truth::{TruthComparison, TruthReport};
 
-/// Columns and rows of the simulated camera, px.
-const SIZE: (usize, usize) = (320, 240);
-/// Where the bump moves the gel farthest, px from its centre.
-const RADIUS_PX: f64 = 50.0;
-/// How far the bump moves the gel, px.
-const AMPLITUDE_PX: f64 = 12.0;
-const FRAMES: u64 = 25;
+/// The ready-made scene that is shown.
+const SCENE: &str = "letter";
 /// The folder of a demo that was not given one.
 const FOLDER: &str = "fingervision-demo";
 
-/// Track a simulated press: pictures and arrays to look at, with nothing attached
+/// Press a letter into a simulated gel and track it: pictures and arrays to look at, with nothing attached
+///
+/// The folder gets `simulation` (what simulate writes), `run` (what track writes) and `run/evaluation` (what evaluate draws). The first press takes some seconds to solve; it is kept for the next time.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The folder to write; without it ./fingervision-demo, where an earlier demo is replaced
@@ -41,26 +42,56 @@ pub(crate) struct Args {
 struct DemoResult {
     #[serde(flatten)]
     summary: Summary,
-    truth: Option<TruthReport>,
+    simulation: SimulationSummary,
+    truth: Report,
+    picture: PathBuf,
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
-    let mut source = SimulatedPress::new(SIZE, RADIUS_PX, AMPLITUDE_PX, FRAMES)?;
-    let mut comparison = TruthComparison::new(source.press());
+    let folder = args.out.clone().unwrap_or_else(|| FOLDER.into());
+    let (sensor, run) = (folder.join("simulation"), folder.join("run"));
+    let (simulation, ended) = simulate(args, &sensor)?;
+    ended.map_or(Ok(()), Err)?;
+    let (summary, ended) = track(args, &sensor, &run)?;
+    ended.map_or(Ok(()), Err)?;
+    let options = Options::default();
+    let (truth, picture) = evaluate::compare([&run, &sensor], &run.join(evaluate::FOLDER), options, args.output)?;
+    let result = DemoResult { summary, simulation, truth, picture };
+    args.output.result(out, &result, &text(&result))
+}
+
+fn simulate(args: &Args, folder: &Path) -> Result<(SimulationSummary, Option<Failure>), Failure> {
+    let mut scene = Scene::find(SCENE)?;
+    scene.make_draft();
+    let simulation = SimulationRun {
+        cache: PressCache::standard(),
+        has_images: true,
+        overwrite: args.out.is_none(),
+        output: args.output,
+        interrupt: Interrupt::listen()?,
+    };
+    simulation.simulate(&scene, folder)
+}
+
+fn track(args: &Args, sensor: &Path, folder: &Path) -> Result<(Summary, Option<Failure>), Failure> {
     let run = Run {
-        profile: Profile { name: "simulated press".into(), ..Profile::default() },
-        fields: Some(vec![Field::Flow, Field::Density]),
-        folder: args.out.clone().unwrap_or_else(|| FOLDER.into()),
+        profile: Profile::load(&sensor.join("profile.toml"))?,
+        fields: None,
+        folder: folder.to_owned(),
         overwrite: args.out.is_none(),
         output: args.output,
     };
-    let (summary, failure) = run.track(&mut source, Some(&mut comparison))?;
-    let result = DemoResult { summary, truth: comparison.report() };
-    args.output.result(out, &result, &text(&result))?;
-    failure.map_or(Ok(()), Err)
+    let mut source = open(sensor.join("frames"), &fingervision_source::Options::default())?;
+    run.track(source.as_mut())
 }
 
-fn text(DemoResult { summary, truth }: &DemoResult) -> String {
-    let truth = truth.map_or_else(String::new, |truth| truth.to_string());
-    format!("a simulated press of a round bump on a dense random colour pattern\n{summary}{truth}")
+fn text(DemoResult { summary, simulation, truth, picture }: &DemoResult) -> String {
+    let mut text = format!("{}\n{summary}", simulation.headline());
+    let moved_px = truth.deepest().and_then(|deepest| deepest.true_flow_px);
+    if let Some((Errors { mean, .. }, moved_px)) = truth.mean.flow_px.and_then(|flow| flow.everywhere).zip(moved_px) {
+        // Writing to a String cannot fail.
+        let _ =
+            writeln!(text, "truth    flow is off by {mean:.3} px on average; the gel moves by up to {moved_px:.1} px");
+    }
+    text + &format!("picture  {}", picture.display())
 }

@@ -13,6 +13,8 @@ use crate::output::OutputArgs;
 
 /// The picture's name in its folder.
 const PICTURE: &str = "evaluation.png";
+/// The picture's folder in a run's.
+pub(crate) const FOLDER: &str = "evaluation";
 
 /// Compare a run with its truth: errors of flow, depth and force, as a table and a picture
 ///
@@ -41,21 +43,33 @@ struct EvaluateResult {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
-    let outcome = compare(args)?;
-    let picture = args.out.clone().unwrap_or_else(|| args.run.join("evaluation")).join(PICTURE);
-    write_picture(&outcome, &picture)?;
-    let text = format!("{}picture   {}", outcome.report, picture.display());
-    args.output.result(out, &EvaluateResult { report: outcome.report, picture }, &text)
+    let folder = args.out.clone().unwrap_or_else(|| args.run.join(FOLDER));
+    let options = Options { common_frames: args.common_frames };
+    let (report, picture) = compare([&args.run, &args.truth], &folder, options, args.output)?;
+    let text = format!("{report}picture   {}", picture.display());
+    args.output.result(out, &EvaluateResult { report, picture }, &text)
 }
 
-fn compare(args: &Args) -> Result<Outcome, Failure> {
-    let mut evaluation = Evaluation::open(&args.run, &args.truth, Options { common_frames: args.common_frames })?;
-    let progress = args.output.progress("comparing", Some(evaluation.frame_count()));
+/// Compares a run with a truth and draws the picture into `folder`; the report and where the picture is.
+///
+/// # Errors
+///
+/// What keeps the two from being compared, or the picture from being written.
+pub(crate) fn compare(
+    [run, truth]: [&Path; 2],
+    folder: &Path,
+    options: Options,
+    output: OutputArgs,
+) -> Result<(Report, PathBuf), Failure> {
+    let mut evaluation = Evaluation::open(run, truth, options)?;
+    let progress = output.progress("comparing", Some(evaluation.frame_count()));
     while evaluation.advance()? {
         progress.inc(1);
     }
     progress.finish_and_clear();
-    Ok(evaluation.finish())
+    let (outcome, picture) = (evaluation.finish(), folder.join(PICTURE));
+    write_picture(&outcome, &picture)?;
+    Ok((outcome.report, picture))
 }
 
 fn write_picture(outcome: &Outcome, path: &Path) -> Result<(), SinkError> {

@@ -149,6 +149,17 @@ fn ended_early(end: &EarlyEnd, summary: &SimulationSummary) -> Failure {
 }
 
 impl SimulationSummary {
+    /// What was simulated, in how long.
+    pub(crate) fn headline(&self) -> String {
+        let Self { scene, frames, size: (width, height), solving_s, drawing_s, .. } = self;
+        let press = match self.press {
+            "cache" => "the press was solved before".into(),
+            "rigid" => "nothing to solve".into(),
+            _ => format!("solved in {solving_s:.1} s"),
+        };
+        format!("{scene}: {frames} frames of {width}x{height} px, {press}, drawn in {drawing_s:.1} s")
+    }
+
     /// All in a line.
     pub(crate) fn line(&self) -> String {
         let Self { folder, frames, depth_mm, force_n: [x, y, z], solving_s, drawing_s, .. } = self;
@@ -160,14 +171,8 @@ impl SimulationSummary {
 /// A few lines for people.
 impl fmt::Display for SimulationSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { scene, frames, size: (width, height), solving_s, drawing_s, .. } = self;
         let (folder, [x, y, z]) = (self.folder.display(), self.force_n);
-        let press = match self.press {
-            "cache" => "the press was solved before".into(),
-            "rigid" => "nothing to solve".into(),
-            _ => format!("solved in {solving_s:.1} s"),
-        };
-        writeln!(f, "{scene}: {frames} frames of {width}x{height} px, {press}, drawn in {drawing_s:.1} s")?;
+        writeln!(f, "{}", self.headline())?;
         writeln!(f, "force    ({x:.2}, {y:.2}, {z:.2}) N on the gel at {:.2} mm", self.depth_mm)?;
         writeln!(f, "folder   {folder}")?;
         writeln!(f, "preview  {folder}/preview.png")?;

@@ -70,7 +70,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let fields = args.fields.as_ref().map(|fields| fields.iter().map(|&field| field.into()).collect());
     let (folder, overwrite, output) = (args.out.clone(), args.overwrite, args.output);
     let run = Run { profile, fields, folder, overwrite, output };
-    let (summary, failure) = run.track(source.as_mut(), None)?;
+    let (summary, failure) = run.track(source.as_mut())?;
     output.result(out, &summary, &summary.to_string())?;
     failure.map_or(Ok(()), Err)
 }

@@ -30,11 +30,10 @@ pub(crate) struct Run {
 }
 
 /// A run that has begun: all that takes its readings.
-struct Sinks<'a> {
+struct Sinks {
     folder: RunFolder,
     preview: Preview,
     tally: Tally,
-    observer: Option<&'a mut dyn Sink>,
 }
 
 impl Run {
@@ -45,11 +44,7 @@ impl Run {
     /// # Errors
     ///
     /// Whatever keeps the run from beginning.
-    pub(crate) fn track(
-        &self,
-        source: &mut dyn Source,
-        observer: Option<&mut dyn Sink>,
-    ) -> Result<(Summary, Option<Failure>), Failure> {
+    pub(crate) fn track(&self, source: &mut dyn Source) -> Result<(Summary, Option<Failure>), Failure> {
         let begin = Instant::now();
         let region = self.profile.region(source.size())?;
         let Some(first) = source.next_frame()? else { return Err(SinkError::NoReadings.into()) };
@@ -62,7 +57,6 @@ impl Run {
             folder: RunFolder::create(&self.folder, &options, &record)?,
             preview: Preview::new(PreviewOptions { region: Some(region), mm_per_px }),
             tally: Tally::default(),
-            observer,
         };
         let ended = self.stream(source, first, &mut tracker, &mut sinks);
         Ok(self.finish(sinks, &tracker, begin, ended))
@@ -126,7 +120,7 @@ impl Run {
         begin: Instant,
         ended: Result<(), Failure>,
     ) -> (Summary, Option<Failure>) {
-        let Sinks { folder, preview, tally, .. } = sinks;
+        let Sinks { folder, preview, tally } = sinks;
         let path = self.folder.join("preview.png");
         let drawn = if tally.frames > 0 { preview.save(&path) } else { Ok(()) };
         let has_preview = tally.frames > 0 && drawn.is_ok();
@@ -148,12 +142,12 @@ impl Run {
     }
 }
 
-impl Sinks<'_> {
+impl Sinks {
     fn write(&mut self, reading: &Reading, frame: &Frame) -> Result<(), SinkError> {
         self.folder.write(reading, frame)?;
         self.preview.write(reading, frame)?;
         self.tally.count(reading);
-        self.observer.as_mut().map_or(Ok(()), |observer| observer.write(reading, frame))
+        Ok(())
     }
 }
 

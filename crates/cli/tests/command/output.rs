@@ -15,25 +15,27 @@ fn json(ended: &Ended) -> Value {
 fn the_demo_is_tracked_close_to_its_truth() {
     let bench = Workbench::new();
     let ended = bench.run("demo").expect_done();
-    assert!(ended.out.contains("preview  fingervision-demo/preview.png"), "{}", ended.out);
+    assert!(ended.out.contains("preview  fingervision-demo/run/preview.png"), "{}", ended.out);
     assert!(ended.out.contains("flow is off by 0.0"), "{}", ended.out);
-    assert_eq!(ended.errors, "");
     let result = json(&bench.run("demo --headless --json").expect_done());
-    assert_eq!(result["frames"], 25, "{result}");
-    let (mean, deepest) = (&result["truth"]["mean_error_px"], &result["truth"]["deepest"]);
-    assert!(mean.as_f64().unwrap() < 0.03, "{mean} px");
-    assert!(deepest["mean_px"].as_f64().unwrap() < 0.05 && deepest["valid"].as_f64().unwrap() > 0.9, "{deepest}");
-    for name in ["flow.npy", "density.npy", "valid.npy", "readings.csv", "run.toml", "preview.png"] {
-        assert!(bench.path("fingervision-demo").join(name).exists(), "{name}");
+    assert_eq!(result["frames"], 21, "{result}");
+    assert_eq!(result["simulation"]["press"], "cache", "the first demo kept its press");
+    let errors = &result["truth"]["mean"]["flow_px"]["everywhere"];
+    assert!(errors["mean"].as_f64().unwrap() < 0.02 && errors["true_peak"].as_f64().unwrap() > 2.0, "{errors}");
+    let pixels = &result["truth"]["mean"]["pixels"]["everywhere"];
+    let [compared, rest] = [&pixels["compared"], &pixels["not_valid"]].map(|count| count.as_f64().unwrap());
+    assert!(compared > 0.9 * (compared + rest), "{pixels}");
+    for name in ["flow.npy", "density.npy", "valid.npy", "readings.csv", "run.toml", "evaluation/evaluation.png"] {
+        assert!(bench.path("fingervision-demo/run").join(name).exists(), "{name}");
     }
 }
 
 #[test]
 fn the_demo_replaces_only_its_own_folder() {
     let bench = Workbench::new();
-    bench.press(2);
-    bench.run("track press --out run").expect_done();
-    bench.run("demo --out run").expect_failure("run holds a previous run", "choose a new folder");
+    bench.run("simulate board --frames 2 --truth-only --out mine/simulation").expect_done();
+    let refused = bench.run("demo --out mine");
+    refused.expect_failure("mine/simulation holds a previous simulation", "choose a new folder");
 }
 
 #[test]
