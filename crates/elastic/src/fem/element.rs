@@ -49,6 +49,7 @@ impl Geometry {
     /// # Errors
     ///
     /// [`Inverted`] if the nodes do not span a body.
+    #[inline(always)]
     pub(super) fn new(nodes: &Nodes) -> Result<Self, Inverted> {
         let mut geometry = Self { weights: [0.0; 8], gradients: [[[0.0; 8]; 3]; 8], volume: 0.0 };
         for (point, shape) in SHAPE_GRADIENTS.iter().enumerate() {
@@ -98,6 +99,7 @@ impl<'a> Element<'a> {
     /// # Errors
     ///
     /// [`Inverted`] if a point of the element has no volume left.
+    #[inline(always)]
     pub(super) fn new(geometry: &'a Geometry, material: &'a Material, displacement: &Nodes) -> Result<Self, Inverted> {
         let mut points = [Point::default(); 8];
         let mut volume = 0.0;
@@ -116,6 +118,7 @@ impl<'a> Element<'a> {
     }
 
     /// Strain energy, N mm.
+    #[inline(always)]
     pub(super) fn energy(&self) -> f64 {
         let volumetric = self.geometry.volume * self.material.volumetric(self.volume_ratio)[0];
         let shear = self
@@ -127,6 +130,7 @@ impl<'a> Element<'a> {
     }
 
     /// Gradient of the energy: the force on each node that holds the element so, N.
+    #[inline(always)]
     pub(super) fn forces(&self) -> Nodes {
         let [_, pressure, _] = self.material.volumetric(self.volume_ratio);
         let mut forces = [[0.0; 3]; 8];
@@ -148,6 +152,7 @@ impl<'a> Element<'a> {
     }
 
     /// Second derivative of the energy, N/mm.
+    #[inline(always)]
     pub(super) fn stiffness_into(&self, stiffness: &mut Stiffness) {
         *stiffness = [[[[0.0; 8]; 8]; 3]; 3];
         let [_, pressure, modulus] = self.material.volumetric(self.volume_ratio);
@@ -180,6 +185,7 @@ impl<'a> Element<'a> {
     }
 
     /// Gradients of the shape functions by the deformed place, `F⁻ᵀ ∇N`, as `[axis][node]`.
+    #[inline(always)]
     fn spatial_gradients(&self, index: usize) -> [[f64; 8]; 3] {
         let (shape, matrix) = (&self.geometry.gradients[index], &self.points[index].inverse_transpose);
         [0, 1, 2].map(|r| std::array::from_fn(|node| (0..3).map(|c| matrix[r][c] * shape[c][node]).sum::<f64>()))
@@ -195,7 +201,7 @@ impl<'a> Element<'a> {
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Adds `c₀ ∇N_a·∇N_b δ_ij + c₁ g_a,i g_b,j + c₂ g_a,j g_b,i` for `i ≤ j`, with `g` the spatial gradients.
-#[inline]
+#[inline(always)]
 fn add_stiffness(
     shape: &[[f64; 8]; 3],
     spatial: &[[f64; 8]; 3],
@@ -219,22 +225,17 @@ fn add_stiffness(
     }
 }
 
-/// Energy, forces and, if asked, stiffness of an element.
+/// Energy and forces of an element.
 ///
 /// # Errors
 ///
 /// [`Inverted`] if the element has no volume left somewhere.
-pub(super) fn evaluate(
-    nodes: &Nodes,
-    displacement: &Nodes,
-    material: &Material,
-    stiffness: Option<&mut Stiffness>,
-) -> Result<(f64, Nodes), Inverted> {
+#[inline(always)]
+pub(super) fn evaluate(nodes: &Nodes, displacement: &Nodes, material: &Material) -> Result<(f64, Nodes), Inverted> {
     let geometry = Geometry::new(nodes)?;
     if material.law == Law::Linear {
-        let mut own = [[[[0.0; 8]; 8]; 3]; 3];
-        let stiffness = stiffness.unwrap_or(&mut own);
-        Element::linear(&geometry, material, stiffness);
+        let mut stiffness = [[[[0.0; 8]; 8]; 3]; 3];
+        Element::linear(&geometry, material, &mut stiffness);
         let force = |node: usize, axis: usize| {
             let columns = (0..24).map(|n| stiffness[axis][n / 8][node][n % 8] * displacement[n % 8][n / 8]);
             columns.sum::<f64>()
@@ -244,21 +245,41 @@ pub(super) fn evaluate(
         return Ok((0.5 * work, forces));
     }
     let element = Element::new(&geometry, material, displacement)?;
-    if let Some(stiffness) = stiffness {
-        element.stiffness_into(stiffness);
-    }
     Ok((element.energy(), element.forces()))
 }
 
+/// Stiffness of an element.
+///
+/// # Errors
+///
+/// [`Inverted`] if the element has no volume left somewhere.
+#[inline(always)]
+pub(super) fn stiffness(
+    nodes: &Nodes,
+    displacement: &Nodes,
+    material: &Material,
+    stiffness: &mut Stiffness,
+) -> Result<(), Inverted> {
+    let geometry = Geometry::new(nodes)?;
+    match material.law {
+        Law::Linear => Element::linear(&geometry, material, stiffness),
+        Law::NeoHookean => Element::new(&geometry, material, displacement)?.stiffness_into(stiffness),
+    }
+    Ok(())
+}
+
+#[inline(always)]
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+#[inline(always)]
 fn square_sum(matrix: &[[f64; 3]; 3]) -> f64 {
     matrix.iter().flatten().map(|value| value * value).sum()
 }
 
 /// Inverse transpose and determinant.
+#[inline(always)]
 fn inverse_transpose(a: &[[f64; 3]; 3]) -> ([[f64; 3]; 3], f64) {
     let cofactor = [0, 1, 2].map(|r| {
         [0, 1, 2].map(|c| {

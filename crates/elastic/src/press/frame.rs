@@ -2,6 +2,11 @@
 
 use crate::{Pose, Relief};
 
+/// Length by which a turn compares with a shift, mm.
+const ARM_MM: f64 = 4.0;
+/// Squared cosine of the angle between two ways above which one goes on where the other went.
+const STRAIGHT: f64 = 0.99;
+
 /// Rotation and origin of the indenter in gel space.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
@@ -75,6 +80,25 @@ impl Pose {
             twist_rad: mix(self.twist_rad, other.twist_rad),
             tilt_rad: [0, 1].map(|axis| mix(self.tilt_rad[axis], other.tilt_rad[axis])),
         }
+    }
+
+    /// How much of the way from this pose to `next` the way from `start` to `goal` is; absent where it goes elsewhere.
+    pub(super) fn share_of_way(&self, next: &Self, start: &Self, goal: &Self) -> Option<f64> {
+        let way = |from: &Self, to: &Self| {
+            let turn = |from: f64, to: f64| ARM_MM * (to - from);
+            [
+                to.depth_mm - from.depth_mm,
+                to.shear_mm[0] - from.shear_mm[0],
+                to.shear_mm[1] - from.shear_mm[1],
+                turn(from.twist_rad, to.twist_rad),
+                turn(from.tilt_rad[0], to.tilt_rad[0]),
+                turn(from.tilt_rad[1], to.tilt_rad[1]),
+            ]
+        };
+        let dot = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let (then, now) = (way(self, next), way(start, goal));
+        let (along, length, other) = (dot(&then, &now), dot(&then, &then), dot(&now, &now));
+        (along > 0.0 && along * along > STRAIGHT * length * other).then(|| along / length)
     }
 
     /// Whether every number of it is finite.

@@ -5,6 +5,7 @@
 //! found together with the displacement: a node that would penetrate is taken in, one that would have to be pulled is
 //! let go ([Hueeber2005]). Between nodes the surface may cut the indenter's edges by what a cell can not resolve.
 
+mod constraint;
 mod error;
 mod frame;
 mod newton;
@@ -18,7 +19,7 @@ pub use error::PressError;
 pub use region::{MeshParams, Resolution, swept_region};
 
 use crate::fem::{Assembled, Assembly, BlockMesh, Material};
-use crate::solver::{Multigrid, Solver, Stencil};
+use crate::solver::{Multigrid, Solver};
 use crate::{ContactLaw, GelBlock, Law, Pose, Relief, SurfaceState};
 use frame::Frame;
 use touch::Touch;
@@ -52,13 +53,19 @@ pub struct StepReport {
     pub base_force_n: [f64; 3],
 }
 
+/// A motion of the indenter and what the gel did.
+#[derive(Debug)]
+struct Advance {
+    poses: [Pose; 2],
+    displacement: Vec<[f64; 3]>,
+}
+
 /// A block of gel under an indenter.
 pub struct Press<'a> {
     relief: &'a dyn Relief,
     centre_mm: [f64; 2],
     contact: ContactLaw,
     assembly: Assembly,
-    matrix: Stencil<f64>,
     multigrid: Multigrid,
     solver: Solver,
     work: newton::Scratch,
@@ -67,6 +74,8 @@ pub struct Press<'a> {
     forces: Vec<[f64; 3]>,
     touches: Vec<Touch>,
     pose: Pose,
+    /// How the last part of a step went, if the press has moved.
+    last: Option<Advance>,
     assembled: Assembled,
     state: SurfaceState,
     report: StepReport,
@@ -107,7 +116,6 @@ impl<'a> Press<'a> {
             relief,
             centre_mm,
             contact: setup.contact,
-            matrix: Stencil::zero(grid),
             multigrid,
             solver: Solver::new(grid),
             work: newton::Scratch::new(grid),
@@ -115,6 +123,7 @@ impl<'a> Press<'a> {
             forces: field(),
             touches: vec![Touch::Free; nx * ny],
             pose: Pose::default(),
+            last: None,
             assembled: Assembled::default(),
             state: SurfaceState::default(),
             report: StepReport::default(),
@@ -135,6 +144,12 @@ impl<'a> Press<'a> {
         if !pose.is_finite() {
             return Err(PressError::Pose { pose: *pose });
         }
+        // Inside the pool, a task costs little.
+        rayon::scope(|_| self.advance(pose))?;
+        Ok(&self.state)
+    }
+
+    fn advance(&mut self, pose: &Pose) -> Result<(), PressError> {
         self.report = StepReport::default();
         let (from, mut reached, mut halvings) = (self.pose, 0.0, 0_u32);
         while reached < 1.0 {
@@ -143,7 +158,6 @@ impl<'a> Press<'a> {
             self.report.parts += 1;
             if self.equilibrate(&target) {
                 reached += share;
-                self.pose = target;
                 // What was hard may be over.
                 halvings = halvings.saturating_sub(1);
             } else if halvings == MOST_HALVINGS {
@@ -154,7 +168,7 @@ impl<'a> Press<'a> {
             }
         }
         self.write_state();
-        Ok(&self.state)
+        Ok(())
     }
 
     /// The surface as it is.

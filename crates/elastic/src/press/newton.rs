@@ -1,20 +1,22 @@
 //! Newton's method for the gel's rest and the set of touching nodes together.
 
+use super::constraint::{Constraint, add_bend, apply_drag, constrain, project};
 use super::frame::{Frame, dot};
 use super::touch::{Node, Touch};
-use super::{Press, StepReport};
+use super::{Advance, Press, StepReport};
 use crate::Pose;
-use crate::solver::{Grid, OWN, Stencil, column};
-use rayon::prelude::*;
+use crate::solver::{Field, Grid, Stop};
 
 /// Residual, over the contact force, at which the gel is at rest, dimensionless.
-const TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f64 = 3e-6;
 /// Distance from the face at which a touching node lies on it, mm.
 const DISTANCE_MM: f64 = 1e-7;
 const MOST_ITERATIONS: usize = 40;
 /// Residual of a linear solve over its right side, dimensionless, and its most steps.
-const LINEAR_TOLERANCE: f64 = 3e-3;
+const LINEAR_TOLERANCE: f64 = 1e-3;
 const MOST_LINEAR_ITERATIONS: usize = 200;
+/// A solve ends when it leaves this share of what is left at rest, even if its relative residual is larger.
+const GOAL_SHARE: f64 = 0.3;
 /// Residual over the contact force below which friction takes up the present normal forces.
 const BALANCED: f64 = 1e-2;
 /// Iterations after which friction keeps the normal forces that it took up, and jumping nodes are wedged.
@@ -25,19 +27,6 @@ const MOST_SHORTENINGS: usize = 6;
 /// Change of the drag forces over the contact force at which sliding has settled.
 const DRAG_TOLERANCE: f64 = 1e-5;
 
-/// What a constraint leaves of a node's freedom.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Constraint {
-    /// Projector onto the free directions.
-    free: [[f64; 3]; 3],
-    /// Prescribed motion along the others, mm.
-    motion: [f64; 3],
-    /// Given force along the free directions, N.
-    drag: [f64; 3],
-    /// Stiffness added because the face bends, N/mm.
-    bend: [[f64; 3]; 3],
-}
-
 /// Room for the iteration.
 #[derive(Debug)]
 pub(super) struct Scratch {
@@ -45,13 +34,16 @@ pub(super) struct Scratch {
     step: Vec<[f64; 3]>,
     trial: Vec<[f64; 3]>,
     forces: Vec<[f64; 3]>,
-    single: Vec<[f64; 3]>,
+    /// Prescribed motion, and the forces that it takes.
+    motion: Vec<[f32; 3]>,
+    moved: Vec<[f32; 3]>,
 }
 
 impl Scratch {
     pub(super) fn new(grid: Grid) -> Self {
         let field = || vec![[0.0; 3]; grid.len()];
-        Self { right: field(), step: field(), trial: field(), forces: field(), single: field() }
+        let single = || vec![[0.0; 3]; grid.len()];
+        Self { right: field(), step: field(), trial: field(), forces: field(), motion: single(), moved: single() }
     }
 }
 
@@ -59,22 +51,38 @@ impl Press<'_> {
     /// Finds the rest at `pose`; whether it was found. If not, the press is as it was.
     pub(super) fn equilibrate(&mut self, pose: &Pose) -> bool {
         let rest = (self.displacement.clone(), self.forces.clone(), self.touches.clone(), self.assembled);
+        self.predict(pose);
         let found = self.iterate(pose, &rest.0);
-        if !found {
+        if found {
+            let change = self.displacement.iter().zip(&rest.0).map(|(now, then)| [0, 1, 2].map(|c| now[c] - then[c]));
+            self.last = Some(Advance { poses: [self.pose, *pose], displacement: change.collect() });
+            self.pose = *pose;
+        } else {
             (self.displacement, self.forces, self.touches, self.assembled) = rest;
+            self.last = None;
         }
         found
+    }
+
+    /// Starts where the gel comes to if it goes on as in the last part, provided that the indenter does.
+    fn predict(&mut self, pose: &Pose) {
+        let Some(Advance { poses, displacement }) = &self.last else { return };
+        let Some(share) = poses[0].share_of_way(&poses[1], &self.pose, pose) else { return };
+        let Scratch { trial, forces, .. } = &mut self.work;
+        for ((trial, now), change) in trial.iter_mut().zip(&self.displacement).zip(displacement) {
+            *trial = [0, 1, 2].map(|c| now[c] + share * change[c]);
+        }
+        if let Ok(assembled) = self.assembly.forces_into(trial, forces) {
+            std::mem::swap(trial, &mut self.displacement);
+            std::mem::swap(forces, &mut self.forces);
+            self.assembled = assembled;
+        }
     }
 
     fn iterate(&mut self, pose: &Pose, rest: &[[f64; 3]]) -> bool {
         let frames = [self.frame(&self.pose), self.frame(pose)];
         let mut changes = vec![0_u8; self.touches.len()];
         for iteration in 0..MOST_ITERATIONS {
-            let Ok(assembled) = self.assembly.tangent_into(&self.displacement, &mut self.forces, &mut self.matrix)
-            else {
-                return false;
-            };
-            self.assembled = assembled;
             // The set at the last rest carries the first iteration, if there is one.
             let is_seeding = iteration == 0 && self.touches.iter().all(|touch| *touch == Touch::Free);
             let changed = if iteration > 0 || is_seeding {
@@ -108,18 +116,12 @@ impl Press<'_> {
             iteration < LATE && self.residual_norm(&self.constraints(&frames[1])) <= BALANCED * contact_force;
         let mut changed = false;
         for surface in 0..self.touches.len() {
-            let (i, j) = (surface % grid.nodes[0], surface / grid.nodes[0]);
-            let index = grid.index(i, j, 0);
-            let place = |field: &[[f64; 3]]| {
-                let node = self.assembly.mesh.node(i, j, 0);
-                [0, 1, 2].map(|c| node[c] + field[index][c])
-            };
             let node = Node {
                 relief: self.relief,
                 law: self.contact,
                 frames: [&frames[0], &frames[1]],
-                places: [place(rest), place(&self.displacement)],
-                force: self.forces[index],
+                places: [self.place(surface, rest), self.place(surface, &self.displacement)],
+                force: self.forces[grid.on_surface(surface)],
                 is_late: iteration >= LATE,
                 is_balanced,
                 contact_force,
@@ -146,12 +148,9 @@ impl Press<'_> {
 
     /// Lets the anchors of rubbing nodes follow them.
     fn settle_rubs(&mut self, frame: &Frame) {
-        let grid = self.assembly.grid;
         for surface in 0..self.touches.len() {
             if let Touch::Rubbing(rub) = self.touches[surface] {
-                let (i, j) = (surface % grid.nodes[0], surface / grid.nodes[0]);
-                let (node, moved) = (self.assembly.mesh.node(i, j, 0), self.displacement[grid.index(i, j, 0)]);
-                let place = [0, 1, 2].map(|c| node[c] + moved[c]);
+                let place = self.place(surface, &self.displacement);
                 self.touches[surface] = Touch::Rubbing(rub.at_rest(frame, place, self.relief));
             }
         }
@@ -167,37 +166,15 @@ impl Press<'_> {
     pub(super) fn touching(&self) -> impl Iterator<Item = (usize, Touch)> {
         let grid = self.assembly.grid;
         let touching = self.touches.iter().enumerate().filter(|(_, touch)| **touch != Touch::Free);
-        touching.map(move |(n, touch)| (grid.index(n % grid.nodes[0], n / grid.nodes[0], 0), *touch))
+        touching.map(move |(surface, touch)| (grid.on_surface(surface), *touch))
     }
 
-    fn constraints(&self, frame: &Frame) -> Vec<Option<Constraint>> {
+    /// Where a surface node is under a displacement, mm.
+    pub(super) fn place(&self, surface: usize, displacement: &[[f64; 3]]) -> [f64; 3] {
         let grid = self.assembly.grid;
-        let constraint = |(surface, touch): (usize, &Touch)| {
-            let (i, j) = (surface % grid.nodes[0], surface / grid.nodes[0]);
-            let (index, node) = (grid.index(i, j, 0), self.assembly.mesh.node(i, j, 0));
-            let place = [0, 1, 2].map(|c| node[c] + self.displacement[index][c]);
-            match touch {
-                Touch::Free => None,
-                Touch::Held { anchor } => {
-                    let target = frame.gel_from_indenter(*anchor);
-                    let motion = [0, 1, 2].map(|c| target[c] - place[c]);
-                    Some(Constraint { free: [[0.0; 3]; 3], motion, drag: [0.0; 3], bend: [[0.0; 3]; 3] })
-                }
-                Touch::Sliding | Touch::Rubbing(_) => {
-                    let gap = frame.gap(self.relief, place)?;
-                    let n = gap.normal;
-                    let push = dot(&self.forces[index], &n).max(0.0);
-                    let free = [0, 1, 2].map(|r| [0, 1, 2].map(|c| f64::from(u8::from(r == c)) - n[r] * n[c]));
-                    let (drag, rub) = match touch {
-                        Touch::Rubbing(rub) => (rub.drag(), rub.stiffness(&free)),
-                        _ => ([0.0; 3], [[0.0; 3]; 3]),
-                    };
-                    let bend = [0, 1, 2].map(|r| [0, 1, 2].map(|c| rub[r][c] - push * gap.curvature[r][c]));
-                    Some(Constraint { free, motion: n.map(|value| -gap.distance * value), drag, bend })
-                }
-            }
-        };
-        self.touches.iter().enumerate().map(constraint).collect()
+        let node = self.assembly.mesh.node(surface % grid.nodes[0], surface / grid.nodes[0], 0);
+        let moved = displacement[grid.on_surface(surface)];
+        [0, 1, 2].map(|c| node[c] + moved[c])
     }
 
     /// Whether forces balance and the touching nodes lie on the face.
@@ -215,7 +192,7 @@ impl Press<'_> {
         let all = crate::solver::dot(grid, &self.forces, &self.forces);
         let constrained = constraints.iter().enumerate().filter_map(|(surface, constraint)| {
             let constraint = constraint.as_ref()?;
-            let force = self.forces[grid.index(surface % grid.nodes[0], surface / grid.nodes[0], 0)];
+            let force = self.forces[grid.on_surface(surface)];
             let rest = [0, 1, 2].map(|c| force[c] - constraint.drag[c]);
             let free = constraint.free.map(|row| dot(&row, &rest));
             Some(dot(&free, &free) - dot(&force, &force))
@@ -226,55 +203,60 @@ impl Press<'_> {
     /// One Newton step; whether there was one that turns no element inside out.
     fn newton_step(&mut self, frame: &Frame, constraints: &[Option<Constraint>]) -> bool {
         let grid = self.assembly.grid;
-        add_bend(grid, constraints, &mut self.matrix);
-        let Scratch { right, step, trial, single, .. } = &mut self.work;
-        single.fill([0.0; 3]);
+        if self.assembly.tangent_into(&self.displacement, self.multigrid.finest_mut()).is_err() {
+            return false;
+        }
+        add_bend(grid, constraints, self.multigrid.finest_mut());
+        let Scratch { right, motion, moved, .. } = &mut self.work;
+        motion.fill([0.0; 3]);
         for (surface, constraint) in constraints.iter().enumerate() {
             if let Some(constraint) = constraint {
-                single[grid.index(surface % grid.nodes[0], surface / grid.nodes[0], 0)] = constraint.motion;
+                let index = grid.on_surface(surface);
+                motion[index] = constraint.motion.map(|value| value as f32);
             }
         }
-        self.matrix.multiply_into(single, trial);
+        self.multigrid.finest().multiply_into(motion, moved);
         right.copy_from_slice(&self.forces);
         apply_drag(grid, constraints, right);
-        right.par_iter_mut().zip(trial.par_iter()).for_each(|(right, moved)| {
-            *right = [0, 1, 2].map(|c| -right[c] - moved[c]);
-        });
-        fill_preconditioner(&self.matrix, constraints, self.multigrid.finest_mut());
+        for (right, moved) in right.iter_mut().zip(moved.iter()) {
+            *right = [0, 1, 2].map(|c| -right[c] - f64::from(moved[c]));
+        }
+        constrain(self.multigrid.finest_mut(), constraints);
         self.multigrid.refresh();
-        let outcome = self.solver.solve(
-            &self.matrix,
-            &mut self.multigrid,
-            (right, step),
-            &|field| project(grid, constraints, field),
-            (LINEAR_TOLERANCE, MOST_LINEAR_ITERATIONS),
-        );
+        let stop = Stop {
+            goal: GOAL_SHARE * TOLERANCE * self.contact_force(),
+            tolerance: LINEAR_TOLERANCE,
+            limit: MOST_LINEAR_ITERATIONS,
+        };
+        let Scratch { right, step, .. } = &mut self.work;
+        let project = |field: &mut Field<f32>| project(grid, constraints, field);
+        let outcome = self.solver.solve(&mut self.multigrid, (right, step), &project, stop);
         self.report.linear_iterations += outcome.iterations;
         self.take_step(frame)
     }
 
     /// Goes the prescribed motion and so much of the Newton step that the energy along it has no slope left.
     fn take_step(&mut self, frame: &Frame) -> bool {
-        let grid = self.assembly.grid;
-        let slope = crate::solver::dot(grid, &self.work.right, &self.work.step);
+        let slope = crate::solver::dot(self.assembly.grid, &self.work.right, &self.work.step);
         let (mut share, mut bracket) = (1.0, [(0.0, slope), (f64::NAN, 0.0)]);
         for shortening in 0..=MOST_SHORTENINGS {
-            let Scratch { step, trial, forces, single, .. } = &mut self.work;
-            let motions = step.par_iter().zip(single.par_iter()).zip(self.displacement.par_iter());
-            trial.par_iter_mut().zip(motions).for_each(|(trial, ((step, moved), displacement))| {
-                *trial = [0, 1, 2].map(|c| displacement[c] + moved[c] + share * step[c]);
-            });
-            if self.assembly.forces_into(trial, forces).is_err() {
+            let Scratch { step, trial, forces, motion, .. } = &mut self.work;
+            let motions = step.iter().zip(motion.iter()).zip(&self.displacement);
+            for (trial, ((step, motion), displacement)) in trial.iter_mut().zip(motions) {
+                *trial = [0, 1, 2].map(|c| displacement[c] + f64::from(motion[c]) + share * step[c]);
+            }
+            let Ok(assembled) = self.assembly.forces_into(trial, forces) else {
                 share *= 0.5;
                 bracket[1] = (f64::NAN, 0.0);
                 continue;
-            }
-            self.take_off_drag(frame);
-            let left = -crate::solver::dot(grid, &self.work.forces, &self.work.step);
+            };
+            let left = self.slope_at_trial(frame);
             if left >= -SLOPE_LEFT * slope && (left <= SLOPE_LEFT * slope || share >= 1.0)
                 || shortening == MOST_SHORTENINGS
             {
                 std::mem::swap(&mut self.work.trial, &mut self.displacement);
+                std::mem::swap(&mut self.work.forces, &mut self.forces);
+                self.assembled = assembled;
                 return true;
             }
             bracket[usize::from(left < 0.0)] = (share, left);
@@ -286,20 +268,19 @@ impl Press<'_> {
         false
     }
 
-    /// Takes the drag at the trial displacement off the trial forces.
-    fn take_off_drag(&mut self, frame: &Frame) {
-        let grid = self.assembly.grid;
+    /// How the energy falls along the step at the trial displacement, N mm.
+    fn slope_at_trial(&self, frame: &Frame) -> f64 {
+        let Scratch { step, trial, forces, .. } = &self.work;
+        let mut slope = -crate::solver::dot(self.assembly.grid, forces, step);
         for (surface, touch) in self.touches.iter().enumerate() {
             if let Touch::Rubbing(rub) = touch {
-                let (i, j) = (surface % grid.nodes[0], surface / grid.nodes[0]);
-                let (index, node) = (grid.index(i, j, 0), self.assembly.mesh.node(i, j, 0));
-                let place = [0, 1, 2].map(|c| node[c] + self.work.trial[index][c]);
+                let (index, place) = (self.assembly.grid.on_surface(surface), self.place(surface, trial));
                 if let Some(gap) = frame.gap(self.relief, place) {
-                    let drag = rub.moved_to(frame, &place, &gap.normal).drag();
-                    self.work.forces[index] = [0, 1, 2].map(|c| self.work.forces[index][c] - drag[c]);
+                    slope += dot(&rub.moved_to(frame, &place, &gap.normal).drag(), &step[index]);
                 }
             }
         }
+        slope
     }
 
     /// Writes what the present state came to.
@@ -307,82 +288,4 @@ impl Press<'_> {
         let StepReport { energy_nmm, base_force_n, .. } = &mut self.report;
         (*energy_nmm, *base_force_n) = (self.assembled.energy, self.assembled.base_force);
     }
-}
-
-/// Leaves of each constrained node's vector what the constraint leaves free.
-fn project(grid: Grid, constraints: &[Option<Constraint>], field: &mut [[f64; 3]]) {
-    for (surface, constraint) in constraints.iter().enumerate() {
-        if let Some(constraint) = constraint {
-            let value = &mut field[grid.index(surface % grid.nodes[0], surface / grid.nodes[0], 0)];
-            *value = constraint.free.map(|row| dot(&row, value));
-        }
-    }
-}
-
-/// Takes the given forces off the forces that hold the nodes.
-fn apply_drag(grid: Grid, constraints: &[Option<Constraint>], forces: &mut [[f64; 3]]) {
-    for (surface, constraint) in constraints.iter().enumerate() {
-        if let Some(constraint) = constraint {
-            let value = &mut forces[grid.index(surface % grid.nodes[0], surface / grid.nodes[0], 0)];
-            *value = [0, 1, 2].map(|c| value[c] - constraint.drag[c]);
-        }
-    }
-}
-
-fn add_bend(grid: Grid, constraints: &[Option<Constraint>], matrix: &mut Stencil<f64>) {
-    for (surface, constraint) in constraints.iter().enumerate() {
-        if let Some(constraint) = constraint {
-            let rows = &mut matrix.rows[grid.index(surface % grid.nodes[0], surface / grid.nodes[0], 0)];
-            for (r, c) in (0..9).map(|n| (n / 3, n % 3)) {
-                rows[r][OWN + c] += constraint.bend[r][c];
-            }
-        }
-    }
-}
-
-/// Writes `P A P + d (I − P)` for the preconditioner, `d` each node's own mean stiffness.
-fn fill_preconditioner(matrix: &Stencil<f64>, constraints: &[Option<Constraint>], target: &mut Stencil<f32>) {
-    let (grid, slab) = (matrix.grid, matrix.grid.slab());
-    let [nx, ny, _] = grid.nodes;
-    target.rows.par_iter_mut().zip(matrix.rows.par_iter()).for_each(|(target, rows)| {
-        for (target, value) in target.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
-            *target = *value as f32;
-        }
-    });
-    let at = |i: isize, j: isize| {
-        let (i, j) = (usize::try_from(i).ok().filter(|i| *i < nx)?, usize::try_from(j).ok().filter(|j| *j < ny)?);
-        constraints[j * nx + i].as_ref()
-    };
-    target.rows[slab..].par_chunks_mut(slab).take(ny).enumerate().for_each(|(j, rows)| {
-        // Only the surface and the layer below it reach constrained nodes.
-        for (k, i) in (0..2.min(grid.nodes[2])).flat_map(|k| (0..nx).map(move |i| (k, i))) {
-            let rows = &mut rows[grid.in_slab(i, k)];
-            let stiffness = (rows[0][OWN] + rows[1][OWN + 1] + rows[2][OWN + 2]) / 3.0;
-            let (i, j) = (i.cast_signed(), j.cast_signed());
-            for (dx, dy) in (0..9).map(|n: isize| (n % 3 - 1, n / 3 - 1)) {
-                let Some(constraint) = at(i + dx, j + dy) else { continue };
-                let first = column([dx, dy, -k.cast_signed()]);
-                for row in rows.iter_mut() {
-                    let old = [0, 1, 2].map(|c| row[first + c]);
-                    for c in 0..3 {
-                        row[first + c] = (0..3).map(|m| old[m] * constraint.free[m][c] as f32).sum();
-                    }
-                }
-            }
-            if k == 0
-                && let Some(constraint) = at(i, j)
-            {
-                let free = constraint.free.map(|row| row.map(|value| value as f32));
-                for c in 0..rows[0].len() {
-                    let old = [rows[0][c], rows[1][c], rows[2][c]];
-                    for r in 0..3 {
-                        rows[r][c] = (0..3).map(|m| free[r][m] * old[m]).sum();
-                    }
-                }
-                for (r, c) in (0..9).map(|n| (n / 3, n % 3)) {
-                    rows[r][OWN + c] += stiffness * (f32::from(u8::from(r == c)) - free[r][c]);
-                }
-            }
-        }
-    });
 }

@@ -2,6 +2,7 @@
 
 use super::stencil::{REACH, Rows};
 use super::{Grid, Stencil};
+use fearless_simd::dispatch;
 use rayon::prelude::*;
 
 /// Drops every other line along an axis; a dropped line follows its neighbours linearly.
@@ -64,7 +65,8 @@ impl Coarsening {
     /// `coarse = Iᵀ fine`.
     pub(crate) fn restrict_into(&self, fine: &[[f32; 3]], coarse: &mut [[f32; 3]]) {
         let (slab, [nx, ny, nz]) = (self.coarse.slab(), self.coarse.nodes);
-        coarse[slab..].par_chunks_mut(slab).take(ny).enumerate().for_each(|(j, coarse)| {
+        let slabs = coarse[slab..].par_chunks_mut(slab).take(ny).enumerate();
+        slabs.with_min_len(self.coarse.least_slabs()).for_each(|(j, coarse)| {
             for (k, i) in (0..nz).flat_map(|k| (0..nx).map(move |i| (k, i))) {
                 let node = [i, j, k];
                 let mut sum = [0.0; 3];
@@ -80,7 +82,8 @@ impl Coarsening {
     /// `fine = I coarse`.
     pub(crate) fn prolong_into(&self, coarse: &[[f32; 3]], fine: &mut [[f32; 3]]) {
         let (slab, [nx, ny, nz]) = (self.fine.slab(), self.fine.nodes);
-        fine[slab..].par_chunks_mut(slab).take(ny).enumerate().for_each(|(j, fine)| {
+        let slabs = fine[slab..].par_chunks_mut(slab).take(ny).enumerate();
+        slabs.with_min_len(self.fine.least_slabs()).for_each(|(j, fine)| {
             for (k, i) in (0..nz).flat_map(|k| (0..nx).map(move |i| (k, i))) {
                 let mut node = [i, j, k];
                 let [(first, first_share), (second, second_share)] = self.parents[node[self.axis]];
@@ -95,16 +98,19 @@ impl Coarsening {
     }
 
     /// `coarse = Iᵀ fine I`.
-    pub(crate) fn galerkin_into(&self, fine: &Stencil<f32>, coarse: &mut Stencil<f32>) {
+    pub(crate) fn galerkin_into(&self, fine: &Stencil, coarse: &mut Stencil) {
         let (slab, [nx, ny, nz]) = (self.coarse.slab(), self.coarse.nodes);
-        coarse.rows[slab..].par_chunks_mut(slab).take(ny).enumerate().for_each(|(j, rows)| {
+        let slabs = coarse.rows[slab..].par_chunks_mut(slab).take(ny).enumerate();
+        slabs.with_min_len(self.coarse.least_slabs()).for_each(|(j, rows)| {
             for (k, i) in (0..nz).flat_map(|k| (0..nx).map(move |i| (k, i))) {
-                self.galerkin_rows(fine, [i, j, k], &mut rows[self.coarse.in_slab(i, k)]);
+                let rows = &mut rows[self.coarse.in_slab(i, k)];
+                dispatch!(fine.simd, _ => self.galerkin_rows(fine, [i, j, k], rows));
             }
         });
     }
 
-    fn galerkin_rows(&self, fine: &Stencil<f32>, node: [usize; 3], sum: &mut Rows<f32>) {
+    #[inline(always)]
+    fn galerkin_rows(&self, fine: &Stencil, node: [usize; 3], sum: &mut Rows) {
         *sum = [[0.0; REACH]; 3];
         let own = node[self.axis];
         for &(line, share) in &self.children[own] {
@@ -124,7 +130,8 @@ impl Coarsening {
 }
 
 /// Adds coefficients `from` nodes along an axis (0, 1, 2 for −1, 0, 1) to those that lie `to` nodes along it.
-fn add_plane(axis: usize, source: &Rows<f32>, sum: &mut Rows<f32>, [from, to]: [usize; 2], factor: f32) {
+#[inline(always)]
+fn add_plane(axis: usize, source: &Rows, sum: &mut Rows, [from, to]: [usize; 2], factor: f32) {
     // Columns run y, z, x: (distance between neighbours along the axis, length of a run of them).
     let (stride, run) = [(3, 3), (27, 27), (9, 9)][axis];
     for (target, source) in sum.iter_mut().zip(source) {
@@ -158,8 +165,17 @@ mod tests {
         field
     }
 
+    /// The components of a node's 27 neighbours in the order of a row.
+    fn neighbourhood(grid: Grid, node: usize, field: &[[f32; 3]]) -> [f32; REACH] {
+        std::array::from_fn(|column| {
+            let (along_y, along_z, along_x) = (column / 27, column / 9 % 3, column / 3 % 3);
+            let near = node + along_y * grid.slab() + along_z * grid.row() + along_x;
+            field[near - grid.slab() - grid.row() - 1][column % 3]
+        })
+    }
+
     /// Random rows whose coefficients towards the empty layer are zero.
-    fn random_matrix(grid: Grid, rng: &mut Pcg64Mcg) -> Stencil<f32> {
+    fn random_matrix(grid: Grid, rng: &mut Pcg64Mcg) -> Stencil {
         let mut matrix = Stencil::zero(grid);
         let ones = {
             let mut ones = vec![[0.0_f32; 3]; grid.len()];
@@ -171,7 +187,7 @@ mod tests {
         for j in 0..grid.nodes[1] {
             for place in grid.slab_nodes() {
                 let node = (j + 1) * grid.slab() + place;
-                let inside = super::super::stencil::neighbourhood(grid, node, &ones);
+                let inside = neighbourhood(grid, node, &ones);
                 matrix.rows[node] = [(); 3].map(|()| inside.map(|inside| inside * noise(rng)));
             }
         }

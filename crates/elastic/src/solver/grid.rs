@@ -9,6 +9,10 @@ pub(crate) struct Grid {
     pub(crate) nodes: [usize; 3],
 }
 
+/// Fewest nodes whose rows are worth a task of their own, and fewest whose mere values are.
+const LEAST_ROWS: usize = 512;
+pub(super) const LEAST_VALUES: usize = 8192;
+
 impl Grid {
     /// Nodes from one row along x to the next, along z.
     pub(crate) fn row(self) -> usize {
@@ -20,6 +24,11 @@ impl Grid {
         self.row() * (self.nodes[2] + 2)
     }
 
+    /// Fewest slabs that a thread should be given: a coarse grid stays with one.
+    pub(crate) fn least_slabs(self) -> usize {
+        LEAST_ROWS.div_ceil(self.slab())
+    }
+
     /// All nodes, the empty layer included.
     pub(crate) fn len(self) -> usize {
         self.slab() * (self.nodes[1] + 2)
@@ -28,6 +37,11 @@ impl Grid {
     /// Place of a node.
     pub(crate) fn index(self, i: usize, j: usize, k: usize) -> usize {
         (j + 1) * self.slab() + self.in_slab(i, k)
+    }
+
+    /// Place of a node of the surface, counted row by row along x.
+    pub(crate) fn on_surface(self, surface: usize) -> usize {
+        self.index(surface % self.nodes[0], surface / self.nodes[0], 0)
     }
 
     /// Place of a node within its slab.

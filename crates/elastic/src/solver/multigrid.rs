@@ -1,6 +1,7 @@
 //! One V-cycle of geometric multigrid, as a preconditioner.
 
 use super::coarsen::Coarsening;
+use super::grid::LEAST_VALUES;
 use super::smoother::{Smoother, Sweep};
 use super::{Grid, Stencil};
 use rayon::prelude::*;
@@ -21,7 +22,7 @@ pub(crate) struct Multigrid {
 /// A grid with its matrix, and how it becomes the next coarser one.
 #[derive(Debug)]
 struct Level {
-    matrix: Stencil<f32>,
+    matrix: Stencil,
     smoother: Smoother,
     solution: Vec<[f32; 3]>,
     right: Vec<[f32; 3]>,
@@ -35,7 +36,7 @@ struct Level {
 struct Step {
     coarsening: Coarsening,
     /// Absent where the result is a level's own.
-    matrix: Option<Stencil<f32>>,
+    matrix: Option<Stencil>,
     field: Vec<[f32; 3]>,
 }
 
@@ -69,8 +70,13 @@ impl Multigrid {
         }
     }
 
+    /// The finest matrix.
+    pub(crate) fn finest(&self) -> &Stencil {
+        &self.levels[0].matrix
+    }
+
     /// The finest matrix, to be filled before [`Multigrid::refresh`].
-    pub(crate) fn finest_mut(&mut self) -> &mut Stencil<f32> {
+    pub(crate) fn finest_mut(&mut self) -> &mut Stencil {
         &mut self.levels[0].matrix
     }
 
@@ -132,7 +138,7 @@ fn cycle(levels: &mut [Level]) {
     };
     smoother.sweep(matrix, right, solution, Sweep::Forward);
     matrix.multiply_into(solution, product);
-    product.par_iter_mut().zip(right.par_iter()).for_each(|(product, right)| {
+    product.par_iter_mut().zip(right.par_iter()).with_min_len(LEAST_VALUES).for_each(|(product, right)| {
         *product = [0, 1, 2].map(|c| right[c] - product[c]);
     });
     for step in 0..steps.len() {
@@ -152,7 +158,7 @@ fn cycle(levels: &mut [Level]) {
         let target = before.last_mut().map_or(&mut *product, |step| &mut step.field);
         rest[0].coarsening.prolong_into(&rest[0].field, target);
     }
-    solution.par_iter_mut().zip(product.par_iter()).for_each(|(solution, correction)| {
+    solution.par_iter_mut().zip(product.par_iter()).with_min_len(LEAST_VALUES).for_each(|(solution, correction)| {
         *solution = [0, 1, 2].map(|c| solution[c] + correction[c]);
     });
     smoother.sweep(matrix, right, solution, Sweep::Backward);

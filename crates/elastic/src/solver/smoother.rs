@@ -3,8 +3,9 @@
 //! A slab sees only itself and its two neighbours, so slabs of one parity can be smoothed at once and the result does
 //! not depend on the number of threads. A backward sweep is the transpose of a forward one, which keeps a cycle symmetric.
 
-use super::stencil::{REACH, Rows};
+use super::stencil::{Rows, row_product};
 use super::{Grid, Stencil};
+use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
 /// In which order the nodes are visited.
@@ -27,9 +28,10 @@ impl Smoother {
     }
 
     /// Inverts the nodes' own blocks.
-    pub(super) fn refresh(&mut self, matrix: &Stencil<f32>) {
+    pub(super) fn refresh(&mut self, matrix: &Stencil) {
         let (grid, slab) = (matrix.grid, matrix.grid.slab());
-        self.inverse_blocks[slab..].par_chunks_mut(slab).take(grid.nodes[1]).enumerate().for_each(|(j, inverses)| {
+        let slabs = self.inverse_blocks[slab..].par_chunks_mut(slab).take(grid.nodes[1]).enumerate();
+        slabs.with_min_len(grid.least_slabs()).for_each(|(j, inverses)| {
             for place in grid.slab_nodes() {
                 inverses[place] = inverse(matrix.own_block((j + 1) * slab + place));
             }
@@ -37,7 +39,7 @@ impl Smoother {
     }
 
     /// One sweep towards `matrix · field = right`.
-    pub(super) fn sweep(&mut self, matrix: &Stencil<f32>, right: &[[f32; 3]], field: &mut [[f32; 3]], sweep: Sweep) {
+    pub(super) fn sweep(&mut self, matrix: &Stencil, right: &[[f32; 3]], field: &mut [[f32; 3]], sweep: Sweep) {
         let parities = if sweep == Sweep::Forward { [0, 1] } else { [1, 0] };
         for parity in parities {
             self.smooth_slabs(matrix, right, field, (parity, sweep));
@@ -52,7 +54,7 @@ impl Smoother {
 
     fn smooth_slabs(
         &mut self,
-        matrix: &Stencil<f32>,
+        matrix: &Stencil,
         right: &[[f32; 3]],
         field: &[[f32; 3]],
         (parity, sweep): (usize, Sweep),
@@ -60,43 +62,45 @@ impl Smoother {
         let (grid, slab) = (matrix.grid, matrix.grid.slab());
         let inverses = &self.inverse_blocks;
         let slabs = self.next[slab..].par_chunks_mut(slab).take(grid.nodes[1]).enumerate();
-        slabs.filter(|(j, _)| j % 2 == parity).for_each(|(j, next)| {
+        slabs.with_min_len(2 * grid.least_slabs()).filter(|(j, _)| j % 2 == parity).for_each(|(j, next)| {
             let start = (j + 1) * slab;
             next.copy_from_slice(&field[start..start + slab]);
-            let outer = OuterSlabs { grid, before: &field[start - slab..start], after: &field[start + slab..][..slab] };
-            let mut visit = |place: usize| {
-                let product = outer.row_product(&matrix.rows[start + place], next, place);
-                let rest = [0, 1, 2].map(|c| right[start + place][c] - product[c]);
-                let step = inverses[start + place].map(|row| row[0] * rest[0] + row[1] * rest[1] + row[2] * rest[2]);
-                next[place] = [0, 1, 2].map(|c| next[place][c] + step[c]);
+            let slab = Slab {
+                grid,
+                rows: &matrix.rows[start..start + slab],
+                inverses: &inverses[start..start + slab],
+                right: &right[start..start + slab],
+                beside: [&field[start - slab..start], &field[start + slab..][..slab]],
             };
-            match sweep {
-                Sweep::Forward => grid.slab_nodes().for_each(&mut visit),
-                Sweep::Backward => grid.slab_nodes().rev().for_each(&mut visit),
-            }
+            dispatch!(matrix.simd, simd => match sweep {
+                Sweep::Forward => slab.visit(simd, grid.slab_nodes(), next),
+                Sweep::Backward => slab.visit(simd, grid.slab_nodes().rev(), next),
+            });
         });
     }
 }
 
-/// The slabs on both sides of the one that is being smoothed.
-struct OuterSlabs<'a> {
+/// What a slab is smoothed with.
+struct Slab<'a> {
     grid: Grid,
-    before: &'a [[f32; 3]],
-    after: &'a [[f32; 3]],
+    rows: &'a [Rows],
+    inverses: &'a [[[f32; 3]; 3]],
+    right: &'a [[f32; 3]],
+    /// The slabs before it and after it.
+    beside: [&'a [[f32; 3]]; 2],
 }
 
-impl OuterSlabs<'_> {
-    #[inline]
-    fn row_product(&self, rows: &Rows<f32>, own: &[[f32; 3]], place: usize) -> [f32; 3] {
-        let mut near = [0.0; REACH];
-        let row = self.grid.row();
-        for (slab, near) in [self.before, own, self.after].into_iter().zip(near.as_chunks_mut::<27>().0) {
-            for (along_z, near) in near.as_chunks_mut::<9>().0.iter_mut().enumerate() {
-                let first = place + along_z * row - row - 1;
-                near.copy_from_slice(slab[first..first + 3].as_flattened());
-            }
+impl Slab<'_> {
+    /// Solves for one node of the slab's own field after the other.
+    #[inline(always)]
+    fn visit<S: Simd>(&self, simd: S, places: impl Iterator<Item = usize>, own: &mut [[f32; 3]]) {
+        for place in places {
+            let product =
+                row_product(simd, &self.rows[place], [self.beside[0], own, self.beside[1]], self.grid.row(), place);
+            let rest = [0, 1, 2].map(|c| self.right[place][c] - product[c]);
+            let step = self.inverses[place].map(|row| row[0] * rest[0] + row[1] * rest[1] + row[2] * rest[2]);
+            own[place] = [0, 1, 2].map(|c| own[place][c] + step[c]);
         }
-        rows.each_ref().map(|row| super::stencil::dot(row, &near))
     }
 }
 
