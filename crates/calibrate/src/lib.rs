@@ -1,4 +1,7 @@
 //! Calibration: fits that write a sensor's profile, each with a report on what it is worth.
 
-mod camera;
+pub mod camera;
 mod depth;
+mod profile_file;
+
+pub use profile_file::{ProfileFileError, update_profile};

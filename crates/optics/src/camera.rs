@@ -88,6 +88,15 @@ impl Camera {
         self.position_mm
     }
 
+    /// A point of gel space in camera space, mm.
+    #[must_use]
+    #[inline]
+    pub fn camera_from_gel(&self, gel_mm: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = rotation::apply(&self.from_gel, gel_mm);
+        let [tx, ty, tz] = self.params.translation_mm;
+        [x + tx, y + ty, z + tz]
+    }
+
     /// The pixel `(u, v)` at which a point in gel space, mm, appears, whether or not the image reaches so far.
     ///
     /// None behind the camera, and so far from the axis that the distortion polynomial folds back (see
@@ -163,11 +172,9 @@ impl Camera {
 
     #[inline]
     fn see(&self, gel_mm: [f64; 3]) -> Option<Seen> {
-        let [x, y, z] = rotation::apply(&self.from_gel, gel_mm);
-        let [tx, ty, tz] = self.params.translation_mm;
-        let distance_mm = z + tz;
+        let [x, y, distance_mm] = self.camera_from_gel(gel_mm);
         if distance_mm > 0.0 {
-            let direction = [(x + tx) / distance_mm, (y + ty) / distance_mm];
+            let direction = [x / distance_mm, y / distance_mm];
             Some(Seen { direction, distorted: self.lens.distort(direction)?, distance_mm })
         } else {
             None

@@ -1,1 +1,23 @@
 //! The camera, from a patterned board that slides in known steps.
+
+mod board;
+mod error;
+mod fit;
+mod model;
+mod observability;
+mod prior;
+mod problem;
+mod residuals;
+mod slide;
+mod steps;
+mod unknowns;
+
+pub use board::{BoardFlow, BoardTracker, GRID, LEAST_IMAGES, Node};
+pub use error::BoardError;
+pub use fit::{CameraFit, FitOptions, ResidualTable, Start, fit_camera};
+pub use model::{BoardFlowJacobian, board_flow, board_flow_with_jacobian};
+pub use observability::{BlindDirection, Estimate, Knowledge};
+pub use prior::{Prior, Priors};
+pub use residuals::{ResidualMap, Residuals};
+pub use slide::Slide;
+pub use unknowns::{UNKNOWNS, Unknown, Unknowns, camera_params, unknowns_of};

@@ -1,0 +1,149 @@
+use fingervision_flow::FlowError;
+use fingervision_image::ImageError;
+use thiserror::Error;
+
+use super::LEAST_IMAGES;
+
+/// Why a recording of a board gives no camera.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum BoardError {
+    /// The recording is too short.
+    #[error("the board is shown in {images} images: at least {LEAST_IMAGES} are needed")]
+    TooFewImages {
+        /// How many there are.
+        images: usize,
+    },
+    /// There is nothing to follow.
+    #[error("only {:.0} % of image {image} has texture that can be followed", 100.0 * textured)]
+    NoTexture {
+        /// The image, counted from 1.
+        image: usize,
+        /// The part that has texture, 0 to 1.
+        textured: f32,
+    },
+    /// Two images do not show the same board.
+    #[error("images {image} and {} do not match: {:.0} % of the textured part is found again", image + 1, 100.0 * matched)]
+    NoMatch {
+        /// The first of the two, counted from 1.
+        image: usize,
+        /// The part that is found again, 0 to 1.
+        matched: f32,
+    },
+    /// Nothing moves.
+    #[error("nothing moves: from image to image the board is displaced by {flow_px:.2} px")]
+    Still {
+        /// The typical displacement, px.
+        flow_px: f64,
+    },
+    /// The images do not show equal steps.
+    #[error("{}", step_fault(*image, *steps))]
+    UnevenStep {
+        /// The image before the step, counted from 1.
+        image: usize,
+        /// The step's length in typical steps.
+        steps: f64,
+    },
+    /// The board moves elsewhere than it is told.
+    #[error("the board moves towards {found_deg:.0}° in the image, not towards {expected_deg:.0}°")]
+    WrongDirection {
+        /// Where it moves, degrees from x towards y.
+        found_deg: f64,
+        /// Where it should, degrees from x towards y.
+        expected_deg: f64,
+    },
+    /// The board moves by another length than it is told.
+    #[error("by what is known of the camera the board moves {found_mm:.3} mm from image to image, not {step_mm} mm")]
+    WrongStep {
+        /// What it moves by the camera that is known, mm.
+        found_mm: f64,
+        /// What is said, mm.
+        step_mm: f64,
+    },
+    /// Too little of the image could be followed in enough of the pairs.
+    #[error("only {:.0} % of the image could be followed through the recording", 100.0 * part)]
+    TooLittleSeen {
+        /// The part of the grid's nodes that have a flow, 0 to 1.
+        part: f64,
+    },
+    /// The fit found no camera.
+    #[error("the fit did not converge: {reason} after {evaluations} evaluations, mean residual {residual_px:.3} px")]
+    NotConverged {
+        /// Why it ended.
+        reason: String,
+        /// How often the model was evaluated.
+        evaluations: usize,
+        /// Mean length of the residual where it ended, px.
+        residual_px: f64,
+    },
+    /// The flow's parameters or the size of its images.
+    #[error(transparent)]
+    Flow(#[from] FlowError),
+    /// An image of another size.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+}
+
+impl BoardError {
+    /// What to do about it, where there is something to say.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        let hint = match self {
+            Self::TooFewImages { .. } => "slide the board in 20 equal steps and take an image after each: 21 images",
+            Self::NoTexture { .. } => {
+                "use a board with a dense random pattern that fills the image, sharp and evenly lit; fingervision pattern prints one"
+            }
+            Self::NoMatch { .. } => {
+                "keep light and exposure as they are, slide by less than a fifth of the image a step, and let nothing but the board move"
+            }
+            Self::Still { .. } => {
+                "slide the board by the same step between any two images, far enough that it moves 3 to 30 px"
+            }
+            Self::UnevenStep { steps, .. } => uneven_hint(*steps),
+            Self::WrongDirection { .. } => {
+                "name the direction with --direction x, y or degrees from x towards y, or turn the order of the images round"
+            }
+            Self::WrongStep { .. } => {
+                "check --step-mm; if the step is right, the profile's [camera] or the given prior is another camera's: remove it"
+            }
+            Self::TooLittleSeen { .. } => {
+                "let the board fill the image at both ends of the slide, or set image.region_of_interest to the part that it fills"
+            }
+            Self::NotConverged { .. } => {
+                "no profile was written: check --step-mm, --direction and the priors, or start from a [camera] in the profile that is near"
+            }
+            Self::Flow(_) | Self::Image(_) => return None,
+        };
+        Some(hint.into())
+    }
+}
+
+fn step_fault(image: usize, steps: f64) -> String {
+    let next = image + 1;
+    if steps < -0.3 {
+        format!("images are out of order: from image {image} to {next} the board moves back by {:.1} steps", -steps)
+    } else if steps < 0.3 {
+        format!("images {image} and {next} show the board at the same place")
+    } else if is_whole(steps) {
+        let missing = steps.round() - 1.0;
+        let images = if missing > 1.0 { "images are" } else { "image is" };
+        format!("{missing:.0} {images} missing between image {image} and {next}: the board moves {steps:.2} steps")
+    } else {
+        format!("the steps are uneven: from image {image} to {next} the board moves {steps:.2} times the usual step")
+    }
+}
+
+fn is_whole(steps: f64) -> bool {
+    steps > 1.5 && (steps - steps.round()).abs() < 0.15
+}
+
+fn uneven_hint(steps: f64) -> &'static str {
+    if steps < -0.3 {
+        "number the images in the order in which they were taken"
+    } else if steps < 0.3 {
+        "leave one of the two out, or take the recording again with a step between any two images"
+    } else if is_whole(steps) {
+        "put the missing image back, or take the recording again"
+    } else {
+        "move the board by the same step every time, always from the same side, and let it rest before each image"
+    }
+}

@@ -1,0 +1,143 @@
+//! What is known of a camera before it is fitted.
+
+use serde::Serialize;
+
+use super::unknowns::{UNKNOWNS, Unknown, Unknowns};
+
+/// What is known of one number: a value and a standard deviation, in its unit. Infinite: nothing is known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Prior {
+    /// The most likely value.
+    pub value: f64,
+    /// Its standard deviation.
+    pub deviation: f64,
+}
+
+/// What is known of every unknown.
+///
+/// A slide does not show all of a camera, so something must be known beforehand. What is not given is weak:
+///
+/// | unknown | value | standard deviation |
+/// | --- | --- | --- |
+/// | tilt about x and y | 0 | 0.2 rad |
+/// | twist about z | 0 | 0.5 rad |
+/// | origin along x and y | 0 | 5 mm; it is put into the middle of the picture afterwards |
+/// | distance | 50 mm, where the published fit begins | 25 mm |
+/// | k1, k2 | 0 | 0.5 |
+/// | p1, p2 | 0 | 0.01 |
+/// | focal length | – | – |
+/// | principal point | middle of the camera image | 3 % of the picture's width |
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Priors {
+    values: Unknowns,
+    deviations: Unknowns,
+    given: [bool; UNKNOWNS],
+}
+
+/// Distance from which the published fit begins, mm; its focal length in px is the same number.
+pub(super) const PUBLISHED_START: f64 = 50.0;
+
+impl Priors {
+    /// Weak priors for a picture of so many columns, with the middle of the camera image at `middle_px`.
+    #[must_use]
+    pub fn weak(columns: usize, middle_px: [f64; 2]) -> Self {
+        let [x, y] = middle_px;
+        let aside = 0.03 * columns as f64;
+        let start = PUBLISHED_START;
+        Self {
+            values: Unknowns::from([[0.0, 0.0, 0.0, 0.0, 0.0, start, 0.0, 0.0, 0.0, 0.0, start, x, y]]),
+            deviations: Unknowns::from([[
+                0.2,
+                0.2,
+                0.5,
+                5.0,
+                5.0,
+                0.5 * start,
+                0.5,
+                0.5,
+                0.01,
+                0.01,
+                f64::INFINITY,
+                aside,
+                aside,
+            ]]),
+            given: [false; UNKNOWNS],
+        }
+    }
+
+    /// Says what is known of one unknown.
+    pub fn give(&mut self, unknown: Unknown, prior: Prior) {
+        let index = unknown.index();
+        self.values[index] = prior.value;
+        self.deviations[index] = prior.deviation;
+        self.given[index] = true;
+    }
+
+    /// What is known of one unknown.
+    #[must_use]
+    pub fn of(&self, unknown: Unknown) -> Prior {
+        let index = unknown.index();
+        Prior { value: self.values[index], deviation: self.deviations[index] }
+    }
+
+    /// Whether somebody said what is known of it.
+    #[must_use]
+    pub fn is_given(&self, unknown: Unknown) -> bool {
+        self.given[unknown.index()]
+    }
+
+    pub(super) fn values(&self) -> &Unknowns {
+        &self.values
+    }
+
+    /// One over the standard deviations; zero where nothing is known.
+    pub(super) fn weights(&self) -> Unknowns {
+        self.deviations.map(f64::recip)
+    }
+}
+
+impl Prior {
+    /// Reads `NAME=VALUE±DEVIATION`, as in `distance_mm=25±0.5`; `+-` will do for `±`.
+    ///
+    /// # Errors
+    ///
+    /// What it takes instead, in words.
+    pub fn parse(text: &str) -> Result<(Unknown, Self), String> {
+        let form = || "it takes NAME=VALUE±DEVIATION, as in distance_mm=25±0.5 (+- will do for ±)".to_string();
+        let (name, number) = text.split_once('=').ok_or_else(form)?;
+        let names = || Unknown::ALL.map(Unknown::name).join(", ");
+        let unknown = Unknown::ALL.into_iter().find(|unknown| unknown.name() == name.trim());
+        let unknown = unknown.ok_or_else(|| format!("there is no {}; there is {}", name.trim(), names()))?;
+        let number = number.replace("+-", "±");
+        let (value, deviation) = number.split_once('±').ok_or_else(form)?;
+        let parse = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(form);
+        let prior = Self { value: parse(value)?, deviation: parse(deviation)? };
+        let is_length = matches!(unknown, Unknown::Distance | Unknown::FocalLength);
+        if prior.deviation <= 0.0 || is_length && prior.value <= 0.0 {
+            return Err("a deviation, a distance and a focal length are above 0".into());
+        }
+        Ok((unknown, prior))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_prior_is_read_as_it_is_written() {
+        let expected = (Unknown::Distance, Prior { value: 25.0, deviation: 0.5 });
+        assert_eq!(Prior::parse("distance_mm=25±0.5"), Ok(expected));
+        assert_eq!(Prior::parse(" distance_mm = 25 +- 0.5 "), Ok(expected));
+    }
+
+    #[test]
+    fn what_is_no_prior_is_explained() {
+        for text in ["distance_mm", "distance_mm=25", "distance_mm=25±x", "k1=1±inf"] {
+            assert!(Prior::parse(text).unwrap_err().starts_with("it takes NAME=VALUE"), "{text}");
+        }
+        assert!(Prior::parse("distance=25±1").unwrap_err().contains("there is rotation_x_rad"));
+        assert!(Prior::parse("distance_mm=-25±1").unwrap_err().contains("above 0"));
+        assert!(Prior::parse("k1=0±0").unwrap_err().contains("above 0"));
+    }
+}
