@@ -95,5 +95,5 @@ fn track(
 /// A sensor with a depth line, so that every stage runs; its figures are made up.
 fn calibrated() -> Profile {
     let line = DepthLine { slope_mm: 15.2, intercept_mm: 0.0 };
-    Profile { depth: DepthSection { density: Some(line), ..DepthSection::default() }, ..Profile::default() }
+    Profile { depth: DepthSection { density: Some(line.into()), ..DepthSection::default() }, ..Profile::default() }
 }

@@ -48,7 +48,7 @@ enum FieldName {
     Flow,
     /// Density feature, dimensionless
     Density,
-    /// Depth, mm; needs a profile with a depth line
+    /// Depth, mm; needs a profile with depth.density
     Depth,
     /// Predicted standard deviation of the flow, px
     Deviation,

@@ -69,7 +69,7 @@ impl Run {
         match &self.fields {
             Some(fields) if fields.contains(&Field::Depth) && !tracker.has_depth() => Err(Failure::new(
                 format!("depth was asked for, but the profile \"{}\" has no depth line", self.profile.name),
-                "leave depth out of --fields, or give the profile depth.density = { slope_mm = ..., intercept_mm = ... }",
+                "leave depth out of --fields, or fit one: fingervision calibrate depth PRESSES --profile sensor.toml",
             )),
             None if !tracker.has_depth() => {
                 let name = &self.profile.name;

@@ -170,6 +170,29 @@ impl Camera {
         Some((by_u[0] * by_v[1] - by_u[1] * by_v[0]).abs().sqrt().recip())
     }
 
+    /// By how much a small patch of the undeformed surface grows in the image, relative to its area there, for every mm
+    /// that it moves straight towards the camera, 1/mm.
+    ///
+    /// With `P` the point in camera space, `c` the gel's z axis there and `h = −P · c` the camera's height over the
+    /// surface, the image of an area is `h / P_z³` times the determinant of the distortion's Jacobian, so that
+    ///
+    /// ```text
+    /// d ln(area) / dz = −3 c_z / P_z − 1 / h + ∇ ln det(lens) · d(direction) / dz
+    /// ```
+    ///
+    /// An untilted pinhole at the distance z₀ has `2 / z₀` everywhere. The lens as printed has a kink on its axis, where its
+    /// part is left out. None where [`Camera::surface_point`] gives none.
+    #[must_use]
+    pub fn area_growth_per_mm(&self, px: [f64; 2]) -> Option<f64> {
+        let [x, y] = self.surface_point(px, 0.0)?;
+        let Seen { direction, distance_mm, .. } = self.see([x, y, 0.0])?;
+        let axis = self.from_gel.map(|row| row[2]);
+        let by_height = [0, 1].map(|i| (axis[i] - direction[i] * axis[2]) / distance_mm);
+        let by_direction = self.lens.log_determinant_gradient(direction);
+        let lens = by_direction[0] * by_height[0] + by_direction[1] * by_height[1];
+        Some(-3.0 * axis[2] / distance_mm - 1.0 / self.position_mm[2] + lens)
+    }
+
     #[inline]
     fn see(&self, gel_mm: [f64; 3]) -> Option<Seen> {
         let [x, y, distance_mm] = self.camera_from_gel(gel_mm);

@@ -64,6 +64,22 @@ impl Lens {
         ]
     }
 
+    /// Gradient of the logarithm of the Jacobian's determinant, by x and y of the direction.
+    pub(crate) fn log_determinant_gradient(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let Distortion { p1, p2, .. } = self.distortion;
+        let [xx, xy, yy] = self.jacobian([x, y]);
+        let squared = x * x + y * y;
+        let (_, growth) = radial(&self.distortion, squared);
+        let bend = radial_bend(&self.distortion, squared);
+        // Derivatives of the Jacobian: the potential's third ones, so the order of x and y does not matter.
+        let xxx = 3.0 * growth * x + bend * x * x * x + 6.0 * p2;
+        let xxy = growth * y + bend * x * x * y + 2.0 * p1;
+        let xyy = growth * x + bend * x * y * y + 2.0 * p2;
+        let yyy = 3.0 * growth * y + bend * y * y * y + 6.0 * p1;
+        let determinant = xx * yy - xy * xy;
+        [xxx * yy + xx * xyy - 2.0 * xy * xxy, xxy * yy + xx * yyy - 2.0 * xy * xyy].map(|slope| slope / determinant)
+    }
+
     /// Derivatives of the distorted direction by k1, k2, p1 and p2: a row for x, a row for y.
     pub(crate) fn by_coefficients(&self, [x, y]: [f64; 2]) -> [[f64; 4]; 2] {
         let squared = x * x + y * y;
@@ -140,6 +156,17 @@ fn radial(distortion: &Distortion, squared: f64) -> (f64, f64) {
             let second = if radius > 0.0 { k2 / radius } else { 0.0 };
             (1.0 + k1 * squared + k2 * radius, 2.0 * k1 + second)
         }
+    }
+}
+
+/// `(f′(r) / r)′ / r`, by r².
+fn radial_bend(distortion: &Distortion, squared: f64) -> f64 {
+    let Distortion { k2, .. } = *distortion;
+    match distortion.radial {
+        Radial::Brown => 8.0 * k2,
+        // On the axis it only ever multiplies zero, as above.
+        Radial::Printed if squared > 0.0 => -k2 / (squared * squared.sqrt()),
+        Radial::Printed => 0.0,
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! A pinhole with Brown's distortion, at a pose. [`Camera::project`] takes a point in gel space to the image,
 //! [`Camera::ray`] and [`Camera::surface_point`] take a pixel back, and the Jacobians say how a pixel moves with the
-//! point ([`Projection`]) and with every parameter ([`ParameterJacobian`]).
+//! point ([`Projection`]) and with every parameter ([`ParameterJacobian`]). [`Camera::area_growth_per_mm`] says how fast
+//! the surface grows in the image as it comes nearer: what perspective alone tells about depth.
 //!
 //! # Spaces
 //!

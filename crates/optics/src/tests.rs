@@ -95,6 +95,34 @@ fn a_pixel_is_found_again_behind_its_ray() {
     }
 }
 
+#[test]
+fn an_untilted_pinhole_enlarges_alike_everywhere() {
+    let camera = Camera::new(&PINHOLE).unwrap();
+    for px in [[239.5, 239.5], [0.0, 0.0], [479.0, 120.0]] {
+        let growth = camera.area_growth_per_mm(px).unwrap();
+        assert!((growth - 2.0 / 25.0).abs() < 1e-14, "{growth} per mm at {px:?}");
+    }
+}
+
+#[test]
+fn the_growth_of_an_area_is_that_of_differences() {
+    for distortion in lenses() {
+        let camera = Camera::new(&CameraParams { distortion, ..STRONG }).unwrap();
+        for px in [[300.0, 250.0], [10.0, 20.0], [600.0, 30.0], [250.0, 470.0]] {
+            let [x, y] = camera.surface_point(px, 0.0).unwrap();
+            let log_area = |z: f64| {
+                let [by_u, by_v] = camera.project_with_jacobian([x, y, z]).unwrap().by_point;
+                [(by_u[0] * by_v[1] - by_u[1] * by_v[0]).ln(), 0.0]
+            };
+            let growth = camera.area_growth_per_mm(px).unwrap();
+            assert_slope([growth, 0.0], difference(log_area, 1e-3), &format!("{distortion:?} at {px:?}"));
+        }
+    }
+    // Above the horizon there is no surface.
+    let grazing = Camera::new(&CameraParams { rotation_rad: [1.2, 0.0, 0.0], ..PINHOLE }).unwrap();
+    assert_eq!([[239.5, -400.0], [239.5, 900.0]].map(|px| grazing.area_growth_per_mm(px).is_some()), [true, false]);
+}
+
 /// Central difference of `f` at 0 with error h⁴.
 fn difference(f: impl Fn(f64) -> [f64; 2], step: f64) -> [f64; 2] {
     let at = [-2.0, -1.0, 1.0, 2.0].map(|multiple| f(multiple * step));

@@ -5,10 +5,10 @@
 //! calibrated, depth in mm. All fields lie on the reference grid: they belong to points of the gel.
 //!
 //! The parts can be used on their own: the references and their policies ([`ReferenceParams`]), the Gaussian density
-//! ([`DensityEstimator`]), the guided filter ([`GuidedFilter`]) and the line to depth ([`DepthLine`]).
+//! ([`DensityEstimator`]), the guided filter ([`GuidedFilter`]) and the law from the feature to depth ([`DepthLaw`]).
 
 mod density;
-mod depth_line;
+mod depth_law;
 mod error;
 mod guided_filter;
 mod profile;
@@ -17,7 +17,7 @@ mod references;
 mod tracker;
 
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams, ParameterError};
-pub use depth_line::DepthLine;
+pub use depth_law::{DepthLaw, DepthLine, DepthMap, PerspectiveGain, perspective_slopes_mm};
 pub use error::TrackError;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
 pub use profile::{DepthMethod, DepthSection, ImageSection, Profile, ProfileError};

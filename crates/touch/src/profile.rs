@@ -1,7 +1,7 @@
 //! The profile: one file that describes one sensor.
 //!
 //! Every part but the algorithms' parameters may be absent, which switches off what needs it: without `[image]` the
-//! whole frame is used, without a depth line there is no depth. Lengths are in mm, positions in the image in px of the
+//! whole frame is used, without a depth law there is no depth. Lengths are in mm, positions in the image in px of the
 //! region of interest.
 //!
 //! ```
@@ -27,7 +27,7 @@ use fingervision_optics::{Camera, CameraParams};
 use fingervision_settings::Document;
 use serde::{Deserialize, Serialize};
 
-use crate::{DensityParams, DepthLine, ReferenceParams};
+use crate::{DensityParams, DepthLaw, ReferenceParams};
 
 pub use error::ProfileError;
 
@@ -72,16 +72,16 @@ pub struct ImageSection {
 pub struct DepthSection {
     /// The method.
     pub method: DepthMethod,
-    /// The line from the density feature to depth; without it the density gives no depth.
+    /// How depth follows from the density feature; without it the density gives no depth.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub density: Option<DepthLine>,
+    pub density: Option<DepthLaw>,
 }
 
 /// A way to find depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DepthMethod {
-    /// The fitted line of the density feature, if there is one.
+    /// The fitted law of the density feature, if there is one.
     #[default]
     Density,
     /// The gel's elasticity, from the flow.

@@ -2,7 +2,8 @@
 
 use crate::references::References;
 use crate::{
-    DensityEstimator, DensityField, DepthLine, DepthMethod, Flag, Flags, GuidedFilter, Profile, Reading, TrackError,
+    DensityEstimator, DensityField, DepthLaw, DepthMap, DepthMethod, Flag, Flags, GuidedFilter, Profile, Reading,
+    TrackError,
 };
 use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture};
 use fingervision_image::{Frame, Image, Rect};
@@ -47,7 +48,7 @@ struct DensityStage {
     estimator: DensityEstimator,
     filter: GuidedFilter,
     field: DensityField,
-    line: Option<DepthLine>,
+    to_depth: Option<DepthMap>,
 }
 
 /// A stream is lost where less than this part of the textured patches match.
@@ -77,9 +78,9 @@ impl Tracker {
         let (width, height) = (region.width, region.height);
         let flow = FlowParams { colour: profile.flow.colour && is_colour, ..profile.flow };
         let estimator = FlowEstimator::new(width, height, &flow)?;
-        let line = profile.depth.density.filter(|_| fields.depth);
-        let has_density = fields.density || line.is_some();
-        let density = has_density.then(|| DensityStage::new(width, height, profile, line)).transpose()?;
+        let law = profile.depth.density.filter(|_| fields.depth);
+        let has_density = fields.density || law.is_some();
+        let density = has_density.then(|| DensityStage::new(width, height, profile, law)).transpose()?;
         let plane = |is_asked: bool| is_asked.then(|| Image::filled(width, height, 0.0));
         Ok(Self {
             region,
@@ -90,7 +91,7 @@ impl Tracker {
             estimate: Estimate::new(width, height),
             light_at_start: 0.0,
             previous: None,
-            reading: Reading::new(width, height, plane(has_density), plane(line.is_some())),
+            reading: Reading::new(width, height, plane(has_density), plane(law.is_some())),
             density,
         })
     }
@@ -181,12 +182,15 @@ impl Tracker {
 }
 
 impl DensityStage {
-    fn new(width: usize, height: usize, profile: &Profile, line: Option<DepthLine>) -> Result<Self, TrackError> {
+    fn new(width: usize, height: usize, profile: &Profile, law: Option<DepthLaw>) -> Result<Self, TrackError> {
+        let to_depth = law
+            .map(|law| DepthMap::new(&law, profile.camera.as_ref(), (width, height)).ok_or(TrackError::NoSurface))
+            .transpose()?;
         Ok(Self {
             estimator: DensityEstimator::new(width, height, &profile.density)?,
             filter: GuidedFilter::new(width, height, &profile.density.filter)?,
             field: DensityField::at_rest(width, height),
-            line,
+            to_depth,
         })
     }
 
@@ -200,8 +204,8 @@ impl DensityStage {
         }
         let Some(feature) = &mut reading.density else { return };
         self.filter.filter_into(&self.field.feature, &reading.valid, feature);
-        if let (Some(line), Some(depth)) = (self.line, &mut reading.depth) {
-            line.depth_into(feature, depth);
+        if let (Some(to_depth), Some(depth)) = (&self.to_depth, &mut reading.depth) {
+            to_depth.depth_into(feature, &mut reading.valid, depth);
             reading.max_depth_mm = largest_valid(depth, &reading.valid);
         }
     }

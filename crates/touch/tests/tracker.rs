@@ -38,7 +38,7 @@ fn tracker(profile: &Profile) -> Tracker {
 
 fn calibrated() -> Profile {
     let mut profile = Profile::default();
-    profile.depth.density = Some(DepthLine { slope_mm: 10.0, intercept_mm: 0.0 });
+    profile.depth.density = Some(DepthLine { slope_mm: 10.0, intercept_mm: 0.0 }.into());
     profile
 }
 
@@ -196,6 +196,34 @@ fn frames_out_of_order_and_of_another_size_are_refused_and_the_next_is_taken() {
     let reading = tracker.track(&frames[3]).unwrap();
     assert_eq!(reading.dropped_frames, 1);
     assert!(reading.flags.has(Flag::Dropped));
+}
+
+#[test]
+fn a_slope_per_position_is_that_of_the_camera() {
+    let mut profile = calibrated();
+    profile
+        .set_all([
+            ("camera.focal_length_px", "[200, 200]"),
+            ("camera.principal_point_px", "[119.5, 89.5]"),
+            ("camera.translation_mm", "[0, 0, 20]"),
+            ("depth.density", "{ gain = 0.5 }"),
+        ])
+        .unwrap();
+    let (mut stage, mut tracker) = (Stage::new(1), tracker(&profile));
+    tracker.track(&stage.frame(&Motion::STILL, Light::EVEN)).unwrap();
+    let bumps = [4.0, 6.0].map(|amplitude| stage.bump(amplitude));
+    let frames = bumps.map(|bump| stage.frame(&bump, Light::EVEN));
+    tracker.track(&frames[0]).unwrap();
+    let allocations = allocation_counter::measure(|| {
+        tracker.track(&frames[1]).unwrap();
+    });
+    assert_eq!(allocations.count_total, 0, "{allocations:?}");
+    let last = stage.bump(5.0);
+    let reading = tracker.track(&stage.frame(&last, Light::EVEN)).unwrap();
+    let (feature, depth) = (reading.density.as_ref().unwrap(), reading.depth.as_ref().unwrap());
+    for (depth, feature) in depth.values().iter().zip(feature.values()) {
+        assert!((depth - 5.0 * feature).abs() < 1e-5, "{depth} mm for a feature of {feature}");
+    }
 }
 
 #[test]

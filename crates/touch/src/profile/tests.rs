@@ -3,7 +3,7 @@ use std::fs;
 use fingervision_optics::Radial;
 
 use super::*;
-use crate::Policy;
+use crate::{DepthLine, PerspectiveGain, Policy};
 
 const WHOLE: &str = r#"
 name = "left index"
@@ -45,7 +45,7 @@ fn every_part_is_read() {
     assert!((profile.camera.unwrap().distortion.k1 - 0.01).abs() < 1e-12);
     assert_eq!(profile.gel.unwrap().youngs_modulus_mpa, Some(0.6));
     assert_eq!(profile.depth.method, DepthMethod::Elastic);
-    assert_eq!(profile.depth.density, Some(DepthLine { slope_mm: 15.2, intercept_mm: 0.0 }));
+    assert_eq!(profile.depth.density, Some(DepthLine { slope_mm: 15.2, intercept_mm: 0.0 }.into()));
     assert_eq!((profile.flow.finest_level, profile.references.policy), (Some(1), Policy::Stack));
     assert!((profile.mm_per_px().unwrap() - 0.0625).abs() < 1e-12);
 }
@@ -168,6 +168,32 @@ fn an_impossible_parameter_of_an_algorithm_is_refused() {
 }
 
 #[test]
+fn a_gain_of_perspective_needs_a_camera() {
+    let mut profile = Profile::from_toml(WHOLE).unwrap();
+    profile.set("depth.density", "{ gain = 0.8 }").unwrap();
+    assert_eq!(profile.depth.density, Some(DepthLaw::Perspective(PerspectiveGain { gain: 0.8 })));
+    assert_eq!(Profile::from_toml(&profile.to_toml()).unwrap(), profile);
+    let (error, hint) = refusal("[depth]\ndensity = { gain = 0.8 }");
+    assert!(
+        error.starts_with("line 2: depth.density.gain = 0.8 is impossible: it takes a profile with a [camera]"),
+        "{error}"
+    );
+    assert!(hint.contains("slope_mm"), "{hint}");
+}
+
+#[test]
+fn a_depth_law_that_is_none_is_named_with_its_line() {
+    let (error, hint) = refusal("name = 'a'\n[depth]\ndensity = { slope_mm = 1.0 }");
+    assert_eq!(error, "line 3: depth.density: missing intercept_mm beside slope_mm");
+    assert!(hint.contains("all keys"), "{hint}");
+    let (error, hint) = refusal("[depth]\ndensity = { slop_mm = 1.0, intercept_mm = 0.0 }");
+    assert_eq!(
+        (error.as_str(), hint.as_str()),
+        ("line 2: unknown key depth.density.slop_mm", "did you mean depth.density.slope_mm?")
+    );
+}
+
+#[test]
 fn a_number_beyond_what_a_table_holds_is_refused() {
     let mut profile = Profile::default();
     profile.references.rest_frames = u64::MAX;
@@ -194,7 +220,7 @@ fn values_that_belong_together_are_set_together() {
     let mut profile = Profile::default();
     assert!(profile.set("depth.density.slope_mm", "15").is_err());
     profile.set_all([("depth.density.slope_mm", "15"), ("depth.density.intercept_mm", "0.5")]).unwrap();
-    assert_eq!(profile.depth.density, Some(DepthLine { slope_mm: 15.0, intercept_mm: 0.5 }));
+    assert_eq!(profile.depth.density, Some(DepthLine { slope_mm: 15.0, intercept_mm: 0.5 }.into()));
 }
 
 #[test]

@@ -3,15 +3,15 @@
 use fingervision_elastic::{BlockError, GelBlock};
 use fingervision_optics::{CameraError, CameraParams};
 
+use crate::{DepthLaw, PerspectiveGain};
+
 use super::{ImageSection, Profile, ProfileError};
 
 pub(super) fn validate(profile: &Profile) -> Result<(), ProfileError> {
     profile.image.as_ref().map_or(Ok(()), validate_image)?;
     profile.camera.as_ref().map_or(Ok(()), validate_camera)?;
     profile.gel.as_ref().map_or(Ok(()), validate_gel)?;
-    if let Some(line) = profile.depth.density {
-        line.validate()?;
-    }
+    profile.depth.density.map_or(Ok(()), |law| validate_law(law, profile.camera.is_some()))?;
     profile.flow.validate()?;
     profile.references.validate()?;
     Ok(profile.density.validate()?)
@@ -30,6 +30,18 @@ fn validate_camera(camera: &CameraParams) -> Result<(), ProfileError> {
     let in_table =
         |error: CameraError| ProfileError::impossible(format!("camera.{}", error.key), error.value, error.allowed);
     camera.validate().map_err(in_table)
+}
+
+fn validate_law(law: DepthLaw, has_camera: bool) -> Result<(), ProfileError> {
+    law.validate()?;
+    match law {
+        DepthLaw::Perspective(PerspectiveGain { gain }) if !has_camera => {
+            let allowed =
+                "a profile with a [camera] table, whose perspective it scales, or slope_mm and intercept_mm instead";
+            Err(ProfileError::impossible("depth.density.gain", gain.to_string(), allowed))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn validate_gel(gel: &GelBlock) -> Result<(), ProfileError> {
