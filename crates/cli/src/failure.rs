@@ -4,6 +4,8 @@ use std::fmt;
 use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
+use fingervision_calibrate::ProfileFileError;
+use fingervision_calibrate::depth::DepthFitError;
 use fingervision_evaluate::run::RunError;
 use fingervision_gel::{GelError, PatternError, SceneError};
 use fingervision_image::ImageError;
@@ -89,6 +91,18 @@ impl From<SceneError> for Failure {
 
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<ProfileFileError> for Failure {
+    fn from(error: ProfileFileError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<DepthFitError> for Failure {
+    fn from(error: DepthFitError) -> Self {
         Self::Stated { message: error.to_string(), hint: error.hint() }
     }
 }

@@ -4,6 +4,7 @@ mod axes;
 mod canvas;
 mod colour_map;
 mod comparison;
+mod curves;
 mod flow_colours;
 mod heat_map;
 mod lines;
@@ -26,6 +27,7 @@ use image::{ColorType, ImageEncoder};
 
 pub use colour_map::ColourMap;
 pub use comparison::{Comparison, Pair};
+pub use curves::{Curve, CurvePanel, CurvePlots, StraightLine};
 pub use flow_colours::{colour_wheel, flow_colours};
 pub use heat_map::{HeatScale, heat_map};
 pub use lines::FramePlot;

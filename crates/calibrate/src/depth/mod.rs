@@ -1,1 +1,25 @@
-//! The line from the density feature to depth, from presses of known depth.
+//! From presses of known depth to the law between the density feature and depth.
+//!
+//! [Du2021] presses squares into the gel at its centre, midway and at a corner, takes the largest density feature of every
+//! frame, and fits one line to all. A [`PressRecorder`] makes such a curve of a press, a [`DepthFit`] fits the published
+//! line, one through the origin and the camera's perspective to all of them, and says what each is worth: on presses that
+//! the fit has not seen, and whether one line holds at all. Depth is fitted as a function of the feature, because that is
+//! how it is used; the depths are taken as exact.
+//!
+//! [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
+
+mod curve;
+mod error;
+mod fit;
+mod maximum;
+mod picture;
+mod regression;
+mod report;
+mod table;
+
+pub use curve::{Place, PressCurve, PressPoint, PressRecorder};
+pub use error::DepthFitError;
+pub use fit::{DepthFit, FittedLaw, Method, PressFit};
+pub use maximum::{Maximum, MaximumFinder};
+pub use regression::{LineFit, OriginFit, fit_line, fit_through_origin};
+pub use table::PressFolder;

@@ -1,6 +1,7 @@
 //! `fingervision calibrate`: from recordings of known motion to a sensor's profile.
 
 mod camera;
+mod depth;
 
 use std::io::Write;
 
@@ -20,10 +21,12 @@ pub(crate) struct Args {
 #[derive(Debug, Subcommand)]
 enum Part {
     Camera(camera::Args),
+    Depth(depth::Args),
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     match &args.part {
         Part::Camera(args) => camera::run(args, out),
+        Part::Depth(args) => depth::run(args, out),
     }
 }

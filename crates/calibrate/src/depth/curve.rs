@@ -1,0 +1,263 @@
+//! A press as a curve: the density feature of every frame against its depth.
+
+use fingervision_image::{Frame, Image};
+use fingervision_touch::{Fields, Flag, Profile, Reading, TrackError, Tracker, perspective_slopes_mm};
+use serde::Serialize;
+
+use super::DepthFitError;
+use super::maximum::{Maximum, MaximumFinder};
+
+/// The first depth of a press may differ from zero by this part of its largest: what a hand-set zero is worth.
+const REST: f64 = 0.02;
+
+/// One frame of a press.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PressPoint {
+    /// Counted from 0.
+    pub frame: u64,
+    /// How deep the indenter is pressed in, mm: what is known.
+    pub depth_mm: f64,
+    /// The maximum of the density feature `1 − density` after the filter, dimensionless.
+    pub feature: f64,
+    /// The maximum of the feature over the growth of the surface in the image, mm: the depth at a gain of 1. Absent
+    /// without a camera.
+    pub perspective_mm: Option<f64>,
+}
+
+/// Where in the image a press is, by how far the place that spreads most lies from the image's centre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Place {
+    /// Within 15 % of the half diagonal.
+    Centre,
+    /// Up to 45 %.
+    Midway,
+    /// Beyond.
+    Corner,
+}
+
+/// A press: its frames, from the untouched gel on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PressCurve {
+    /// What it is called.
+    pub name: String,
+    /// Where in the image it is.
+    pub place: Place,
+    /// The frames that hold, in order.
+    pub points: Vec<PressPoint>,
+    /// Frames left out because the tracker lost them.
+    pub lost: usize,
+}
+
+/// Tracks a press and keeps its curve.
+#[derive(Debug)]
+pub struct PressRecorder {
+    press: String,
+    depths_mm: Vec<f64>,
+    tracker: Tracker,
+    finder: MaximumFinder,
+    /// Depth for every unit of the feature by perspective alone, mm, and room for the product of both.
+    perspective: Option<[Image<f32>; 2]>,
+    points: Vec<PressPoint>,
+    frames: usize,
+    lost: usize,
+    was_pressed: bool,
+    /// The largest depth so far, mm, and the place that spread most there, px.
+    deepest: (f64, [f64; 2]),
+}
+
+impl PressRecorder {
+    /// A recorder for a press whose images have this size, px, and whose depths are known, mm.
+    ///
+    /// # Errors
+    ///
+    /// [`DepthFitError`] if the depths are none of a press, or the profile does not fit the images.
+    pub fn new(
+        press: &str,
+        depths_mm: &[f64],
+        profile: &Profile,
+        frame_size: (usize, usize),
+        is_colour: bool,
+        maximum: Maximum,
+    ) -> Result<Self, DepthFitError> {
+        check_depths(press, depths_mm)?;
+        let mut profile = profile.clone();
+        // What is about to be fitted has no say.
+        profile.depth.density = None;
+        let fields = Fields { density: true, depth: false };
+        let tracker = Tracker::new(&profile, frame_size, is_colour, fields).map_err(tracking(press))?;
+        let size = tracker.size();
+        check_camera(press, &profile, size)?;
+        let slopes = profile.camera.and_then(|camera| perspective_slopes_mm(&camera, size));
+        Ok(Self {
+            press: press.into(),
+            depths_mm: depths_mm.to_vec(),
+            finder: MaximumFinder::new(maximum, size.0),
+            perspective: slopes.map(|slopes| [Image::filled(size.0, size.1, 0.0), slopes]),
+            tracker,
+            points: Vec::new(),
+            frames: 0,
+            lost: 0,
+            was_pressed: false,
+            deepest: (f64::NEG_INFINITY, [0.0; 2]),
+        })
+    }
+
+    /// Takes the next image.
+    ///
+    /// # Errors
+    ///
+    /// [`DepthFitError::Track`] if it cannot be tracked, [`DepthFitError::Count`] if it has no depth.
+    pub fn push(&mut self, frame: &Frame) -> Result<(), DepthFitError> {
+        let Some(&depth_mm) = self.depths_mm.get(self.frames) else {
+            return Err(self.miscounted(self.frames as u64 + 1));
+        };
+        let reading = self.tracker.track(frame).map_err(tracking(&self.press))?;
+        let number = self.frames as u64;
+        self.frames += 1;
+        self.was_pressed |= reading.flags.has(Flag::PressedAtStart);
+        let values =
+            if reading.flags.has(Flag::Lost) { None } else { maxima(reading, &mut self.finder, &mut self.perspective) };
+        let Some((feature, perspective_mm)) = values else {
+            self.lost += 1;
+            return Ok(());
+        };
+        if depth_mm > self.deepest.0
+            && let Some(place) = spreading_place(reading, feature)
+        {
+            self.deepest = (depth_mm, place);
+        }
+        self.points.push(PressPoint { frame: number, depth_mm, feature, perspective_mm });
+        Ok(())
+    }
+
+    /// The curve, after the last image.
+    ///
+    /// # Errors
+    ///
+    /// [`DepthFitError::Count`] if depths are left over, [`DepthFitError::PressedAtStart`] if the gel moved inwards from the
+    /// first image on, [`DepthFitError::Lost`] if more than half of the images were lost.
+    pub fn finish(self) -> Result<PressCurve, DepthFitError> {
+        if self.frames != self.depths_mm.len() {
+            return Err(self.miscounted(self.frames as u64));
+        }
+        let Self { press, lost, frames, .. } = self;
+        if self.was_pressed {
+            return Err(DepthFitError::PressedAtStart { press, depth_mm: None });
+        }
+        if 2 * lost > frames {
+            return Err(DepthFitError::Lost { press, lost, frames });
+        }
+        let place = Place::of(self.deepest.1, self.tracker.size());
+        Ok(PressCurve { name: press, place, points: self.points, lost })
+    }
+
+    fn miscounted(&self, images: u64) -> DepthFitError {
+        DepthFitError::Count { press: self.press.clone(), images, depths: self.depths_mm.len() as u64 }
+    }
+}
+
+impl Place {
+    fn of([x, y]: [f64; 2], (width, height): (usize, usize)) -> Self {
+        let (half_width, half_height) = (0.5 * width as f64, 0.5 * height as f64);
+        let part = (x - half_width).hypot(y - half_height) / half_width.hypot(half_height);
+        match part {
+            part if part < 0.15 => Self::Centre,
+            part if part < 0.45 => Self::Midway,
+            _ => Self::Corner,
+        }
+    }
+
+    /// Its name as a heading.
+    #[must_use]
+    pub fn heading(self) -> &'static str {
+        match self {
+            Self::Centre => "Centre",
+            Self::Midway => "Midway",
+            Self::Corner => "Corner",
+        }
+    }
+}
+
+fn tracking(press: &str) -> impl Fn(TrackError) -> DepthFitError + '_ {
+    |source| DepthFitError::Track { press: press.into(), source: Box::new(source) }
+}
+
+fn check_depths(press: &str, depths_mm: &[f64]) -> Result<(), DepthFitError> {
+    let press = press.to_owned();
+    let Some(&first) = depths_mm.first() else { return Err(DepthFitError::Count { press, images: 1, depths: 0 }) };
+    let (least, most) = depths_mm.iter().fold((first, first), |(low, high), &depth| (depth.min(low), depth.max(high)));
+    if least >= most {
+        return Err(DepthFitError::Constant { press, depth_mm: first });
+    }
+    if first.abs() > REST * most.abs() {
+        return Err(DepthFitError::PressedAtStart { press, depth_mm: Some(first) });
+    }
+    Ok(())
+}
+
+/// A principal point outside the image is that of another image.
+fn check_camera(press: &str, profile: &Profile, region: (usize, usize)) -> Result<(), DepthFitError> {
+    let Some(camera) = &profile.camera else { return Ok(()) };
+    let principal_point_px = camera.principal_point_px;
+    let is_inside = |at: f64, length: usize| (-0.5..length as f64 - 0.5).contains(&at);
+    if is_inside(principal_point_px[0], region.0) && is_inside(principal_point_px[1], region.1) {
+        return Ok(());
+    }
+    Err(DepthFitError::OtherSize { press: press.into(), region, principal_point_px })
+}
+
+/// The maximum of the feature and that of the depth by perspective, mm; none where nothing is valid.
+fn maxima(
+    reading: &Reading,
+    finder: &mut MaximumFinder,
+    perspective: &mut Option<[Image<f32>; 2]>,
+) -> Option<(f64, Option<f64>)> {
+    let feature = reading.density.as_ref()?;
+    let largest = finder.find(feature, &reading.valid)?;
+    let Some([product, slopes]) = perspective else { return Some((largest.into(), None)) };
+    for ((product, slope), feature) in product.values_mut().iter_mut().zip(slopes.values()).zip(feature.values()) {
+        *product = slope * feature;
+    }
+    Some((largest.into(), finder.find(product, &reading.valid).map(f64::from)))
+}
+
+/// The mean place of the valid pixels that reach half of the largest feature, px: the face and what spreads about it. None
+/// where there are none.
+fn spreading_place(reading: &Reading, largest: f64) -> Option<[f64; 2]> {
+    let feature = reading.density.as_ref()?;
+    let (mut count, mut place) = (0.0, [0.0; 2]);
+    for (y, (features, valid)) in feature.rows().zip(reading.valid.rows()).enumerate() {
+        for (x, (&feature, &valid)) in features.iter().zip(valid).enumerate() {
+            if valid == 1 && f64::from(feature) >= 0.5 * largest {
+                count += 1.0;
+                place[0] += x as f64;
+                place[1] += y as f64;
+            }
+        }
+    }
+    (count > 0.0).then(|| place.map(|sum| sum / count))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depths_that_are_none_of_a_press_are_refused() {
+        let refusal = |depths: &[f64]| check_depths("a", depths).unwrap_err().to_string();
+        assert_eq!(refusal(&[0.5, 0.5, 0.5]), "a: its depth never changes: 0.5 mm in every frame");
+        assert_eq!(refusal(&[0.5, 1.0]), "a: it is pressed already at the start: 0.5 mm in the first frame");
+        assert_eq!(refusal(&[]), "a: 1 images, but 0 depths");
+        check_depths("a", &[0.01, 0.5, 1.0, 0.0]).unwrap();
+    }
+
+    #[test]
+    fn a_place_is_told_by_its_distance_from_the_centre() {
+        let at = |x: f64, y: f64| Place::of([x, y], (480, 480));
+        assert_eq!(
+            [at(240.0, 250.0), at(312.0, 312.0), at(384.0, 384.0)],
+            [Place::Centre, Place::Midway, Place::Corner]
+        );
+    }
+}

@@ -1,0 +1,126 @@
+use std::path::PathBuf;
+
+use fingervision_touch::TrackError;
+
+use super::table::DEPTH_FILE;
+
+/// What keeps a depth law from being fitted.
+#[derive(Debug, thiserror::Error)]
+pub enum DepthFitError {
+    /// The images of a press cannot be tracked with the profile.
+    #[error("{press}: {source}")]
+    Track {
+        /// The press.
+        press: String,
+        /// What is wrong.
+        source: Box<TrackError>,
+    },
+    /// The profile was made for images of another size.
+    #[error(
+        "{press}: its images are {}x{} px, but the profile's camera has its principal point at ({}, {}) px",
+        region.0, region.1, principal_point_px[0], principal_point_px[1]
+    )]
+    OtherSize {
+        /// The press.
+        press: String,
+        /// Columns and rows of the region of interest, px.
+        region: (usize, usize),
+        /// Of the profile's camera, px.
+        principal_point_px: [f64; 2],
+    },
+    /// There is nothing that tells the depth.
+    #[error("{}: it has no depths: neither {DEPTH_FILE} nor truth/force.csv", folder.display())]
+    NoDepths {
+        /// The press.
+        folder: PathBuf,
+    },
+    /// The table of depths cannot be read.
+    #[error("{}: {error}", file.display())]
+    Unreadable {
+        /// The table.
+        file: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// A row of the table of depths is none.
+    #[error("{}, line {line}: {reason}", file.display())]
+    Table {
+        /// The table.
+        file: PathBuf,
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// There are more or fewer depths than images.
+    #[error("{press}: {images} images, but {depths} depths")]
+    Count {
+        /// The press.
+        press: String,
+        /// How many images there are, at least.
+        images: u64,
+        /// How many depths.
+        depths: u64,
+    },
+    /// The depth is the same in every frame.
+    #[error("{press}: its depth never changes: {depth_mm} mm in every frame")]
+    Constant {
+        /// The press.
+        press: String,
+        /// The depth, mm.
+        depth_mm: f64,
+    },
+    /// The first image shows a pressed gel.
+    #[error("{press}: it is pressed already at the start{}", depth_mm.map_or(String::new(), |depth| format!(": {depth} mm in the first frame")))]
+    PressedAtStart {
+        /// The press.
+        press: String,
+        /// The first depth, mm, if that tells.
+        depth_mm: Option<f64>,
+    },
+    /// Most frames do not match the first.
+    #[error("{press}: {lost} of {frames} frames are lost: most of the image does not match the first")]
+    Lost {
+        /// The press.
+        press: String,
+        /// Frames without a value.
+        lost: usize,
+        /// Frames in all.
+        frames: usize,
+    },
+    /// The density does not follow the depth.
+    #[error("{press}: the density feature does not grow with the depth")]
+    NoResponse {
+        /// The press, or what is fitted to all of them.
+        press: String,
+    },
+    /// A slope per position needs to know how the camera sees the gel.
+    #[error("the profile has no [camera]: there is no perspective to take the slope from")]
+    NoCamera,
+}
+
+impl DepthFitError {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        Some(match self {
+            Self::Track { source, .. } => return source.hint(),
+            Self::OtherSize { .. } => {
+                "take the profile of the camera that recorded the press, or its image.region_of_interest".into()
+            }
+            Self::NoDepths { .. } => {
+                format!("write {DEPTH_FILE} beside the images: a line \"frame,depth_mm\", then a row for every image, from 0")
+            }
+            Self::Unreadable { .. } => "check that the file can be read and is text".into(),
+            Self::Table { .. } => "the first line names the columns, frame and depth_mm; then comes a row for every image".into(),
+            Self::Count { .. } => "give every image its depth, a row for each, from the first image on".into(),
+            Self::Constant { .. } => "record from the untouched gel to the deepest point, with the depth of every image".into(),
+            Self::PressedAtStart { .. } => "begin the recording before the indenter touches the gel".into(),
+            Self::Lost { .. } => "record again with less motion between images, steady light and a sharp pattern".into(),
+            Self::NoResponse { .. } => {
+                "check that the depths belong to these images and that the indenter touches the gel in view of the camera".into()
+            }
+            Self::NoCamera => "calibrate the camera first, or take --method line or origin".into(),
+        })
+    }
+}

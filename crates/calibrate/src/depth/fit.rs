@@ -1,0 +1,273 @@
+//! The laws that presses of known depth allow, and what each is worth.
+
+use fingervision_touch::{DepthLaw, DepthLine, PerspectiveGain};
+use serde::Serialize;
+
+use super::regression::{LineFit, OriginFit, fit_line, fit_through_origin};
+use super::{DepthFitError, PressCurve, PressPoint};
+
+/// Slopes that differ by more than this factor belong to no common line.
+const LARGEST_FACTOR: f64 = 1.5;
+/// A pooled correlation that much below the least of a single press's belongs to no common line either.
+const LARGEST_DROP: f64 = 0.05;
+
+/// A form of the law from the density feature to depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// A line with an intercept, as published.
+    Line,
+    /// A line through the origin: what is untouched has no depth.
+    Origin,
+    /// Through the origin, its slope at every pixel that of the camera's perspective times a gain.
+    Perspective,
+}
+
+/// What one press says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PressFit {
+    /// Its curve.
+    #[serde(flatten)]
+    pub curve: PressCurve,
+    /// Depth, mm, by the feature.
+    pub line: LineFit,
+}
+
+/// A law fitted to all presses, and how far from their depths it is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FittedLaw {
+    /// Its form.
+    pub method: Method,
+    /// The law, as the profile holds it.
+    pub law: DepthLaw,
+    /// Root mean square error over all frames of all presses, mm.
+    pub error_mm: f64,
+    /// The same, every press judged by the law that all others give, mm; absent for a single press.
+    pub left_out_error_mm: Option<f64>,
+}
+
+/// What all presses say.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DepthFit {
+    /// One a press, as they were given.
+    pub presses: Vec<PressFit>,
+    /// Depth, mm, by the feature, over all frames of all presses.
+    pub pooled: LineFit,
+    /// The line through the origin over the same.
+    pub origin: OriginFit,
+    /// The gain of perspective, dimensionless; absent without a camera.
+    pub perspective: Option<OriginFit>,
+    /// The steepest press's slope over the flattest one's, dimensionless.
+    pub slope_factor: f64,
+    /// Every law that can be fitted.
+    pub laws: Vec<FittedLaw>,
+    /// The law of least error: on presses left out, where there are several.
+    pub best: Method,
+    /// Why no single line holds, where none does.
+    pub warnings: Vec<String>,
+}
+
+impl DepthFit {
+    /// Fits every law to these presses.
+    ///
+    /// # Errors
+    ///
+    /// [`DepthFitError::NoResponse`] if the feature does not grow with the depth in a press or in all of them together.
+    ///
+    /// # Panics
+    ///
+    /// If there are no presses.
+    pub fn new(curves: Vec<PressCurve>) -> Result<Self, DepthFitError> {
+        assert!(!curves.is_empty(), "a fit needs a press");
+        let no_response = |press: &str| DepthFitError::NoResponse { press: press.into() };
+        let presses = curves
+            .into_iter()
+            .map(|curve| match fit_line(&by_feature(curve.points.iter())) {
+                Some(line) if line.slope > 0.0 => Ok(PressFit { curve, line }),
+                _ => Err(no_response(&curve.name)),
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let all = || presses.iter().flat_map(|press| &press.curve.points);
+        let pooled = fit_line(&by_feature(all())).ok_or_else(|| no_response("all presses"))?;
+        let origin = fit_through_origin(&by_feature(all())).ok_or_else(|| no_response("all presses"))?;
+        let perspective = by_perspective(all()).and_then(|points| fit_through_origin(&points));
+        let laws = fitted_laws(&presses);
+        let error = |law: &FittedLaw| law.left_out_error_mm.unwrap_or(law.error_mm);
+        let best = laws.iter().min_by(|a, b| error(a).total_cmp(&error(b))).map(|law| law.method);
+        let best = best.ok_or_else(|| no_response("all presses"))?;
+        let slope_factor = slope_factor(&presses);
+        let warnings = warnings(&presses, &pooled, slope_factor);
+        Ok(Self { presses, pooled, origin, perspective, slope_factor, laws, best, warnings })
+    }
+
+    /// The law of this form.
+    ///
+    /// # Errors
+    ///
+    /// [`DepthFitError::NoCamera`] if perspective is asked for and the profile had no camera.
+    pub fn law(&self, method: Method) -> Result<&FittedLaw, DepthFitError> {
+        self.laws.iter().find(|law| law.method == method).ok_or(DepthFitError::NoCamera)
+    }
+}
+
+impl Method {
+    const ALL: [Self; 3] = [Self::Line, Self::Origin, Self::Perspective];
+
+    /// Its name on the command line and in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Line => "line",
+            Self::Origin => "origin",
+            Self::Perspective => "perspective",
+        }
+    }
+
+    /// The law of this form that fits best.
+    fn fit<'a>(self, points: impl Iterator<Item = &'a PressPoint>) -> Option<DepthLaw> {
+        let line = |slope_mm, intercept_mm| DepthLaw::Line(DepthLine { slope_mm, intercept_mm });
+        Some(match self {
+            Self::Line => fit_line(&by_feature(points)).map(|fit| line(fit.slope, fit.intercept))?,
+            Self::Origin => fit_through_origin(&by_feature(points)).map(|fit| line(fit.slope, 0.0))?,
+            Self::Perspective => {
+                let gain = fit_through_origin(&by_perspective(points)?)?.slope;
+                DepthLaw::Perspective(PerspectiveGain { gain })
+            }
+        })
+    }
+}
+
+/// The depth of a point by a law, mm; not a number without a camera where that is needed.
+fn depth_mm(law: &DepthLaw, point: &PressPoint) -> f64 {
+    match law {
+        DepthLaw::Line(line) => line.slope_mm * point.feature + line.intercept_mm,
+        DepthLaw::Perspective(PerspectiveGain { gain }) => gain * point.perspective_mm.unwrap_or(f64::NAN),
+    }
+}
+
+fn by_feature<'a>(points: impl Iterator<Item = &'a PressPoint>) -> Vec<[f64; 2]> {
+    points.map(|point| [point.feature, point.depth_mm]).collect()
+}
+
+fn by_perspective<'a>(points: impl Iterator<Item = &'a PressPoint>) -> Option<Vec<[f64; 2]>> {
+    points.map(|point| Some([point.perspective_mm?, point.depth_mm])).collect()
+}
+
+fn fitted_laws(presses: &[PressFit]) -> Vec<FittedLaw> {
+    let fitted = |method: Method| {
+        let all = || presses.iter().flat_map(|press| &press.curve.points);
+        let law = method.fit(all())?;
+        law.validate().ok()?;
+        let error_mm = root_mean_square(all().map(|point| depth_mm(&law, point) - point.depth_mm));
+        Some(FittedLaw { method, law, error_mm, left_out_error_mm: left_out_error_mm(presses, method) })
+    };
+    Method::ALL.into_iter().filter_map(fitted).collect()
+}
+
+fn left_out_error_mm(presses: &[PressFit], method: Method) -> Option<f64> {
+    let mut errors = Vec::new();
+    for (number, press) in presses.iter().enumerate() {
+        let others = presses.iter().enumerate().filter(|&(other, _)| other != number);
+        let law = method.fit(others.flat_map(|(_, other)| &other.curve.points))?;
+        errors.extend(press.curve.points.iter().map(|point| depth_mm(&law, point) - point.depth_mm));
+    }
+    Some(root_mean_square(errors.into_iter()))
+}
+
+fn root_mean_square(errors: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = errors.fold((0.0, 0.0), |(sum, count), error| (sum + error * error, count + 1.0));
+    (sum / count).sqrt()
+}
+
+fn slope_factor(presses: &[PressFit]) -> f64 {
+    let slopes = || presses.iter().map(|press| press.line.slope);
+    slopes().fold(f64::MIN, f64::max) / slopes().fold(f64::MAX, f64::min)
+}
+
+fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<String> {
+    let by_slope = |a: &&PressFit, b: &&PressFit| a.line.slope.total_cmp(&b.line.slope);
+    let mut warnings = Vec::new();
+    if let (Some(flat), Some(steep)) = (presses.iter().min_by(by_slope), presses.iter().max_by(by_slope))
+        && slope_factor > LARGEST_FACTOR
+    {
+        warnings.push(format!(
+            "one line does not hold for all presses: their slopes differ by a factor of {slope_factor:.1}, from {:.1} mm \
+             ({}) to {:.1} mm ({})",
+            flat.line.slope, flat.curve.name, steep.line.slope, steep.curve.name
+        ));
+    }
+    let least = presses.iter().map(|press| press.line.correlation).fold(1.0, f64::min);
+    if pooled.correlation < least - LARGEST_DROP {
+        warnings.push(format!(
+            "depth by one line is unsure: all presses together correlate with {:.3}, each alone with {least:.3} or more",
+            pooled.correlation
+        ));
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::Place;
+
+    /// A press whose depth is a line of the feature, its slope by perspective scaled by `distance`.
+    fn curve(name: &str, slope_mm: f64, intercept_mm: f64, distance: f64) -> PressCurve {
+        let point = |frame: u64| {
+            let feature = 0.01 * frame as f64;
+            let depth_mm = slope_mm * feature + intercept_mm;
+            PressPoint { frame, depth_mm, feature, perspective_mm: Some(distance * feature) }
+        };
+        PressCurve { name: name.into(), place: Place::Centre, points: (0..11).map(point).collect(), lost: 0 }
+    }
+
+    #[test]
+    fn presses_on_one_line_give_that_line_and_no_warning() {
+        let fit = DepthFit::new(vec![curve("a", 12.0, 0.3, 10.0), curve("b", 12.0, 0.3, 10.0)]).unwrap();
+        let DepthLaw::Line(line) = fit.law(Method::Line).unwrap().law else { panic!("{fit:?}") };
+        assert!((line.slope_mm - 12.0).abs() < 1e-9 && (line.intercept_mm - 0.3).abs() < 1e-9, "{line:?}");
+        assert!(fit.law(Method::Line).unwrap().error_mm < 1e-9);
+        assert_eq!((fit.best, fit.warnings.as_slice()), (Method::Line, &[][..]));
+        assert!((fit.slope_factor - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn presses_at_several_distances_are_best_told_by_perspective() {
+        let fit = DepthFit::new(vec![curve("near", 8.0, 0.0, 10.0), curve("far", 24.0, 0.0, 30.0)]).unwrap();
+        let best = fit.law(fit.best).unwrap();
+        let DepthLaw::Perspective(PerspectiveGain { gain }) = best.law else { panic!("{fit:?}") };
+        assert!((gain - 0.8).abs() < 1e-9 && best.left_out_error_mm.unwrap() < 1e-9, "{best:?}");
+        assert!(fit.law(Method::Origin).unwrap().left_out_error_mm > fit.law(Method::Origin).unwrap().error_mm.into());
+        assert_eq!(
+            fit.warnings,
+            [
+                "one line does not hold for all presses: their slopes differ by a factor of 3.0, from 8.0 mm (near) to 24.0 mm \
+                 (far)",
+                "depth by one line is unsure: all presses together correlate with 0.730, each alone with 1.000 or more"
+            ]
+        );
+    }
+
+    #[test]
+    fn a_single_press_has_no_error_on_others() {
+        let fit = DepthFit::new(vec![curve("a", 12.0, 0.0, 10.0)]).unwrap();
+        assert!(fit.laws.iter().all(|law| law.left_out_error_mm.is_none()));
+    }
+
+    #[test]
+    fn a_feature_that_does_not_grow_is_refused() {
+        for slope_mm in [0.0, -3.0] {
+            let error = DepthFit::new(vec![curve("a", slope_mm, 1.0, 1.0)]).unwrap_err();
+            assert_eq!(error.to_string(), "a: the density feature does not grow with the depth");
+        }
+    }
+
+    #[test]
+    fn without_a_camera_there_is_no_perspective() {
+        let mut without = curve("a", 12.0, 0.0, 10.0);
+        without.points.iter_mut().for_each(|point| point.perspective_mm = None);
+        let fit = DepthFit::new(vec![without]).unwrap();
+        assert!(matches!(fit.law(Method::Perspective), Err(DepthFitError::NoCamera)));
+        assert!(fit.law(Method::Origin).is_ok() && fit.perspective.is_none());
+    }
+}

@@ -1,0 +1,159 @@
+//! The largest value of a field in a frame, plain and robust.
+
+use fingervision_image::Image;
+use serde::Serialize;
+
+/// Which value of a field stands for a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Maximum {
+    /// The largest valid value, as published.
+    #[default]
+    Plain,
+    /// The largest median over 9×9 px: the largest value that half of such a window holds, all of it valid. A rim
+    /// or a fault narrower than half the window does not count; a face that fills a window keeps its value.
+    Robust,
+}
+
+/// Side of the window of [`Maximum::Robust`], px: a little over the ±2σ of the density's Gaussian, so that noise, which is
+/// correlated over that length, cannot fill half of it.
+const WINDOW: usize = 9;
+/// How often the interval that holds the robust maximum is halved: to a millionth of the range.
+const HALVINGS: usize = 20;
+
+/// Finds the maximum of fields of one size; owns its scratch.
+#[derive(Debug, Clone)]
+pub struct MaximumFinder {
+    kind: Maximum,
+    /// How many pixels of the window's columns reach a level, column by column.
+    columns: Vec<u32>,
+    /// How many of them are valid.
+    valid_columns: Vec<u32>,
+}
+
+impl MaximumFinder {
+    /// A finder for fields of so many columns, px.
+    #[must_use]
+    pub fn new(kind: Maximum, width: usize) -> Self {
+        Self { kind, columns: vec![0; width], valid_columns: vec![0; width] }
+    }
+
+    /// The maximum where `valid` is 1; none if nothing is, or no window is whole.
+    ///
+    /// # Panics
+    ///
+    /// If the images differ in size.
+    pub fn find(&mut self, values: &Image<f32>, valid: &Image<u8>) -> Option<f32> {
+        assert_eq!(values.size(), valid.size(), "size of the validity");
+        let pixels =
+            || values.values().iter().zip(valid.values()).filter(|&(value, &valid)| valid == 1 && value.is_finite());
+        let largest = pixels().map(|(&value, _)| value).reduce(f32::max)?;
+        match self.kind {
+            Maximum::Plain => Some(largest),
+            Maximum::Robust => {
+                let smallest = pixels().map(|(&value, _)| value).fold(largest, f32::min);
+                self.largest_median(values, valid, smallest, largest)
+            }
+        }
+    }
+
+    /// Halves the interval until the level is found that half a window just reaches.
+    fn largest_median(&mut self, values: &Image<f32>, valid: &Image<u8>, mut low: f32, mut high: f32) -> Option<f32> {
+        if values.width() < WINDOW || values.height() < WINDOW || !self.is_reached(values, valid, low) {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            *(if self.is_reached(values, valid, middle) { &mut low } else { &mut high }) = middle;
+        }
+        Some(low)
+    }
+
+    /// Whether half of any window, all of it valid, is at this level or above.
+    fn is_reached(&mut self, values: &Image<f32>, valid: &Image<u8>, level: f32) -> bool {
+        self.columns.fill(0);
+        self.valid_columns.fill(0);
+        for y in 0..values.height() {
+            self.add_row(values, valid, y, level, u32::wrapping_add);
+            if y >= WINDOW {
+                self.add_row(values, valid, y - WINDOW, level, u32::wrapping_sub);
+            }
+            if y + 1 >= WINDOW && self.has_full_window() {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn add_row(&mut self, values: &Image<f32>, valid: &Image<u8>, y: usize, level: f32, add: fn(u32, u32) -> u32) {
+        let counts = self.columns.iter_mut().zip(&mut self.valid_columns);
+        for ((count, valid_count), (&value, &valid)) in counts.zip(values.row(y).iter().zip(valid.row(y))) {
+            *count = add(*count, u32::from(valid == 1 && value >= level));
+            *valid_count = add(*valid_count, u32::from(valid == 1));
+        }
+    }
+
+    fn has_full_window(&self) -> bool {
+        let whole = (WINDOW * WINDOW) as u32;
+        let windows = self.columns.windows(WINDOW).zip(self.valid_columns.windows(WINDOW));
+        windows
+            .into_iter()
+            .any(|(reached, valid)| valid.iter().sum::<u32>() == whole && 2 * reached.iter().sum::<u32>() > whole)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn find(kind: Maximum, values: &Image<f32>, valid: &Image<u8>) -> Option<f32> {
+        MaximumFinder::new(kind, values.width()).find(values, valid)
+    }
+
+    /// The definition, window by window.
+    fn largest_median(values: &Image<f32>, valid: &Image<u8>) -> Option<f32> {
+        let mut largest: Option<f32> = None;
+        for top in 0..=values.height() - WINDOW {
+            for left in 0..=values.width() - WINDOW {
+                let pixels = || (0..WINDOW * WINDOW).map(|i| (left + i % WINDOW, top + i / WINDOW));
+                if pixels().all(|(x, y)| valid.at(x, y) == 1) {
+                    let mut sorted: Vec<f32> = pixels().map(|(x, y)| values.at(x, y)).collect();
+                    sorted.sort_by(f32::total_cmp);
+                    let median = sorted[sorted.len() / 2];
+                    largest = Some(largest.map_or(median, |largest| largest.max(median)));
+                }
+            }
+        }
+        largest
+    }
+
+    #[test]
+    fn the_robust_maximum_is_the_largest_median() {
+        let values =
+            Image::from_fn(40, 25, |x, y| ((x * 7919 + y * 104_729 + x * y * 31) % 1009) as f32 / 1009.0 - 0.3);
+        let valid = Image::from_fn(40, 25, |x, y| u8::from((x + 3 * y) % 97 != 0));
+        let (found, expected) =
+            (find(Maximum::Robust, &values, &valid).unwrap(), largest_median(&values, &valid).unwrap());
+        assert!((found - expected).abs() < 2e-6, "{found}, expected {expected}");
+    }
+
+    #[test]
+    fn a_thin_rim_moves_the_plain_maximum_alone() {
+        let face = |x: usize, y: usize| (10..30).contains(&x) && (10..30).contains(&y);
+        let values = Image::from_fn(60, 60, |x, y| if x == 40 { 5.0 } else { f32::from(u8::from(face(x, y))) });
+        let valid = Image::filled(60, 60, 1);
+        assert_eq!(find(Maximum::Plain, &values, &valid), Some(5.0));
+        let robust = find(Maximum::Robust, &values, &valid).unwrap();
+        assert!((robust - 1.0).abs() < 1e-5, "{robust}");
+    }
+
+    #[test]
+    fn what_is_not_valid_does_not_count() {
+        let values = Image::from_fn(20, 20, |x, _| x as f32);
+        let left = Image::from_fn(20, 20, |x, _| u8::from(x < 12));
+        assert_eq!(find(Maximum::Plain, &values, &left), Some(11.0));
+        assert!((find(Maximum::Robust, &values, &left).unwrap() - 7.0).abs() < 1e-4);
+        let nothing = Image::filled(20, 20, 0);
+        assert_eq!([Maximum::Plain, Maximum::Robust].map(|kind| find(kind, &values, &nothing)), [None, None]);
+    }
+}

@@ -1,0 +1,101 @@
+//! The depth of every image of a press, as a table beside the images.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::DepthFitError;
+
+/// The table that a person writes beside the images.
+pub(super) const DEPTH_FILE: &str = "depth.csv";
+/// The table that a simulation writes.
+const TRUTH_FILE: &str = "truth/force.csv";
+const DEPTH: &str = "depth_mm";
+
+/// A recorded press: where its images are, and how deep it is in each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PressFolder {
+    /// What it is called: its folder's name.
+    pub name: String,
+    /// The folder of its images.
+    pub images: PathBuf,
+    /// The depth of every image, mm.
+    pub depths_mm: Vec<f64>,
+}
+
+impl PressFolder {
+    /// Reads the depths of a press: from `depth.csv`, or from the `truth/force.csv` that a simulation has. The images are
+    /// in its subfolder `frames`, or beside the table.
+    ///
+    /// The table is comma-separated. Its first line names the columns, of which `depth_mm` is read, and `frame` where it is
+    /// there: it counts the rows from 0.
+    ///
+    /// # Errors
+    ///
+    /// [`DepthFitError::NoDepths`], [`DepthFitError::Unreadable`] or [`DepthFitError::Table`].
+    pub fn open(folder: &Path) -> Result<Self, DepthFitError> {
+        let tables = [DEPTH_FILE, TRUTH_FILE].map(|name| folder.join(name));
+        let Some(table) = tables.into_iter().find(|table| table.is_file()) else {
+            return Err(DepthFitError::NoDepths { folder: folder.to_owned() });
+        };
+        let text =
+            fs::read_to_string(&table).map_err(|error| DepthFitError::Unreadable { file: table.clone(), error })?;
+        let depths_mm = depths(&text).map_err(|(line, reason)| DepthFitError::Table { file: table, line, reason })?;
+        let frames = folder.join("frames");
+        let images = if frames.is_dir() { frames } else { folder.to_owned() };
+        let name =
+            folder.file_name().map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into());
+        Ok(Self { name, images, depths_mm })
+    }
+}
+
+/// The column of depths, mm; or the line, from 1, and what is wrong there.
+fn depths(text: &str) -> Result<Vec<f64>, (usize, String)> {
+    let mut rows =
+        text.lines().enumerate().map(|(i, line)| (i + 1, line.split(',').map(str::trim).collect::<Vec<_>>()));
+    let (_, columns) = rows.next().unwrap_or_default();
+    let place = |name: &str| columns.iter().position(|column| *column == name);
+    let depth = place(DEPTH).ok_or_else(|| (1, format!("there is no column {DEPTH}")))?;
+    let frame = place("frame");
+    let mut depths = Vec::new();
+    for (line, cells) in rows.filter(|(_, cells)| cells.iter().any(|cell| !cell.is_empty())) {
+        if cells.len() != columns.len() {
+            return Err((line, format!("{} cells, expected {} as in the first line", cells.len(), columns.len())));
+        }
+        let expected = depths.len();
+        if let Some(number) = frame.map(|frame| cells[frame]).filter(|number| number.parse() != Ok(expected)) {
+            return Err((line, format!("frame {number}, expected {expected}: every frame has its row, from 0")));
+        }
+        match cells[depth].parse::<f64>() {
+            Ok(value) if value.is_finite() => depths.push(value),
+            _ => return Err((line, format!("{DEPTH} = {} is no length", cells[depth]))),
+        }
+    }
+    Ok(depths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_found_by_name() {
+        assert_eq!(depths("frame,depth_mm\n0,0\n1, 0.5\r\n2,1e-1\n\n").unwrap(), [0.0, 0.5, 0.1]);
+        assert_eq!(depths("force_z_n,depth_mm\n1,0\n2,0.25\n").unwrap(), [0.0, 0.25]);
+    }
+
+    #[test]
+    fn a_fault_is_named_with_its_line() {
+        for (text, line, reason) in [
+            ("", 1, "there is no column depth_mm"),
+            ("frame,depth\n", 1, "there is no column depth_mm"),
+            ("frame,depth_mm\n0,0\n2,0.1\n", 3, "frame 2, expected 1"),
+            ("frame,depth_mm\n0,deep\n", 2, "depth_mm = deep is no length"),
+            ("frame,depth_mm\n0,inf\n", 2, "depth_mm = inf is no length"),
+            ("frame,depth_mm\n0,\n", 2, "depth_mm =  is no length"),
+            ("frame,depth_mm\n0\n", 2, "1 cells, expected 2"),
+        ] {
+            let (at, why) = depths(text).unwrap_err();
+            assert!(at == line && why.contains(reason), "{text:?}: line {at}: {why}");
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! `fingervision calibrate depth`: from presses of known depth to the law that turns density into depth.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use fingervision_calibrate::depth::{
+    DepthFit, DepthFitError, FittedLaw, Maximum, Method, PressCurve, PressFolder, PressRecorder,
+};
+use fingervision_calibrate::update_profile;
+use fingervision_gel::{PressCache, ReadyMade};
+use fingervision_sink::write_png;
+use fingervision_source::{Options, SimulatedLocation, SimulatedSource, Source, open};
+use fingervision_touch::{DepthLaw, Profile};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::output::OutputArgs;
+
+/// Fit how depth follows from the density feature, from presses of known depth
+///
+/// Every press is tracked with the profile; the largest density feature of each frame is set against the depth that is
+/// known. Three laws are fitted to all presses: the published line, a line through the origin, and the camera's perspective.
+/// The report says what each press and all together are worth, which law errs least, and warns where no single one holds.
+/// Nothing but depth.density changes in the profile.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Presses: folders of images with their depths, or simulated scenes, as in calibration-centre-1mm
+    ///
+    /// A folder holds images, in it or in its subfolder frames/, and depth.csv: a line `frame,depth_mm`, then a row for every
+    /// image, from 0. A folder that `simulate` wrote has all that. The first image shows the gel untouched.
+    #[arg(required_unless_present = "simulated")]
+    presses: Vec<String>,
+    /// Press the simulated gel instead: 1, 2 and 3 mm deep at the centre, midway and near a corner
+    #[arg(long, conflicts_with = "presses")]
+    simulated: bool,
+    /// Solve simulated scenes on a coarse mesh: seconds instead of minutes
+    #[arg(long)]
+    draft: bool,
+    /// The profile of the sensor: tracks the presses and takes the law
+    #[arg(long, value_name = "FILE")]
+    profile: PathBuf,
+    /// The law to write into the profile
+    #[arg(long, value_enum, default_value_t = MethodName::Origin)]
+    method: MethodName,
+    /// Which value of the feature stands for a frame
+    #[arg(long, value_enum, default_value_t = MaximumName::Plain)]
+    maximum: MaximumName,
+    /// The picture of feature against depth; without it PROFILE-depth.png beside the profile
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// What `--method` takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum MethodName {
+    /// A line with an intercept, as published: the intercept lands on every untouched pixel
+    Line,
+    /// A line through the origin: what is untouched has no depth
+    Origin,
+    /// A slope at every pixel from the camera's perspective, times a fitted gain; needs [camera] in the profile
+    Perspective,
+}
+
+/// What `--maximum` takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum MaximumName {
+    /// The largest value, as published
+    Plain,
+    /// The largest median over 9x9 px, which a thin rim or a fault does not move
+    Robust,
+}
+
+impl From<MethodName> for Method {
+    fn from(name: MethodName) -> Self {
+        match name {
+            MethodName::Line => Self::Line,
+            MethodName::Origin => Self::Origin,
+            MethodName::Perspective => Self::Perspective,
+        }
+    }
+}
+
+impl From<MaximumName> for Maximum {
+    fn from(name: MaximumName) -> Self {
+        match name {
+            MaximumName::Plain => Self::Plain,
+            MaximumName::Robust => Self::Robust,
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct DepthResult<'a> {
+    #[serde(flatten)]
+    fit: &'a DepthFit,
+    maximum: Maximum,
+    written: &'a FittedLaw,
+    profile: &'a Path,
+    picture: &'a Path,
+}
+
+/// What changes in the profile.
+#[derive(Debug, Serialize)]
+struct DepthTable<'a> {
+    density: &'a DepthLaw,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    let profile = load(&args.profile)?;
+    let method = Method::from(args.method);
+    if method == Method::Perspective && profile.camera.is_none() {
+        return Err(DepthFitError::NoCamera.into());
+    }
+    let names = || ReadyMade::ALL.iter().map(|scene| scene.name).filter(|name| name.starts_with("calibration-"));
+    let presses = if args.simulated { names().map(Into::into).collect() } else { args.presses.clone() };
+    let curves = presses.iter().map(|press| record(args, press, &profile)).collect::<Result<Vec<_>, _>>()?;
+    let fit = DepthFit::new(curves)?;
+    let written = fit.law(method)?;
+    let picture = args.picture.clone().unwrap_or_else(|| picture_beside(&args.profile));
+    write_png(&fit.draw(), &picture)?;
+    update_profile(&args.profile, "depth", &DepthTable { density: &written.law })?;
+    let mut text = fit.to_string();
+    let (profile, shown) = (args.profile.display(), picture.display());
+    let _ =
+        writeln!(text, "picture      {shown}\nprofile      {profile}: depth.density is the {} law", law_name(method));
+    if fit.best != method {
+        let best = fit.best.name();
+        let _ = writeln!(text, "choice       --method {best} errs less over these presses");
+    }
+    let result =
+        DepthResult { fit: &fit, maximum: args.maximum.into(), written, profile: &args.profile, picture: &picture };
+    args.output.result(out, &result, &text)
+}
+
+fn law_name(method: Method) -> &'static str {
+    match method {
+        Method::Line => "published line",
+        Method::Origin => "line through the origin",
+        Method::Perspective => "perspective",
+    }
+}
+
+fn load(path: &Path) -> Result<Profile, Failure> {
+    Profile::load(path).map_err(|error| {
+        let begin_one = "begin one: a file with the line name = \"my sensor\", or take that of a simulation";
+        let hint = if path.exists() { error.hint() } else { Some(begin_one.into()) };
+        Failure::Stated { message: error.to_string(), hint }
+    })
+}
+
+/// Tracks a press.
+fn record(args: &Args, press: &str, profile: &Profile) -> Result<PressCurve, Failure> {
+    let Press { name, depths_mm, mut source } = open_press(args, press)?;
+    let is_short = |count: u64| count != depths_mm.len() as u64;
+    if let Some(images) = source.frame_count().filter(|&count| is_short(count)) {
+        return Err(DepthFitError::Count { press: name, images, depths: depths_mm.len() as u64 }.into());
+    }
+    let mut recorder: Option<PressRecorder> = None;
+    let bar = args.output.progress("tracking", source.frame_count());
+    let size = source.size();
+    while let Some(frame) = source.next_frame()? {
+        let recorder = match &mut recorder {
+            Some(recorder) => recorder,
+            none => {
+                let is_colour = frame.pixels.is_colour();
+                none.insert(PressRecorder::new(&name, &depths_mm, profile, size, is_colour, args.maximum.into())?)
+            }
+        };
+        recorder.push(&frame)?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let no_images = || DepthFitError::Count { press: name.clone(), images: 0, depths: depths_mm.len() as u64 };
+    Ok(recorder.ok_or_else(no_images)?.finish()?)
+}
+
+/// A press before it is tracked.
+struct Press {
+    name: String,
+    /// The depth of each of its images, mm.
+    depths_mm: Vec<f64>,
+    source: Box<dyn Source>,
+}
+
+/// Finds a press among folders and scenes.
+fn open_press(args: &Args, press: &str) -> Result<Press, Failure> {
+    let path = Path::new(press);
+    if path.is_dir() {
+        let folder = PressFolder::open(path)?;
+        let source = open(&folder.images, &Options::default())?;
+        return Ok(Press { name: folder.name, depths_mm: folder.depths_mm, source });
+    }
+    let is_location = press.starts_with("sim:");
+    if !is_location && ReadyMade::find(press).is_none() {
+        let message = format!("{press}: there is no such folder and no such scene");
+        return Err(Failure::new(
+            message,
+            "give folders of images with their depths, or scenes as simulate --list names them",
+        ));
+    }
+    let scene = if is_location { press.to_owned() } else { format!("sim:{press}") };
+    let joint = if scene.contains('?') { "&" } else { "?" };
+    let scene = if args.draft { format!("{scene}{joint}draft") } else { scene };
+    simulated(args, &scene)
+}
+
+/// A press that is solved, or was before.
+fn simulated(args: &Args, location: &str) -> Result<Press, Failure> {
+    let Some(location) = SimulatedLocation::of(Path::new(location))? else {
+        return Err(Failure::new(format!("{location}: it names no scene"), "scenes are listed by simulate --list"));
+    };
+    let scene = location.scene()?;
+    let bar = args.output.progress("solving", Some(scene.motion.frames as u64));
+    let mut progress = |frames: usize| {
+        bar.set_position(frames as u64);
+        ControlFlow::Continue(())
+    };
+    let source = SimulatedSource::open(&location, &Options::default(), &PressCache::standard(), &mut progress)?;
+    bar.finish_and_clear();
+    let depths_mm = scene.motion.poses().iter().map(|pose| pose.depth_mm).collect();
+    Ok(Press { name: scene.name, depths_mm, source: Box::new(source) })
+}
+
+fn picture_beside(profile: &Path) -> PathBuf {
+    let stem = profile.file_stem().unwrap_or_default().to_string_lossy();
+    profile.with_file_name(format!("{stem}-depth.png"))
+}
