@@ -13,8 +13,12 @@ pub(super) struct Constraint {
     pub(super) free: [[f64; 3]; 3],
     /// Prescribed motion along the others, mm.
     pub(super) motion: [f64; 3],
+    /// Normal force on a node that slides, N.
+    pub(super) push: f64,
     /// Given force along the free directions, N.
     pub(super) drag: [f64; 3],
+    /// Stiffness added by friction, N/mm.
+    pub(super) rub: [[f64; 3]; 3],
     /// Stiffness added because the face bends, N/mm.
     pub(super) bend: [[f64; 3]; 3],
 }
@@ -30,7 +34,14 @@ impl Press<'_> {
                 Touch::Held { anchor } => {
                     let target = frame.gel_from_indenter(*anchor);
                     let motion = [0, 1, 2].map(|c| target[c] - place[c]);
-                    Some(Constraint { free: [[0.0; 3]; 3], motion, drag: [0.0; 3], bend: [[0.0; 3]; 3] })
+                    Some(Constraint {
+                        free: [[0.0; 3]; 3],
+                        motion,
+                        push: 0.0,
+                        drag: [0.0; 3],
+                        rub: [[0.0; 3]; 3],
+                        bend: [[0.0; 3]; 3],
+                    })
                 }
                 Touch::Sliding | Touch::Rubbing(_) => {
                     let gap = frame.gap(self.relief, place)?;
@@ -41,8 +52,8 @@ impl Press<'_> {
                         Touch::Rubbing(rub) => (rub.drag(), rub.stiffness(&free)),
                         _ => ([0.0; 3], [[0.0; 3]; 3]),
                     };
-                    let bend = [0, 1, 2].map(|r| [0, 1, 2].map(|c| rub[r][c] - push * gap.curvature[r][c]));
-                    Some(Constraint { free, motion: n.map(|value| -gap.distance * value), drag, bend })
+                    let bend = gap.curvature.map(|row| row.map(|value| -push * value));
+                    Some(Constraint { free, motion: n.map(|value| -gap.distance * value), push, drag, rub, bend })
                 }
             }
         };
@@ -70,13 +81,14 @@ pub(super) fn apply_drag(grid: Grid, constraints: &[Option<Constraint>], forces:
     }
 }
 
-/// Adds what the bent face and friction add to the stiffness.
-pub(super) fn add_bend(grid: Grid, constraints: &[Option<Constraint>], matrix: &mut Stencil) {
+/// Adds what friction and, if `is_bent`, the bent face add to the stiffness.
+pub(super) fn add_stiffness(grid: Grid, constraints: &[Option<Constraint>], is_bent: bool, matrix: &mut Stencil) {
     for (surface, constraint) in constraints.iter().enumerate() {
         if let Some(constraint) = constraint {
             let rows = &mut matrix.rows[grid.on_surface(surface)];
             for (r, c) in (0..9).map(|n| (n / 3, n % 3)) {
-                rows[r][OWN + c] += constraint.bend[r][c] as f32;
+                let bend = if is_bent { constraint.bend[r][c] } else { 0.0 };
+                rows[r][OWN + c] += (constraint.rub[r][c] + bend) as f32;
             }
         }
     }

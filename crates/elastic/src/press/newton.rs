@@ -1,11 +1,11 @@
 //! Newton's method for the gel's rest and the set of touching nodes together.
 
-use super::constraint::{Constraint, add_bend, apply_drag, constrain, project};
+use super::constraint::{Constraint, add_stiffness, apply_drag, constrain, project};
 use super::frame::{Frame, dot};
 use super::touch::{Node, Touch};
 use super::{Advance, Press, StepReport};
 use crate::Pose;
-use crate::solver::{Field, Grid, Stop};
+use crate::solver::{Field, Grid, Outcome, Stop};
 
 /// Residual, over the contact force, at which the gel is at rest, dimensionless.
 const TOLERANCE: f64 = 3e-6;
@@ -202,17 +202,27 @@ impl Press<'_> {
 
     /// One Newton step; whether there was one that turns no element inside out.
     fn newton_step(&mut self, frame: &Frame, constraints: &[Option<Constraint>]) -> bool {
-        let grid = self.assembly.grid;
-        if self.assembly.tangent_into(&self.displacement, self.multigrid.finest_mut()).is_err() {
-            return false;
+        // A node on a sharp fillet may be about to snap off: without the bend, the step still goes downhill.
+        for is_bent in [true, false] {
+            if self.assembly.tangent_into(&self.displacement, self.multigrid.finest_mut()).is_err() {
+                return false;
+            }
+            if !self.solve_step(constraints, is_bent).is_indefinite {
+                break;
+            }
         }
-        add_bend(grid, constraints, self.multigrid.finest_mut());
+        self.take_step(frame, constraints)
+    }
+
+    /// Solves for the step with the tangent matrix as it is, with or without what the bent face adds to it.
+    fn solve_step(&mut self, constraints: &[Option<Constraint>], is_bent: bool) -> Outcome {
+        let grid = self.assembly.grid;
+        add_stiffness(grid, constraints, is_bent, self.multigrid.finest_mut());
         let Scratch { right, motion, moved, .. } = &mut self.work;
         motion.fill([0.0; 3]);
         for (surface, constraint) in constraints.iter().enumerate() {
             if let Some(constraint) = constraint {
-                let index = grid.on_surface(surface);
-                motion[index] = constraint.motion.map(|value| value as f32);
+                motion[grid.on_surface(surface)] = constraint.motion.map(|value| value as f32);
             }
         }
         self.multigrid.finest().multiply_into(motion, moved);
@@ -232,11 +242,11 @@ impl Press<'_> {
         let project = |field: &mut Field<f32>| project(grid, constraints, field);
         let outcome = self.solver.solve(&mut self.multigrid, (right, step), &project, stop);
         self.report.linear_iterations += outcome.iterations;
-        self.take_step(frame)
+        outcome
     }
 
     /// Goes the prescribed motion and so much of the Newton step that the energy along it has no slope left.
-    fn take_step(&mut self, frame: &Frame) -> bool {
+    fn take_step(&mut self, frame: &Frame, constraints: &[Option<Constraint>]) -> bool {
         let slope = crate::solver::dot(self.assembly.grid, &self.work.right, &self.work.step);
         let (mut share, mut bracket) = (1.0, [(0.0, slope), (f64::NAN, 0.0)]);
         for shortening in 0..=MOST_SHORTENINGS {
@@ -250,7 +260,7 @@ impl Press<'_> {
                 bracket[1] = (f64::NAN, 0.0);
                 continue;
             };
-            let left = self.slope_at_trial(frame);
+            let left = self.slope_at_trial(frame, constraints);
             if left >= -SLOPE_LEFT * slope && (left <= SLOPE_LEFT * slope || share >= 1.0)
                 || shortening == MOST_SHORTENINGS
             {
@@ -269,14 +279,19 @@ impl Press<'_> {
     }
 
     /// How the energy falls along the step at the trial displacement, N mm.
-    fn slope_at_trial(&self, frame: &Frame) -> f64 {
+    ///
+    /// The face bends away from a straight step. What the energy gains by following it is what the present normal force
+    /// does along the step with the trial place's normal.
+    fn slope_at_trial(&self, frame: &Frame, constraints: &[Option<Constraint>]) -> f64 {
         let Scratch { step, trial, forces, .. } = &self.work;
         let mut slope = -crate::solver::dot(self.assembly.grid, forces, step);
         for (surface, touch) in self.touches.iter().enumerate() {
-            if let Touch::Rubbing(rub) = touch {
-                let (index, place) = (self.assembly.grid.on_surface(surface), self.place(surface, trial));
-                if let Some(gap) = frame.gap(self.relief, place) {
-                    slope += dot(&rub.moved_to(frame, &place, &gap.normal).drag(), &step[index]);
+            if let (Touch::Sliding | Touch::Rubbing(_), Some(constraint)) = (touch, &constraints[surface]) {
+                let (along, place) = (&step[self.assembly.grid.on_surface(surface)], self.place(surface, trial));
+                let Some(gap) = frame.gap(self.relief, place) else { continue };
+                slope += constraint.push * dot(&gap.normal, along);
+                if let Touch::Rubbing(rub) = touch {
+                    slope += dot(&rub.moved_to(frame, &place, &gap.normal).drag(), along);
                 }
             }
         }

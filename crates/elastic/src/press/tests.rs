@@ -133,6 +133,25 @@ fn forces_balance_and_work_is_stored() {
 }
 
 #[test]
+fn a_face_without_friction_presses_and_slides() {
+    // Nodes sit on the fillet, where the face bends most, and snap off it as it slides; a rest is sought 40 times.
+    let punch = Punch { radius_mm: 4.0 };
+    let setup = setup(GEL, Law::NeoHookean, ContactLaw::Frictionless);
+    let mut press = Press::new(&setup, mesh(&GEL, 6.0, 0.75, 1.4), &punch, [0.0, 0.0]).unwrap();
+    let pressing = (1..=6).map(|step| deep(0.1 * f64::from(step)));
+    let sliding = (1..=4).map(|step| Pose { shear_mm: [0.15 * f64::from(step), 0.0], ..deep(0.6) });
+    let iterations: Vec<usize> = pressing
+        .chain(sliding)
+        .map(|pose| {
+            press.step(&pose).unwrap();
+            press.report().newton_iterations
+        })
+        .collect();
+    assert!(iterations[..6].iter().all(|&iterations| iterations <= 6), "{iterations:?}");
+    assert!(iterations.iter().all(|&iterations| iterations <= 25), "{iterations:?}");
+}
+
+#[test]
 fn friction_carries_its_coefficient_times_the_normal_force() {
     let (punch, coefficient) = (Punch { radius_mm: 4.0 }, 0.3);
     let setup = setup(GEL, Law::NeoHookean, ContactLaw::Friction(coefficient));

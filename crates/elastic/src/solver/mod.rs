@@ -11,7 +11,7 @@ mod multigrid;
 mod smoother;
 mod stencil;
 
-pub(crate) use conjugate_gradients::{Solver, Stop, dot};
+pub(crate) use conjugate_gradients::{Outcome, Solver, Stop, dot};
 pub(crate) use grid::Grid;
 pub(crate) use multigrid::Multigrid;
 pub(crate) use stencil::{OWN, Rows, Stencil, column};
