@@ -5,6 +5,7 @@ use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
 use fingervision_calibrate::ProfileFileError;
+use fingervision_calibrate::camera::BoardError;
 use fingervision_calibrate::depth::DepthFitError;
 use fingervision_evaluate::run::RunError;
 use fingervision_gel::{GelError, PatternError, SceneError};
@@ -91,6 +92,12 @@ impl From<SceneError> for Failure {
 
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<BoardError> for Failure {
+    fn from(error: BoardError) -> Self {
         Self::Stated { message: error.to_string(), hint: error.hint() }
     }
 }

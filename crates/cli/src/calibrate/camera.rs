@@ -1,18 +1,245 @@
 //! `fingervision calibrate camera`: how the camera sees the gel, from a board that slides in known steps.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use fingervision_calibrate::camera::{
+    BoardError, BoardFlow, BoardTracker, CameraReport, FitOptions, Prior, Priors, Slide, Start, Unknown, board_flow,
+    fit_camera,
+};
+use fingervision_calibrate::update_profile;
+use fingervision_image::Rect;
+use fingervision_optics::{Camera, Radial};
+use fingervision_sink::write_png;
+use fingervision_source::{Options, open};
+use fingervision_touch::Profile;
+use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::output::OutputArgs;
+
+/// The profile's own distance is believed to this part.
+const PROFILE_DISTANCE_PART: f64 = 0.1;
 
 /// Find how the camera sees the gel, from a patterned board that slides in known steps
+///
+/// Put a flat board with a dense random pattern where the gel's surface will be, slide it along x by equal steps and take an image after each: 21 images. The flow from image to image, averaged, gives position, tilt, distortion, focal length and principal point, and the profile's [camera] is written. One slide does not tell focal length from distance: measure the distance from the lens to the board and give it with `--prior distance_mm=25±0.5`, or add a second slide across the first, the board tilted by 15° or more.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The images of the board, in order: a folder, a video or sim:board
-    board: PathBuf,
+    /// The images of the board, in order: a folder, a video or sim:board; further slides of the same board follow
+    #[arg(required = true, value_name = "BOARD")]
+    boards: Vec<PathBuf>,
+    /// How far the board moves between neighbouring images, mm; one value for all slides or one for each
+    #[arg(long, required = true, value_delimiter = ',', value_name = "MM,...", value_parser = positive)]
+    step_mm: Vec<f64>,
+    /// Where each slide goes in the image: x, y, or degrees from x towards y; without it x, then y
+    #[arg(long, value_delimiter = ',', value_name = "x|y|DEG,...", value_parser = direction, allow_negative_numbers = true)]
+    direction: Vec<f64>,
+    /// The sensor's profile: its region of interest and flow are used, its [camera] is written; made where there is none
+    #[arg(long, value_name = "FILE")]
+    profile: PathBuf,
+    /// What is known beforehand, as in `distance_mm=25±0.5` or `focal_length_px=400+-4`; may be repeated
+    ///
+    /// Names: `rotation_x_rad`, `rotation_y_rad`, `rotation_z_rad`, `translation_x_mm`, `translation_y_mm`, `distance_mm`, `k1`, `k2`, `p1`, `p2`, `focal_length_px`, `principal_x_px`, `principal_y_px`. Without one for distance or focal length, the distance of the profile's [camera] is believed to 10 %; without that, 50±25 mm.
+    #[arg(long = "prior", value_name = "NAME=VALUE±SD", value_parser = Prior::parse)]
+    priors: Vec<(Unknown, Prior)>,
+    /// The form of radial distortion
+    #[arg(long, value_enum, default_value_t = RadialName::Brown)]
+    radial: RadialName,
+    /// Where the fit begins
+    #[arg(long, value_enum, default_value_t = StartName::Plain)]
+    start: StartName,
+    /// The picture of residuals to write; without it beside the profile, its name with -camera.png
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
-pub(crate) fn run(args: &Args, _out: &mut impl Write) -> Result<(), Failure> {
-    let message = format!("{}: a board cannot be evaluated yet", args.board.display());
-    Err(Failure::new(message, "write the [camera] table of the profile by hand"))
+/// What `--radial` takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum RadialName {
+    /// 1 + k1 r² + k2 r⁴
+    Brown,
+    /// 1 + k1 r² + k2 r, as Du et al. 2021 print it
+    Printed,
+}
+
+/// What `--start` takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum StartName {
+    /// Upright, without distortion, its scale the one of the mean flow
+    Plain,
+    /// All zero, a distance of 50 mm and a focal length of 50 px
+    Published,
+}
+
+#[derive(Debug, Serialize)]
+struct CameraResult {
+    #[serde(flatten)]
+    report: CameraReport,
+    picture: PathBuf,
+    profile: PathBuf,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    let profile = if args.profile.exists() { Profile::load(&args.profile)? } else { Profile::default() };
+    let slides = args.slides()?;
+    let mut flows: Vec<BoardFlow> = Vec::new();
+    let mut priors = None;
+    for (board, slide) in args.boards.iter().zip(slides) {
+        let (flow, known) = args.follow(board, slide, &profile)?;
+        if let Some(first) = flows.first().filter(|first| first.size != flow.size) {
+            return Err(other_size(board, flow.size, first.size));
+        }
+        flows.push(flow);
+        priors.get_or_insert(known);
+    }
+    let Some(priors) = priors else { return Ok(()) };
+    let options = FitOptions { radial: args.radial.into(), start: args.start.into() };
+    let fit = fit_camera(&flows, &priors, options)?;
+    let report = CameraReport::new(fit, &flows, &priors);
+    if [Unknown::Distance, Unknown::FocalLength].iter().all(|&unknown| !priors.is_given(unknown)) && flows.len() == 1 {
+        args.output.note("neither distance nor focal length is known: only their ratio is found; see --prior");
+    }
+    let picture = args.picture.clone().unwrap_or_else(|| beside(&args.profile));
+    write_png(&report.draw(), &picture)?;
+    update_profile(&args.profile, "camera", &report.camera)?;
+    let text = format!("{report}\npicture   {}\nprofile   {}", picture.display(), args.profile.display());
+    args.output.result(out, &CameraResult { report, picture, profile: args.profile.clone() }, &text)
+}
+
+impl Args {
+    /// Each board's slide.
+    fn slides(&self) -> Result<Vec<Slide>, Failure> {
+        let count = self.boards.len();
+        let fits = |given: usize, least: usize| given == count || given == least;
+        if !fits(self.step_mm.len(), 1) || !fits(self.direction.len(), 0) {
+            return Err(Failure::new(
+                format!("{count} slides, {} steps and {} directions", self.step_mm.len(), self.direction.len()),
+                "give one --step-mm for all slides or one for each, and one --direction for each, as in --direction x,y",
+            ));
+        }
+        let slide = |index: usize| Slide {
+            step_mm: self.step_mm.get(index).copied().unwrap_or(self.step_mm[0]),
+            direction_rad: self
+                .direction
+                .get(index)
+                .copied()
+                .unwrap_or(if index == 0 { 0.0 } else { 90.0 })
+                .to_radians(),
+        };
+        Ok((0..count).map(slide).collect())
+    }
+
+    /// The flow of one board, and what is known of the camera.
+    fn follow(&self, board: &Path, slide: Slide, profile: &Profile) -> Result<(BoardFlow, Priors), Failure> {
+        let mut source = open(board, &Options::default())?;
+        let region = profile.region(source.size())?;
+        let (priors, known_px) = self.known(profile, source.size(), region, slide)?;
+        let progress = self.output.progress("following", source.frame_count());
+        let named = |error: BoardError| {
+            let message = format!("{}: {error}", board.display());
+            Failure::Stated { message, hint: error.hint() }
+        };
+        let mut tracker = None;
+        while let Some(frame) = source.next_frame()? {
+            let tracker = match &mut tracker {
+                Some(tracker) => tracker,
+                none => none.insert(BoardTracker::new(region, frame.pixels.is_colour(), &profile.flow).map_err(named)?),
+            };
+            tracker.push(&frame).map_err(named)?;
+            progress.inc(1);
+        }
+        progress.finish_and_clear();
+        let tracker = tracker.ok_or_else(|| named(BoardError::TooFewImages { images: 0 }))?;
+        Ok((tracker.finish(slide, known_px).map_err(named)?, priors))
+    }
+
+    /// What is known before the fit, and the flow of a step by it, px, where it says how large a pixel is.
+    fn known(
+        &self,
+        profile: &Profile,
+        frame_size: (usize, usize),
+        region: Rect,
+        slide: Slide,
+    ) -> Result<(Priors, Option<[f64; 2]>), Failure> {
+        let middle = |size: usize, begin: usize| 0.5 * (size as f64 - 1.0) - begin as f64;
+        let frame_middle = [middle(frame_size.0, region.x), middle(frame_size.1, region.y)];
+        let mut priors = Priors::weak(frame_size.0, frame_middle);
+        for (unknown, prior) in &self.priors {
+            priors.give(*unknown, *prior);
+        }
+        let [distance, focal] = [Unknown::Distance, Unknown::FocalLength];
+        let scale = (priors.is_given(distance) && priors.is_given(focal))
+            .then(|| priors.of(focal).value / priors.of(distance).value);
+        if let Some(px_per_mm) = scale {
+            return Ok((priors, Some(slide.step_vector_mm().map(|step| step * px_per_mm))));
+        }
+        let Some(params) = profile.camera else { return Ok((priors, None)) };
+        let [x, y] = params.principal_point_px;
+        let (width, height) = (region.width as f64, region.height as f64);
+        if !(0.0..width).contains(&x) || !(0.0..height).contains(&y) {
+            return Err(Failure::new(
+                format!(
+                    "camera.principal_point_px = [{x}, {y}] lies outside the images' region of {width}x{height} px"
+                ),
+                "the profile is that of another image size: name the right one, or remove its [camera]",
+            ));
+        }
+        if !priors.is_given(distance) && !priors.is_given(focal) {
+            let value = params.translation_mm[2];
+            priors.give(distance, Prior { value, deviation: PROFILE_DISTANCE_PART * value });
+        }
+        let flow = Camera::new(&params).ok().and_then(|camera| {
+            board_flow(&camera, [middle(region.width, 0), middle(region.height, 0)], slide.step_vector_mm())
+        });
+        Ok((priors, flow))
+    }
+}
+
+impl From<RadialName> for Radial {
+    fn from(name: RadialName) -> Self {
+        match name {
+            RadialName::Brown => Self::Brown,
+            RadialName::Printed => Self::Printed,
+        }
+    }
+}
+
+impl From<StartName> for Start {
+    fn from(name: StartName) -> Self {
+        match name {
+            StartName::Plain => Self::Plain,
+            StartName::Published => Self::Published,
+        }
+    }
+}
+
+fn other_size(board: &Path, (width, height): (usize, usize), first: (usize, usize)) -> Failure {
+    let message =
+        format!("{}: images of {width}x{height} px after a slide of {}x{} px", board.display(), first.0, first.1);
+    Failure::new(message, "take all slides with the same camera at the same size")
+}
+
+fn beside(profile: &Path) -> PathBuf {
+    let stem = profile.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    profile.with_file_name(format!("{stem}-camera.png"))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("a step is a length above 0 mm; for a slide the other way round see --direction".into()),
+    }
+}
+
+/// Degrees from x towards y.
+fn direction(text: &str) -> Result<f64, String> {
+    match text {
+        "x" => Ok(0.0),
+        "y" => Ok(90.0),
+        _ => text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| "it takes x, y or degrees".into()),
+    }
 }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
 
+mod calibrate_camera;
 mod calibrate_depth;
 mod damage;
 mod evaluate;

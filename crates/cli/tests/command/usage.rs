@@ -31,6 +31,12 @@ fn wrong_usage_exits_with_2() {
         "pattern --out a.pdf --levels 0,256",
         "pattern --out a.pdf --kind stripes",
         "pattern --score --mm-per-px 0",
+        "calibrate",
+        "calibrate camera board --step-mm 0.5",
+        "calibrate camera board --profile a.toml",
+        "calibrate camera board --profile a.toml --step-mm -0.5",
+        "calibrate camera board --profile a.toml --step-mm 0.5 --direction z",
+        "calibrate camera board --profile a.toml --step-mm 0.5 --prior distance_mm=25",
     ] {
         let ended = bench.run(arguments);
         assert_eq!(ended.code, Some(2), "{arguments}: {ended:?}");
@@ -43,8 +49,20 @@ fn wrong_usage_exits_with_2() {
 #[test]
 fn the_help_is_as_recorded() {
     let bench = Workbench::new();
-    for name in ["fingervision", "track", "evaluate", "demo", "pattern", "simulate", "bench", "doctor"] {
-        let arguments = if name == "fingervision" { "--help".into() } else { format!("{name} --help") };
+    for name in [
+        "fingervision",
+        "track",
+        "evaluate",
+        "demo",
+        "pattern",
+        "calibrate",
+        "calibrate-camera",
+        "simulate",
+        "bench",
+        "doctor",
+    ] {
+        let command = name.replace('-', " ");
+        let arguments = if name == "fingervision" { "--help".into() } else { format!("{command} --help") };
         let help = bench.run(&arguments).expect_done().out;
         let path = format!("{}/tests/help/{name}.txt", env!("CARGO_MANIFEST_DIR"));
         if std::env::var_os("UPDATE_HELP").is_some() {

@@ -1,0 +1,93 @@
+//! What a calibration of the camera came to, for people and for programs.
+
+use fingervision_image::Image;
+use fingervision_optics::CameraParams;
+use serde::Serialize;
+
+use super::observability::Knowledge;
+use super::prior::Priors;
+use super::{BoardFlow, CameraFit, Prior, ResidualTable, Unknown, picture};
+
+/// A fitted camera with all that is to be said about it. `Display` is the report for people.
+#[derive(Debug, Clone, Serialize)]
+pub struct CameraReport {
+    /// The camera, as it goes into a profile.
+    pub camera: CameraParams,
+    /// The slides that it was fitted to.
+    pub slides: Vec<SlideReport>,
+    /// Residuals before and after, px.
+    pub residuals: ResidualTable,
+    /// Mean residual after, on the board, mm.
+    pub residual_mm: f64,
+    /// Residual after over before.
+    pub after_over_before: f64,
+    /// Residual of the nodes kept for the test over that of the fitted ones.
+    pub test_over_after: f64,
+    /// Pixels of a millimetre in the middle of the picture.
+    pub px_per_mm: f64,
+    /// Every unknown, and what the slides leave open.
+    #[serde(flatten)]
+    pub knowledge: Knowledge,
+    /// What was known beforehand, by name.
+    pub priors: Vec<(&'static str, Prior)>,
+    /// Whether the origin was put where the middle of the picture looks.
+    pub origin_is_middle: bool,
+    /// How often the flow of all nodes was computed.
+    pub evaluations: usize,
+    #[serde(skip)]
+    fit: CameraFit,
+}
+
+/// A slide that was fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SlideReport {
+    /// How many images there are.
+    pub images: usize,
+    /// Columns and rows of the region of interest, px.
+    pub size: (usize, usize),
+    /// Length of a step, mm.
+    pub step_mm: f64,
+    /// Where to, degrees from x towards y.
+    pub direction_deg: f64,
+    /// The flow of a step, median over the image, px.
+    pub usual_px: [f64; 2],
+    /// Nodes of the grid that were followed.
+    pub nodes: usize,
+}
+
+impl CameraReport {
+    /// The report on a fit to these flows with these priors.
+    #[must_use]
+    pub fn new(fit: CameraFit, flows: &[BoardFlow], priors: &Priors) -> Self {
+        let table = fit.table;
+        let slide = |flow: &BoardFlow| SlideReport {
+            images: flow.images,
+            size: flow.size,
+            step_mm: flow.slide.step_mm,
+            direction_deg: flow.slide.direction_rad.to_degrees(),
+            usual_px: flow.usual_px,
+            nodes: flow.nodes.len(),
+        };
+        let known = Unknown::ALL.into_iter().map(|unknown| (unknown.name(), priors.of(unknown)));
+        Self {
+            camera: fit.params,
+            slides: flows.iter().map(slide).collect(),
+            residuals: table,
+            residual_mm: table.after.mean_px / fit.px_per_mm,
+            after_over_before: table.after.mean_px / table.before.mean_px,
+            test_over_after: table.test.mean_px / table.after.mean_px,
+            px_per_mm: fit.px_per_mm,
+            knowledge: fit.knowledge.clone(),
+            priors: known.filter(|(_, prior)| prior.deviation.is_finite()).collect(),
+            origin_is_middle: fit.origin_is_middle,
+            evaluations: fit.evaluations,
+            fit,
+        }
+    }
+
+    /// The residuals of every slide over the picture, before and after.
+    #[must_use]
+    pub fn draw(&self) -> Image<[u8; 3]> {
+        picture::draw(self, &self.fit.maps)
+    }
+}
