@@ -1,6 +1,8 @@
 //! The camera, from a patterned board that slides in known steps.
 
 mod board;
+mod corner_file;
+mod corners;
 mod error;
 mod fit;
 mod model;
@@ -16,6 +18,8 @@ mod text;
 mod unknowns;
 
 pub use board::{BoardFlow, BoardTracker, GRID, LEAST_IMAGES, Node};
+pub use corner_file::{CornerError, read_corners};
+pub use corners::{Corner, CornerFit, fit_corners};
 pub use error::BoardError;
 pub use fit::{CameraFit, FitOptions, ResidualTable, Start, fit_camera};
 pub use model::{BoardFlowJacobian, board_flow, board_flow_with_jacobian};

@@ -2,9 +2,11 @@
 
 use std::fmt;
 
+use super::corners::{CornerFit, LENS_PLACES, POSE_PLACES};
 use super::observability::{BlindDirection, Estimate};
 use super::report::CameraReport;
 use super::residuals::Residuals;
+use super::unknowns::{Unknown, unknowns_of};
 
 /// Above this the slides took so little of the prior's variance away that the value is the prior's.
 const LEARNED: f64 = 0.5;
@@ -89,6 +91,20 @@ impl CameraReport {
             f,
             "not seen  whether the step is right: a step that is 1 % wrong makes focal length / distance 1 % wrong"
         )
+    }
+}
+
+impl fmt::Display for CornerFit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Residuals { nodes, mean_px, deviation_px, largest_px } = self.reprojection;
+        writeln!(f, "corners   {nodes} in {} images", self.images)?;
+        writeln!(f, "missed by {mean_px:.4} px on average, st. dev. {deviation_px:.4} px, {largest_px:.3} px at most")?;
+        writeln!(f, "\nunknown                  value   uncertainty")?;
+        let values = unknowns_of(&self.params);
+        for (place, uncertainty) in LENS_PLACES.into_iter().chain(POSE_PLACES).zip(&self.uncertainty) {
+            writeln!(f, "{:<18} {:>11.5} {uncertainty:>13.5}", Unknown::ALL[place].name(), values[place])?;
+        }
+        writeln!(f, "\nThe pose is that of the first image: gel space is the board's there, its origin the board's.")
     }
 }
 

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
 
+mod checkerboard;
 mod rendered;
 mod synthetic;
 mod world;

@@ -1,12 +1,13 @@
 //! `fingervision calibrate camera`: how the camera sees the gel, from a board that slides in known steps.
 
+use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use fingervision_calibrate::camera::{
-    BoardError, BoardFlow, BoardTracker, CameraReport, FitOptions, Prior, Priors, Slide, Start, Unknown, board_flow,
-    fit_camera,
+    BoardError, BoardFlow, BoardTracker, CameraReport, CornerFit, FitOptions, Prior, Priors, Slide, Start, Unknown,
+    board_flow, fit_camera, fit_corners, read_corners,
 };
 use fingervision_calibrate::update_profile;
 use fingervision_image::Rect;
@@ -28,10 +29,10 @@ const PROFILE_DISTANCE_PART: f64 = 0.1;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The images of the board, in order: a folder, a video or sim:board; further slides of the same board follow
-    #[arg(required = true, value_name = "BOARD")]
+    #[arg(required_unless_present = "corners", value_name = "BOARD")]
     boards: Vec<PathBuf>,
     /// How far the board moves between neighbouring images, mm; one value for all slides or one for each
-    #[arg(long, required = true, value_delimiter = ',', value_name = "MM,...", value_parser = positive)]
+    #[arg(long, required_unless_present = "corners", value_delimiter = ',', value_name = "MM,...", value_parser = positive)]
     step_mm: Vec<f64>,
     /// Where each slide goes in the image: x, y, or degrees from x towards y; without it x, then y
     #[arg(long, value_delimiter = ',', value_name = "x|y|DEG,...", value_parser = direction, allow_negative_numbers = true)]
@@ -44,6 +45,11 @@ pub(crate) struct Args {
     /// Names: `rotation_x_rad`, `rotation_y_rad`, `rotation_z_rad`, `translation_x_mm`, `translation_y_mm`, `distance_mm`, `k1`, `k2`, `p1`, `p2`, `focal_length_px`, `principal_x_px`, `principal_y_px`. Without one for distance or focal length, the distance of the profile's [camera] is believed to 10 %; without that, 50±25 mm.
     #[arg(long = "prior", value_name = "NAME=VALUE±SD", value_parser = Prior::parse)]
     priors: Vec<(Unknown, Prior)>,
+    /// Instead of a slide, corners of a checkerboard in 3 or more poses: a table with the columns image, `x_mm`, `y_mm`, `u_px`, `v_px`
+    ///
+    /// A row for each corner: the image's number, where the corner is on the board, x right and y down, and where it was detected, in the region of interest. In the first image the board lies where the gel's surface will be, upright; in the others it is tilted by 15° to 40° to different sides. Nothing need be known beforehand.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["boards", "step_mm", "direction", "priors", "start", "picture"])]
+    corners: Option<PathBuf>,
     /// The form of radial distortion
     #[arg(long, value_enum, default_value_t = RadialName::Brown)]
     radial: RadialName,
@@ -83,7 +89,32 @@ struct CameraResult {
     profile: PathBuf,
 }
 
+#[derive(Debug, Serialize)]
+struct CornerResult {
+    #[serde(flatten)]
+    fit: CornerFit,
+    profile: PathBuf,
+}
+
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    match &args.corners {
+        Some(file) => from_corners(args, file, out),
+        None => from_slides(args, out),
+    }
+}
+
+fn from_corners(args: &Args, file: &Path, out: &mut impl Write) -> Result<(), Failure> {
+    let named = |what: String, hint: &str| Failure::new(format!("{}: {what}", file.display()), hint);
+    let text = fs::read_to_string(file)
+        .map_err(|error| named(error.to_string(), "name a file with the corners, see calibrate camera --help"))?;
+    let fit = read_corners(&text).and_then(|images| fit_corners(&images, args.radial.into()));
+    let fit = fit.map_err(|error| named(error.to_string(), error.hint()))?;
+    update_profile(&args.profile, "camera", &fit.params)?;
+    let text = format!("{fit}\nprofile   {}", args.profile.display());
+    args.output.result(out, &CornerResult { fit, profile: args.profile.clone() }, &text)
+}
+
+fn from_slides(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let profile = if args.profile.exists() { Profile::load(&args.profile)? } else { Profile::default() };
     let slides = args.slides()?;
     let mut flows: Vec<BoardFlow> = Vec::new();

@@ -1,5 +1,6 @@
 //! A camera from a sliding board, and recordings that give none.
 
+use std::fmt::Write;
 use std::fs;
 
 use image::{DynamicImage, GrayImage};
@@ -173,4 +174,35 @@ fn a_board_that_rests_turns_or_is_blank_is_named() {
     refused(&bench, "", "0 % of image 1 has texture", "dense random pattern");
     let bench = board("shear_mm = [3.5, 0.0], twist_rad = 0.15");
     refused(&bench, "", "the fit did not converge: no camera explains the flow", "no profile was written");
+}
+
+#[test]
+fn corners_of_a_checkerboard_give_a_camera_without_a_slide() {
+    let bench = Workbench::new();
+    // A pinhole of 400 px, 25 mm away, and a board tilted about x.
+    let mut table = String::from("image,x_mm,y_mm,u_px,v_px\n");
+    for (image, tilt) in [0.0_f64, 0.3, -0.4, 0.5].into_iter().enumerate() {
+        for corner in 0..48 {
+            let (x, y) = (f64::from(corner % 8) * 2.0 - 7.0, f64::from(corner / 8) * 2.0 - 5.0);
+            let distance = 25.0 + tilt.sin() * y;
+            let (u, v) = (400.0 * x / distance + 240.0, 400.0 * tilt.cos() * y / distance + 200.0);
+            writeln!(table, "{image},{x},{y},{u},{v}").unwrap();
+        }
+    }
+    bench.write("corners.csv", &table);
+    let ended = bench.run("calibrate camera --corners corners.csv --profile sensor.toml").expect_done();
+    assert!(ended.out.contains("corners   192 in 4 images"), "{}", ended.out);
+    let profile = fs::read_to_string(bench.path("sensor.toml")).unwrap();
+    assert!(profile.contains("focal_length_px = [400.0") || profile.contains("focal_length_px = [399.99"), "{profile}");
+
+    bench.write("short.csv", &table.lines().take(97).collect::<Vec<_>>().join("\n"));
+    let refused = |file: &str, what: &str, hint: &str| {
+        let ended = bench.run(&format!("calibrate camera --corners {file} --profile none.toml"));
+        ended.expect_failure(what, hint);
+        assert!(!bench.path("none.toml").exists());
+    };
+    refused("short.csv", "short.csv: the corners are of 2 images", "5 or more poses");
+    bench.write("torn.csv", &table[..table.len() - 30]);
+    refused("torn.csv", "is not five numbers", "a row for each corner");
+    refused("nowhere.csv", "nowhere.csv: No such file", "name a file with the corners");
 }
