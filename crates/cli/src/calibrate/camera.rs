@@ -25,7 +25,7 @@ const PROFILE_DISTANCE_PART: f64 = 0.1;
 
 /// Find how the camera sees the gel, from a patterned board that slides in known steps
 ///
-/// Put a flat board with a dense random pattern where the gel's surface will be, slide it along x by equal steps and take an image after each: 21 images. The flow from image to image, averaged, gives position, tilt, distortion, focal length and principal point, and the profile's [camera] is written. One slide does not tell focal length from distance: measure the distance from the lens to the board and give it with `--prior distance_mm=25±0.5`, or add a second slide across the first, the board tilted by 15° or more.
+/// Put a flat board with a dense random pattern where the gel's surface will be, slide it along x by equal steps and take an image after each: 21 images. The flow from image to image, averaged, gives position, tilt, distortion, focal length and principal point, and the profile's `[camera]` is written. One slide does not tell focal length from distance: measure the distance from the lens to the board and give it with `--prior distance_mm=25±0.5`, or add a second slide across the first, the board tilted by 15° or more.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The images of the board, in order: a folder, a video or sim:board; further slides of the same board follow
@@ -37,12 +37,12 @@ pub(crate) struct Args {
     /// Where each slide goes in the image: x, y, or degrees from x towards y; without it x, then y
     #[arg(long, value_delimiter = ',', value_name = "x|y|DEG,...", value_parser = direction, allow_negative_numbers = true)]
     direction: Vec<f64>,
-    /// The sensor's profile: its region of interest and flow are used, its [camera] is written; made where there is none
+    /// The sensor's profile: its region of interest and flow are used, its `[camera]` is written; made where there is none
     #[arg(long, value_name = "FILE")]
     profile: PathBuf,
     /// What is known beforehand, as in `distance_mm=25±0.5` or `focal_length_px=400+-4`; may be repeated
     ///
-    /// Names: `rotation_x_rad`, `rotation_y_rad`, `rotation_z_rad`, `translation_x_mm`, `translation_y_mm`, `distance_mm`, `k1`, `k2`, `p1`, `p2`, `focal_length_px`, `principal_x_px`, `principal_y_px`. Without one for distance or focal length, the distance of the profile's [camera] is believed to 10 %; without that, 50±25 mm.
+    /// Names: `rotation_x_rad`, `rotation_y_rad`, `rotation_z_rad`, `translation_x_mm`, `translation_y_mm`, `distance_mm`, `k1`, `k2`, `p1`, `p2`, `focal_length_px`, `principal_x_px`, `principal_y_px`. Without one for distance or focal length, the distance of the profile's `[camera]` is believed to 10 %; without that, 50±25 mm.
     #[arg(long = "prior", value_name = "NAME=VALUE±SD", value_parser = Prior::parse)]
     priors: Vec<(Unknown, Prior)>,
     /// Instead of a slide, corners of a checkerboard in 3 or more poses: a table with the columns image, `x_mm`, `y_mm`, `u_px`, `v_px`
