@@ -61,7 +61,7 @@ enum MethodName {
     Line,
     /// A line through the origin: what is untouched has no depth
     Origin,
-    /// A slope at every pixel from the camera's perspective, times a fitted gain; needs [camera] in the profile
+    /// A slope at every pixel from the camera's perspective, times a fitted gain; needs `[camera]` in the profile
     Perspective,
 }
 
