@@ -92,7 +92,7 @@ impl PressRecorder {
         Ok(Self {
             press: press.into(),
             depths_mm: depths_mm.to_vec(),
-            finder: MaximumFinder::new(maximum, size.0),
+            finder: MaximumFinder::new(maximum, size),
             perspective: slopes.map(|slopes| [Image::filled(size.0, size.1, 0.0), slopes]),
             tracker,
             points: Vec::new(),

@@ -1,4 +1,7 @@
 //! The largest value of a field in a frame, plain and robust.
+//!
+//! Away from the camera's axis a face that comes nearer also moves outwards in the image, and the gel behind it is stretched
+//! into a rim whose feature exceeds the face's. The plain maximum then tells of the rim, the robust one of the face.
 
 use fingervision_image::Image;
 use serde::Serialize;
@@ -10,14 +13,18 @@ pub enum Maximum {
     /// The largest valid value, as published.
     #[default]
     Plain,
-    /// The largest median over 9×9 px: the largest value that half of such a window holds, all of it valid. A rim
-    /// or a fault narrower than half the window does not count; a face that fills a window keeps its value.
+    /// The largest median over squares: the largest value that half of such a square holds, all of it valid. Its side is a
+    /// fifteenth of the image's shorter one, at least 9 px. A rim or a fault narrower than half of that does not count; a
+    /// face that fills a square keeps its value.
     Robust,
 }
 
-/// Side of the window of [`Maximum::Robust`], px: a little over the ±2σ of the density's Gaussian, so that noise, which is
-/// correlated over that length, cannot fill half of it.
-const WINDOW: usize = 9;
+/// The image's shorter side over that of the square of [`Maximum::Robust`]. Where a sensor sees 30 mm of gel that is 2 mm:
+/// twice the rim that surrounds a face, about 1 mm wide on a gel of 10 mm.
+const WINDOW_PART: usize = 15;
+/// Its side at least, px: a little over the ±2σ of the density's Gaussian, so that noise, which is correlated over that
+/// length, cannot fill half of it.
+const LEAST_WINDOW: usize = 9;
 /// How often the interval that holds the robust maximum is halved: to a millionth of the range.
 const HALVINGS: usize = 20;
 
@@ -25,6 +32,8 @@ const HALVINGS: usize = 20;
 #[derive(Debug, Clone)]
 pub struct MaximumFinder {
     kind: Maximum,
+    /// Side of the square, px.
+    window: usize,
     /// How many pixels of the window's columns reach a level, column by column.
     columns: Vec<u32>,
     /// How many of them are valid.
@@ -32,10 +41,11 @@ pub struct MaximumFinder {
 }
 
 impl MaximumFinder {
-    /// A finder for fields of so many columns, px.
+    /// A finder for fields of so many columns and rows, px.
     #[must_use]
-    pub fn new(kind: Maximum, width: usize) -> Self {
-        Self { kind, columns: vec![0; width], valid_columns: vec![0; width] }
+    pub fn new(kind: Maximum, (width, height): (usize, usize)) -> Self {
+        let window = (width.min(height) / WINDOW_PART).max(LEAST_WINDOW);
+        Self { kind, window, columns: vec![0; width], valid_columns: vec![0; width] }
     }
 
     /// The maximum where `valid` is 1; none if nothing is, or no window is whole.
@@ -59,7 +69,7 @@ impl MaximumFinder {
 
     /// Halves the interval until the level is found that half a window just reaches.
     fn largest_median(&mut self, values: &Image<f32>, valid: &Image<u8>, mut low: f32, mut high: f32) -> Option<f32> {
-        if values.width() < WINDOW || values.height() < WINDOW || !self.is_reached(values, valid, low) {
+        if values.width() < self.window || values.height() < self.window || !self.is_reached(values, valid, low) {
             return None;
         }
         for _ in 0..HALVINGS {
@@ -75,10 +85,10 @@ impl MaximumFinder {
         self.valid_columns.fill(0);
         for y in 0..values.height() {
             self.add_row(values, valid, y, level, u32::wrapping_add);
-            if y >= WINDOW {
-                self.add_row(values, valid, y - WINDOW, level, u32::wrapping_sub);
+            if y >= self.window {
+                self.add_row(values, valid, y - self.window, level, u32::wrapping_sub);
             }
-            if y + 1 >= WINDOW && self.has_full_window() {
+            if y + 1 >= self.window && self.has_full_window() {
                 return true;
             }
         }
@@ -94,8 +104,8 @@ impl MaximumFinder {
     }
 
     fn has_full_window(&self) -> bool {
-        let whole = (WINDOW * WINDOW) as u32;
-        let windows = self.columns.windows(WINDOW).zip(self.valid_columns.windows(WINDOW));
+        let whole = (self.window * self.window) as u32;
+        let windows = self.columns.windows(self.window).zip(self.valid_columns.windows(self.window));
         windows
             .into_iter()
             .any(|(reached, valid)| valid.iter().sum::<u32>() == whole && 2 * reached.iter().sum::<u32>() > whole)
@@ -106,8 +116,10 @@ impl MaximumFinder {
 mod tests {
     use super::*;
 
+    const WINDOW: usize = LEAST_WINDOW;
+
     fn find(kind: Maximum, values: &Image<f32>, valid: &Image<u8>) -> Option<f32> {
-        MaximumFinder::new(kind, values.width()).find(values, valid)
+        MaximumFinder::new(kind, values.size()).find(values, valid)
     }
 
     /// The definition, window by window.

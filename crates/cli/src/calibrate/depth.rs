@@ -70,7 +70,7 @@ enum MethodName {
 enum MaximumName {
     /// The largest value, as published
     Plain,
-    /// The largest median over 9x9 px, which a thin rim or a fault does not move
+    /// The largest median over squares of a fifteenth of the image, which a rim or a fault does not move
     Robust,
 }
 
