@@ -40,7 +40,7 @@ const HEAVY: [(&str, &[&str]); 23] = [
     ("indicatif", &["cli"]),
     ("mcap", &["source", "sink"]),
     ("miniz_oxide", &["gel"]),
-    ("nalgebra", &["optics", "elastic", "calibrate"]),
+    ("nalgebra", &["optics", "elastic", "calibrate", "evaluate"]),
     ("pdf-writer", &["gel"]),
     ("png", &["gel"]),
     ("rayon", &["elastic", "calibrate", "evaluate"]),

@@ -11,6 +11,8 @@
 //!
 //! And what any run is worth: [`run`] compares a folder of fields with the simulator's truth.
 //!
+//! [`dots`] follows a sparse grid of dots, the baseline that a dense pattern is compared with.
+//!
 //! ```no_run
 //! let tables = fingervision_evaluate::pairs::measure(3)?;
 //! for table in [&tables.accuracy, &tables.calibration] {
@@ -19,6 +21,7 @@
 //! # Ok::<(), fingervision_evaluate::EvaluateError>(())
 //! ```
 
+pub mod dots;
 mod end_point;
 mod error;
 mod matcher;
