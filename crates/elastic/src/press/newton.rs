@@ -21,9 +21,12 @@ const GOAL_SHARE: f64 = 0.3;
 const BALANCED: f64 = 1e-2;
 /// Iterations after which friction keeps the normal forces that it took up, and jumping nodes are wedged.
 const LATE: usize = 15;
-/// A Newton step is shortened until its slope has fallen to this share, at most so often.
+/// A Newton step is shortened until its slope has fallen to this share; so many lengths are tried.
 const SLOPE_LEFT: f64 = 0.5;
-const MOST_SHORTENINGS: usize = 6;
+const MOST_TRIALS: usize = 12;
+/// By how much a step is lengthened at once where the gel is about to snap, and how far a node may go in it, mm.
+const LENGTHENING: f64 = 8.0;
+const SNAP_MM: f64 = 0.2;
 /// Change of the drag forces over the contact force at which sliding has settled.
 const DRAG_TOLERANCE: f64 = 1e-5;
 
@@ -203,6 +206,7 @@ impl Press<'_> {
     /// One Newton step; whether there was one that turns no element inside out.
     fn newton_step(&mut self, frame: &Frame, constraints: &[Option<Constraint>]) -> bool {
         // A node on a sharp fillet may be about to snap off: without the bend, the step still goes downhill.
+        let mut most_share = 1.0;
         for is_bent in [true, false] {
             if self.assembly.tangent_into(&self.displacement, self.multigrid.finest_mut()).is_err() {
                 return false;
@@ -210,8 +214,14 @@ impl Press<'_> {
             if !self.solve_step(constraints, is_bent).is_indefinite {
                 break;
             }
+            most_share = f64::INFINITY;
         }
-        self.take_step(frame, constraints)
+        if most_share > 1.0 {
+            // Near an unstable rest the step is tiny, and what grows must leave it.
+            let longest = self.work.step.iter().map(|step| dot(step, step)).fold(0.0, f64::max).sqrt();
+            most_share = (SNAP_MM / longest).max(1.0);
+        }
+        self.take_step(frame, constraints, most_share)
     }
 
     /// Solves for the step with the tangent matrix as it is, with or without what the bent face adds to it.
@@ -246,10 +256,12 @@ impl Press<'_> {
     }
 
     /// Goes the prescribed motion and so much of the Newton step that the energy along it has no slope left.
-    fn take_step(&mut self, frame: &Frame, constraints: &[Option<Constraint>]) -> bool {
+    ///
+    /// The step is lengthened up to `most_share` while the energy still falls.
+    fn take_step(&mut self, frame: &Frame, constraints: &[Option<Constraint>], most_share: f64) -> bool {
         let slope = crate::solver::dot(self.assembly.grid, &self.work.right, &self.work.step);
         let (mut share, mut bracket) = (1.0, [(0.0, slope), (f64::NAN, 0.0)]);
-        for shortening in 0..=MOST_SHORTENINGS {
+        for trial_number in 0..=MOST_TRIALS {
             let Scratch { step, trial, forces, motion, .. } = &mut self.work;
             let motions = step.iter().zip(motion.iter()).zip(&self.displacement);
             for (trial, ((step, motion), displacement)) in trial.iter_mut().zip(motions) {
@@ -261,8 +273,13 @@ impl Press<'_> {
                 continue;
             };
             let left = self.slope_at_trial(frame, constraints);
+            if left > SLOPE_LEFT * slope && share >= 1.0 && LENGTHENING * share <= most_share && bracket[1].0.is_nan() {
+                bracket[0] = (share, left);
+                share *= LENGTHENING;
+                continue;
+            }
             if left >= -SLOPE_LEFT * slope && (left <= SLOPE_LEFT * slope || share >= 1.0)
-                || shortening == MOST_SHORTENINGS
+                || trial_number == MOST_TRIALS
             {
                 std::mem::swap(&mut self.work.trial, &mut self.displacement);
                 std::mem::swap(&mut self.work.forces, &mut self.forces);
