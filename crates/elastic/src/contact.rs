@@ -25,6 +25,11 @@ pub trait Relief: Sync {
 
     /// Half-extents along x and y of a box about the origin that holds the foremost 3 mm of the body, mm.
     fn half_extent_mm(&self) -> [f64; 2];
+
+    /// Smallest and largest x and y of the body's flat face, mm, if it has one.
+    fn face_mm(&self) -> Option<[[f64; 2]; 2]> {
+        None
+    }
 }
 
 /// The relief at a point.

@@ -17,4 +17,4 @@ pub use fem::{BlockMesh, graded_lines};
 pub use layer::{
     ContactParams, Layer, LayerContact, LayerError, LayerOperator, LayerPress, SurfaceGrid, WaveCompliance,
 };
-pub use press::{MeshParams, Press, PressError, PressSetup, Resolution, StepReport, swept_region};
+pub use press::{MeshParams, Press, PressError, PressSetup, Resolution, StepReport, SweptRegion, swept_region};

@@ -16,7 +16,7 @@ mod tests;
 mod touch;
 
 pub use error::PressError;
-pub use region::{MeshParams, Resolution, swept_region};
+pub use region::{MeshParams, Resolution, SweptRegion, swept_region};
 
 use crate::fem::{Assembled, Assembly, BlockMesh, Material};
 use crate::solver::{Multigrid, Solver};

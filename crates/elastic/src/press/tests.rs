@@ -137,9 +137,9 @@ fn a_face_without_friction_presses_and_slides() {
     // Nodes sit on the fillet, where the face bends most, and snap off it as it slides; a rest is sought 40 times.
     let punch = Punch { radius_mm: 4.0 };
     let setup = setup(GEL, Law::NeoHookean, ContactLaw::Frictionless);
-    let mut press = Press::new(&setup, mesh(&GEL, 6.0, 0.75, 1.4), &punch, [0.0, 0.0]).unwrap();
-    let pressing = (1..=6).map(|step| deep(0.1 * f64::from(step)));
-    let sliding = (1..=4).map(|step| Pose { shear_mm: [0.15 * f64::from(step), 0.0], ..deep(0.6) });
+    let mut press = Press::new(&setup, mesh(&GEL, 5.5, 0.75, 1.6), &punch, [0.0, 0.0]).unwrap();
+    let pressing = (1..=3).map(|step| deep(0.2 * f64::from(step)));
+    let sliding = (1..=3).map(|step| Pose { shear_mm: [0.15 * f64::from(step), 0.0], ..deep(0.6) });
     let iterations: Vec<usize> = pressing
         .chain(sliding)
         .map(|pose| {
@@ -147,7 +147,7 @@ fn a_face_without_friction_presses_and_slides() {
             press.report().newton_iterations
         })
         .collect();
-    assert!(iterations[..6].iter().all(|&iterations| iterations <= 6), "{iterations:?}");
+    assert!(iterations[..3].iter().all(|&iterations| iterations <= 6), "{iterations:?}");
     assert!(iterations.iter().all(|&iterations| iterations <= 25), "{iterations:?}");
 }
 

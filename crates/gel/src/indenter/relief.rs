@@ -83,6 +83,13 @@ impl Relief for IndenterRelief {
     fn half_extent_mm(&self) -> [f64; 2] {
         self.footprint_mm(FOREMOST_MM).map(|[low, high]| high.max(-low))
     }
+
+    fn face_mm(&self) -> Option<[[f64; 2]; 2]> {
+        match &self.0 {
+            Body::Face { face, .. } => Some(face.extent_mm()),
+            Body::Ball(_) | Body::Field(_) => None,
+        }
+    }
 }
 
 /// `h(d(x, y))`: slope `h′ ∇d`, curvature `h″ ∇d ∇dᵀ + h′ ∇∇d`.

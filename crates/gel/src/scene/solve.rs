@@ -101,7 +101,7 @@ impl Scene {
     fn press(&self, relief: &dyn Relief, poses: &[Pose], progress: Progress) -> Result<Course, SceneError> {
         let setup = PressSetup { block: self.gel, law: self.material.law, contact: self.contact.law };
         let centre_mm = self.motion.centre_mm;
-        let mesh = self.mesh.mesh(&self.gel, swept_region(relief, centre_mm, poses));
+        let mesh = self.mesh.mesh(&self.gel, &swept_region(relief, centre_mm, poses));
         let mut press = Press::new(&setup, mesh, relief, centre_mm)?;
         let rest = press.surface().clone();
         Ok(follow(rest, poses, progress, |pose| press.step(pose).cloned()))
