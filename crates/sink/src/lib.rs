@@ -18,7 +18,8 @@ pub use arrays::{ArrayWriter, Element};
 pub use error::SinkError;
 pub use picture::{
     ColourMap, Comparison, Curve, CurvePanel, CurvePlots, FramePlot, HeatPanel, HeatPanels, HeatScale, INVALID_COLOUR,
-    Pair, Preview, PreviewOptions, SimulationPreview, StraightLine, colour_wheel, flow_colours, heat_map, write_png,
+    Pair, Preview, PreviewOptions, SimulationPreview, StraightLine, colour_wheel, flow_colours, heat_map, png,
+    write_png,
 };
 pub use run_folder::{Field, RunFolder, RunOptions, RunSummary};
 pub use simulation_folder::{SimulatedFrame, SimulationFolder, simulated_profile};

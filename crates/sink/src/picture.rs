@@ -54,6 +54,16 @@ pub fn write_png(image: &Image<Rgb>, path: &Path) -> Result<(), SinkError> {
     encode(image.values().as_flattened(), image.size(), ColorType::Rgb8, path)
 }
 
+/// An image as a PNG file's bytes.
+///
+/// # Errors
+///
+/// [`SinkError::Write`] if it cannot be encoded.
+pub fn png(image: &Image<Rgb>) -> Result<Vec<u8>, SinkError> {
+    encoded(image.values().as_flattened(), image.size(), ColorType::Rgb8)
+        .map_err(SinkError::writing(Path::new("a picture")))
+}
+
 /// Writes a frame as PNG, its bits as they are.
 pub(crate) fn write_pixels(pixels: &Pixels, path: &Path) -> Result<(), SinkError> {
     let size = pixels.size();
@@ -70,11 +80,15 @@ fn bytes(levels: &[u16]) -> Vec<u8> {
     levels.iter().flat_map(|level| level.to_ne_bytes()).collect()
 }
 
-fn encode(bytes: &[u8], (width, height): (usize, usize), kind: ColorType, path: &Path) -> Result<(), SinkError> {
+fn encode(bytes: &[u8], size: (usize, usize), kind: ColorType, path: &Path) -> Result<(), SinkError> {
+    let file = encoded(bytes, size, kind).map_err(SinkError::writing(path))?;
+    write_file(path, &file)
+}
+
+fn encoded(bytes: &[u8], (width, height): (usize, usize), kind: ColorType) -> std::io::Result<Vec<u8>> {
     let mut file = Vec::new();
     PngEncoder::new(&mut file)
         .write_image(bytes, width as u32, height as u32, kind.into())
-        .map_err(std::io::Error::other)
-        .map_err(SinkError::writing(path))?;
-    write_file(path, &file)
+        .map_err(std::io::Error::other)?;
+    Ok(file)
 }
