@@ -32,13 +32,15 @@ const LAYERS: [(&str, &[&str]); 14] = [
 const FOR_TESTS: &str = "gel";
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 23] = [
+const HEAVY: [(&str, &[&str]); 25] = [
     ("axum", &["live"]),
+    ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
     ("faer", &["elastic"]),
     ("image", &["source", "sink", "evaluate"]),
     ("indicatif", &["cli"]),
     ("mcap", &["source", "sink"]),
+    ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel"]),
     ("nalgebra", &["optics", "elastic", "calibrate", "evaluate"]),
     ("pdf-writer", &["gel"]),

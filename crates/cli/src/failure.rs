@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use fingervision_calibrate::ProfileFileError;
 use fingervision_calibrate::camera::BoardError;
 use fingervision_calibrate::depth::DepthFitError;
+use fingervision_evaluate::experiment::ExperimentError;
 use fingervision_evaluate::run::RunError;
 use fingervision_gel::{GelError, PatternError, SceneError};
 use fingervision_image::ImageError;
@@ -98,6 +99,12 @@ impl From<RunError> for Failure {
 
 impl From<BoardError> for Failure {
     fn from(error: BoardError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<ExperimentError> for Failure {
+    fn from(error: ExperimentError) -> Self {
         Self::Stated { message: error.to_string(), hint: error.hint() }
     }
 }

@@ -13,6 +13,8 @@ mod interrupt;
 mod output;
 mod pattern;
 mod profile_args;
+mod report_folder;
+mod reproduce;
 mod run_record;
 mod scene_args;
 mod simulate;
@@ -43,6 +45,7 @@ enum Command {
     Track(track::Args),
     Simulate(simulate::Args),
     Evaluate(evaluate::Args),
+    Reproduce(reproduce::Args),
     Demo(demo::Args),
     Pattern(pattern::Args),
     Calibrate(calibrate::Args),
@@ -56,6 +59,7 @@ impl Command {
             Self::Track(args) => track::run(args, out)?,
             Self::Simulate(args) => simulate::run(args, out)?,
             Self::Evaluate(args) => evaluate::run(args, out)?,
+            Self::Reproduce(args) => reproduce::run(args, out)?,
             Self::Demo(args) => demo::run(args, out)?,
             Self::Pattern(args) => pattern::run(args, out)?,
             Self::Calibrate(args) => calibrate::run(args, out)?,

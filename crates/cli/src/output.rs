@@ -42,6 +42,18 @@ impl OutputArgs {
         Ok(())
     }
 
+    /// A bar on standard error over so many steps, the name of the last one beside it.
+    pub(crate) fn steps(self, doing: &'static str, count: u64) -> ProgressBar {
+        if self.quiet {
+            return ProgressBar::hidden();
+        }
+        let bar = ProgressBar::new(count).with_prefix(doing);
+        match ProgressStyle::with_template("{prefix} {bar:40} {pos}/{len} {elapsed} {msg}") {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        }
+    }
+
     /// A bar on standard error over `count` frames, after what is done with them; a counter where their number is not
     /// known. It shows nothing where nobody looks.
     pub(crate) fn progress(self, doing: &'static str, count: Option<u64>) -> ProgressBar {

@@ -21,11 +21,15 @@
 //! # Ok::<(), fingervision_evaluate::EvaluateError>(())
 //! ```
 
+pub mod benchmark;
 pub mod dots;
 mod end_point;
 mod error;
+pub mod experiment;
 mod matcher;
+pub mod page;
 pub mod pairs;
+pub mod paper;
 pub mod recordings;
 pub mod run;
 pub mod sequences;

@@ -9,6 +9,7 @@ mod evaluate;
 mod output;
 mod pattern;
 mod profile;
+mod reproduce;
 mod simulate;
 mod track;
 mod usage;

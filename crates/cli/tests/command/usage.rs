@@ -31,6 +31,7 @@ fn wrong_usage_exits_with_2() {
         "pattern --out a.pdf --levels 0,256",
         "pattern --out a.pdf --kind stripes",
         "pattern --score --mm-per-px 0",
+        "reproduce",
         "calibrate",
         "calibrate camera board --step-mm 0.5",
         "calibrate camera board --step-mm 0.5 --corners a.csv --profile a.toml",

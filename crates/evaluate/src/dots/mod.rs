@@ -1,7 +1,7 @@
 //! A sparse grid of dots, followed: the baseline that a dense pattern is compared with.
 //!
 //! Done as well as the dots allow. Every dot's centre is the centroid of the light that it takes away, background
-//! subtracted: a hundredth of a pixel. From frame to frame each is found where its last motion leads, and only where the
+//! subtracted: a twentieth of a pixel. From frame to frame each is found where its last motion leads, and only where the
 //! choice is mutual; a dot that is lost takes its neighbours' motion until it is found again. Between the dots the
 //! displacement is the thin-plate spline through all that are seen: the smoothest field that passes through scattered
 //! points ([Bookstein1989]), which a missing dot does not break as it would a product of splines on the grid.

@@ -9,7 +9,7 @@ use npyz::{DType, NpyHeader, Order};
 use super::RunError;
 
 /// What a value of an array can be.
-pub(super) trait Value: Copy + Default {
+pub(crate) trait Value: Copy + Default {
     /// What such an array should hold, for messages.
     const EXPECTED: &'static str;
     /// How to make such an array of any other with `numpy`.
@@ -21,7 +21,7 @@ pub(super) trait Value: Copy + Default {
 
 /// A form in which values are stored: bytes of each and what they mean.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Stored<T> {
+pub(crate) struct Stored<T> {
     len: usize,
     decode: fn(&[u8]) -> T,
 }

@@ -17,7 +17,7 @@ const ROUNDING_MM: f64 = 1e-9;
 
 /// Finds the pixels near the border of a contact, frame by frame.
 #[derive(Debug)]
-pub(super) struct BorderBand {
+pub(crate) struct BorderBand {
     size: (usize, usize),
     reach_mm: f64,
     reach_px: usize,
@@ -28,7 +28,7 @@ pub(super) struct BorderBand {
 
 impl BorderBand {
     /// A band of `reach_mm` on both sides of the border, on a grid of this size whose first pixel is the camera's.
-    pub(super) fn new(camera: &Camera, size: (usize, usize), reach_mm: f64) -> Self {
+    pub(crate) fn new(camera: &Camera, size: (usize, usize), reach_mm: f64) -> Self {
         let (width, height) = size;
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x as f64, y as f64]));
         let places_mm = pixels.map(|px| camera.surface_point(px, 0.0).unwrap_or([f64::NAN; 2])).collect();
@@ -40,7 +40,7 @@ impl BorderBand {
     }
 
     /// Whether each pixel lies in the band of this contact. `is_gel` says whether a pixel sees the gel at all.
-    pub(super) fn find(&mut self, contact: &[u8], is_gel: impl Fn(usize) -> bool) -> &[bool] {
+    pub(crate) fn find(&mut self, contact: &[u8], is_gel: impl Fn(usize) -> bool) -> &[bool] {
         self.near.fill(false);
         let (width, height) = self.size;
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {

@@ -52,14 +52,17 @@ mod force;
 mod grid;
 mod histogram;
 mod inputs;
+mod last_frame;
 mod picture;
 mod report;
 mod table_file;
 mod tally;
 mod text;
 
+pub(crate) use border::BorderBand;
 pub use error::RunError;
 pub use evaluation::{Evaluation, Options, Outcome};
+pub(crate) use last_frame::LastFrame;
 pub use report::{
     Components, Errors, FieldErrors, ForceErrors, ForceReport, FrameReport, PixelCounts, Region, Regions, Report,
 };

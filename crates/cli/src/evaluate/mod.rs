@@ -1,9 +1,12 @@
 //! `fingervision evaluate`: how far a run is from the truth.
 
+mod benchmark;
+
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use fingervision_evaluate::benchmark::{Entry, Extent};
 use fingervision_evaluate::run::{Evaluation, Options, Outcome, Report};
 use fingervision_sink::{SinkError, write_png};
 use serde::Serialize;
@@ -22,10 +25,24 @@ pub(crate) const FOLDER: &str = "evaluation";
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The folder that `track --out` wrote, or any other with such arrays
-    run: PathBuf,
+    #[arg(required_unless_present = "benchmark", conflicts_with = "benchmark")]
+    run: Option<PathBuf>,
     /// The folder that `simulate --out` wrote, or its subfolder `truth`
-    truth: PathBuf,
-    /// The folder for evaluation.png, where an earlier one is replaced; without it RUN/evaluation
+    #[arg(required_unless_present = "benchmark")]
+    truth: Option<PathBuf>,
+    /// Score ways to depth over all ready-made scenes instead, under seven variations of the sensor and of friction
+    ///
+    /// Every scene is solved, rendered and tracked; every way that needs calibration gets the nine calibration presses of the same sensor. The folder gets report.html, report.json and the scenes in cases/.
+    #[arg(long)]
+    benchmark: bool,
+    /// Score another program too: FOLDER/CASE/depth.npy for each scene in cases/; may be repeated
+    #[arg(long = "entry", value_name = "NAME=FOLDER", requires = "benchmark", value_parser = benchmark::entry)]
+    entries: Vec<Entry>,
+    /// Three scenes on the default sensor alone: to see that it works
+    #[arg(long, requires = "benchmark")]
+    quick: bool,
+    /// The folder for evaluation.png, where an earlier one is replaced; without it RUN/evaluation, for the benchmark
+    /// ./fingervision-benchmark
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Compare the first frames, those that all files hold, where the run was cut short
@@ -43,9 +60,13 @@ struct EvaluateResult {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
-    let folder = args.out.clone().unwrap_or_else(|| args.run.join(FOLDER));
+    let (Some(run), Some(truth)) = (&args.run, &args.truth) else {
+        let extent = if args.quick { Extent::Quick } else { Extent::Full };
+        return benchmark::benchmark(args.out.as_deref(), extent, &args.entries, args.output, out);
+    };
+    let folder = args.out.clone().unwrap_or_else(|| run.join(FOLDER));
     let options = Options { common_frames: args.common_frames };
-    let (report, picture) = compare([&args.run, &args.truth], &folder, options, args.output)?;
+    let (report, picture) = compare([run, truth], &folder, options, args.output)?;
     let text = format!("{report}picture   {}", picture.display());
     args.output.result(out, &EvaluateResult { report, picture }, &text)
 }

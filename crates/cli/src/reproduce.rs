@@ -1,0 +1,60 @@
+//! `fingervision reproduce`: the paper's tables and figures.
+
+use std::io::Write;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use fingervision_evaluate::paper::{Extent, Reproduction, reproduce};
+use fingervision_gel::PressCache;
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::output::OutputArgs;
+use crate::report_folder::ReportFolder;
+
+/// The folder of a reproduction that was not given one.
+const FOLDER: &str = "fingervision-reproduction";
+
+/// Make the tables and figures of Du et al. 2021 again, as one page with the paper's numbers beside
+///
+/// Simulated presses are rendered, tracked and calibrated, then compared with their exact truth, in the paper's own setting and on the default sensor. Solved presses are kept: a second time is quicker. The folder gets report.html, which holds all its pictures, and report.json with every number.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The folder to write, where an earlier report is replaced; without it ./fingervision-reproduction
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// One sensor, draft meshes, two indenters, half as many frames: to see that it works
+    #[arg(long)]
+    quick: bool,
+    /// Solve every press anew, and do not keep it
+    #[arg(long)]
+    no_cache: bool,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+#[derive(Debug, Serialize)]
+struct ReproduceResult {
+    #[serde(flatten)]
+    reproduction: Reproduction,
+    page: PathBuf,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    let interrupt = Interrupt::listen()?;
+    let folder = ReportFolder::create(args.out.as_deref().unwrap_or(Path::new(FOLDER)))?;
+    let extent = if args.quick { Extent::Quick } else { Extent::Full };
+    let cache = if args.no_cache { PressCache::OFF } else { PressCache::standard() };
+    let bar = args.output.steps("reproducing", extent.parts());
+    let progress = |part: &str| {
+        bar.set_message(part.to_owned());
+        bar.inc(1);
+        if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let reproduction = reproduce(extent, &cache, &progress)?;
+    bar.finish_and_clear();
+    let page = folder.write(&reproduction, &reproduction.page())?;
+    let text = format!("{reproduction}page          {}", page.display());
+    args.output.result(out, &ReproduceResult { reproduction, page }, &text)
+}

@@ -1,0 +1,72 @@
+//! The paper's report and the accuracy benchmark, in their quick versions.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::workbench::Workbench;
+
+fn numbers(bench: &Workbench, path: &str) -> Value {
+    serde_json::from_str(&fs::read_to_string(bench.path(path)).unwrap()).unwrap()
+}
+
+#[test]
+fn the_quick_report_has_every_figure_and_its_numbers() {
+    let bench = Workbench::new();
+    let ended = bench.run("reproduce --quick --out report").expect_done();
+    assert!(ended.out.contains("report/report.html"), "{}", ended.out);
+    let page = fs::read_to_string(bench.path("report/report.html")).unwrap();
+    for part in ["Figure 1b", "Figure 2", "Figure 4", "Figure 5", "Figure 6", "Figure 7", "Table I", "Frame rate"] {
+        assert!(page.contains(part), "no {part}");
+    }
+    assert!(!page.contains("src=\"http") && !page.contains("<script"), "the page stands alone");
+    let report = numbers(&bench, "report/report.json");
+    let camera = &report["table_one"];
+    let mean = |name: &str| camera[name]["mean_px"].as_f64().unwrap();
+    assert!(mean("after") < 0.45 * mean("before"), "{camera}");
+    assert!((mean("test") / mean("after") - 1.0).abs() < 0.1, "{camera}");
+    assert!(camera["from_truth_px"].as_f64().unwrap() < 0.02, "{camera}");
+    for indenter in report["indenters"][0]["errors"].as_array().unwrap() {
+        let error = |name: &str| indenter[name]["everywhere_mm"].as_f64().unwrap();
+        assert!(error("dense") < error("dots"), "{indenter}");
+    }
+    for policy in
+        report["references"].as_array().unwrap().iter().flat_map(|press| press["policies"].as_array().unwrap())
+    {
+        assert!(policy["mean_px"].as_f64().unwrap() < 0.05, "{policy}");
+    }
+}
+
+#[test]
+fn the_quick_benchmark_scores_every_method_and_another_program() {
+    let bench = Workbench::new();
+    bench.run("evaluate --benchmark --quick --out first").expect_done();
+    let case = "circle--default";
+    bench.run(&format!("simulate first/cases/{case}.toml --truth-only --out truth")).expect_done();
+    fs::create_dir_all(bench.path("mine").join(case)).unwrap();
+    fs::copy(bench.path("truth/truth/depth.npy"), bench.path("mine").join(case).join("depth.npy")).unwrap();
+    let ended = bench.run("evaluate --benchmark --quick --out bench --entry mine=mine").expect_done();
+    assert!(ended.out.contains("density-perspective"), "{}", ended.out);
+    let report = numbers(&bench, "bench/report.json");
+    let cases = report["cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 3);
+    for case in cases {
+        let names: Vec<&str> =
+            case["scores"].as_array().unwrap().iter().map(|score| score["method"].as_str().unwrap()).collect();
+        let own = ["nothing", "density", "density-origin", "density-perspective", "density-clipped", "dots"];
+        assert_eq!(names[..6], own, "{case}");
+        assert_eq!(names.len(), if case["case"] == "circle--default" { 7 } else { 6 }, "{case}");
+    }
+    let circle = cases.iter().find(|found| found["case"] == case).unwrap();
+    let mine = circle["scores"].as_array().unwrap().iter().find(|score| score["method"] == "mine").unwrap();
+    assert!(mine["everywhere_mm"].as_f64().unwrap() < 1e-6, "the truth itself has no error: {mine}");
+    assert!(bench.path("bench/report.html").exists());
+}
+
+#[test]
+fn an_entry_without_results_is_refused_before_anything_is_solved() {
+    let bench = Workbench::new();
+    fs::create_dir(bench.path("empty")).unwrap();
+    let ended = bench.run("evaluate --benchmark --quick --out bench --entry mine=empty");
+    ended.expect_failure("empty: it holds no result, as circle--default/depth.npy would be", "a folder a case");
+}

@@ -1,0 +1,81 @@
+//! The ways to depth that are compared.
+
+use fingervision_calibrate::depth::{self, DepthFit};
+use fingervision_image::Image;
+use fingervision_touch::DepthMap;
+use serde::Serialize;
+
+use crate::experiment::{Following, Recording};
+
+/// A way from images to depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Depth is 0 everywhere: what every way should beat.
+    Nothing,
+    /// The published line with its intercept.
+    Density,
+    /// A line through the origin.
+    DensityOrigin,
+    /// A slope at every pixel from the camera's perspective.
+    DensityPerspective,
+    /// The same, nothing below zero.
+    DensityClipped,
+    /// The published line on 15×15 dots instead of the dense pattern.
+    Dots,
+}
+
+impl Method {
+    /// Every way, the simplest first.
+    pub const ALL: [Self; 6] =
+        [Self::Nothing, Self::Density, Self::DensityOrigin, Self::DensityPerspective, Self::DensityClipped, Self::Dots];
+
+    /// Its name in tables and files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "nothing",
+            Self::Density => "density",
+            Self::DensityOrigin => "density-origin",
+            Self::DensityPerspective => "density-perspective",
+            Self::DensityClipped => "density-clipped",
+            Self::Dots => "dots",
+        }
+    }
+
+    /// What it does, in a line.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Nothing => "0 mm everywhere",
+            Self::Density => "the published line with its intercept",
+            Self::DensityOrigin => "a line through the origin",
+            Self::DensityPerspective => "through the origin, its slope at every pixel that of the camera's perspective",
+            Self::DensityClipped => "the same, with nothing below 0 mm",
+            Self::Dots => "15×15 dots, interpolated, and the published line",
+        }
+    }
+
+    /// How the gel is followed for it.
+    pub(super) fn following(self) -> Following {
+        if self == Self::Dots { Following::Dots } else { Following::Dense }
+    }
+
+    /// Depth of a feature by what was calibrated; none where the law cannot be had.
+    pub(super) fn depth(self, feature: &Image<f32>, fit: &DepthFit, recording: &Recording) -> Option<Image<f32>> {
+        let law = match self {
+            Self::Nothing => return Some(Image::filled(feature.width(), feature.height(), 0.0)),
+            Self::Density | Self::Dots => depth::Method::Line,
+            Self::DensityOrigin => depth::Method::Origin,
+            Self::DensityPerspective | Self::DensityClipped => depth::Method::Perspective,
+        };
+        let law = fit.law(law).ok()?.law;
+        let map = DepthMap::new(&law, recording.profile.camera.as_ref(), feature.size())?;
+        let mut depth = Image::filled(feature.width(), feature.height(), 0.0_f32);
+        map.depth_into(feature, &mut Image::filled(feature.width(), feature.height(), 1), &mut depth);
+        if self == Self::DensityClipped {
+            depth.values_mut().iter_mut().for_each(|depth| *depth = depth.max(0.0));
+        }
+        Some(depth)
+    }
+}

@@ -1,0 +1,25 @@
+//! The accuracy benchmark: ways to depth against exact truth, over scenes and over what varies between sensors.
+//!
+//! Every [`Case`] is a ready-made scene under one [`Variation`] of the default sensor. Its images are rendered, tracked, and
+//! every [`Method`] makes a depth map of the last frame, which is scored by region ([`DepthScore`]). A method that needs
+//! calibration gets what a user would have: the nine calibration presses on the same sensor, tracked from images, held
+//! by sticking contact. Friction is the object's and not the sensor's: there is no calibration of its own for it.
+//!
+//! Any other program takes part by its files: see [`Entry`].
+
+mod cases;
+mod entry;
+mod methods;
+mod page;
+mod report;
+mod run;
+
+pub use cases::{Case, Extent, Variation, cases};
+pub use entry::Entry;
+pub use methods::Method;
+pub use report::{BenchmarkReport, CaseReport, MethodMeans, MethodScore};
+pub(crate) use run::with_dots;
+pub use run::{Benchmark, run};
+
+#[cfg(doc)]
+use crate::experiment::DepthScore;

@@ -1,0 +1,187 @@
+//! What the benchmark came to.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::{Extent, Method, Variation};
+use crate::experiment::DepthScore;
+
+/// One method's errors on a case.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodScore {
+    /// The method.
+    pub method: String,
+    /// Its errors in the last frame, mm.
+    #[serde(flatten)]
+    pub score: DepthScore,
+}
+
+/// All methods on a case.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CaseReport {
+    /// Its name.
+    pub case: String,
+    /// The scene.
+    pub scene: &'static str,
+    /// The variation's name.
+    pub variation: &'static str,
+    /// How deep the indenter is in the last frame, mm.
+    pub depth_mm: f64,
+    /// Mean distance between the flow found and the true one over the trusted pixels, px.
+    pub flow_error_px: f64,
+    /// One a method.
+    pub scores: Vec<MethodScore>,
+}
+
+/// A method's errors over the cases of a variation, mm.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodMeans {
+    /// The method.
+    pub method: String,
+    /// The variation.
+    pub variation: &'static str,
+    /// Over how many cases.
+    pub cases: usize,
+    /// Mean over the cases of the errors over the whole image.
+    pub everywhere_mm: f64,
+    /// Inside contact.
+    pub inside_mm: f64,
+    /// Within 1 mm of its border.
+    pub border_mm: f64,
+    /// Outside.
+    pub outside_mm: f64,
+    /// The largest of the cases' errors inside contact.
+    pub worst_inside_mm: f64,
+    /// On how many cases it is worse over the whole image than predicting nothing.
+    pub worse_than_nothing: usize,
+}
+
+/// The whole table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BenchmarkReport {
+    /// How much was benchmarked.
+    pub extent: Extent,
+    /// What the variations change.
+    pub variations: Vec<&'static Variation>,
+    /// Means by variation and method.
+    pub means: Vec<MethodMeans>,
+    /// Every case.
+    pub cases: Vec<CaseReport>,
+}
+
+impl BenchmarkReport {
+    pub(super) fn new(extent: Extent, cases: Vec<CaseReport>) -> Self {
+        let names = |case: &CaseReport| case.scores.iter().map(|score| score.method.clone()).collect::<Vec<_>>();
+        let mut methods: Vec<String> = Vec::new();
+        for name in cases.iter().flat_map(names) {
+            if !methods.contains(&name) {
+                methods.push(name);
+            }
+        }
+        let variations: Vec<_> = Variation::ALL
+            .iter()
+            .filter_map(|variation| Variation::find(variation.name))
+            .filter(|variation| cases.iter().any(|case| case.variation == variation.name))
+            .collect();
+        let means = variations
+            .iter()
+            .flat_map(|variation| methods.iter().filter_map(|method| MethodMeans::of(method, variation.name, &cases)));
+        Self { extent, means: means.collect(), variations, cases }
+    }
+
+    /// The names of the methods, in the tables' order.
+    #[must_use]
+    pub fn methods(&self) -> Vec<&str> {
+        let first = self.variations.first().map_or("", |variation| variation.name);
+        self.means.iter().filter(|means| means.variation == first).map(|means| means.method.as_str()).collect()
+    }
+}
+
+impl MethodMeans {
+    fn of(method: &str, variation: &'static str, cases: &[CaseReport]) -> Option<Self> {
+        let score = |case: &CaseReport, name: &str| {
+            case.scores.iter().find(|score| score.method == name).map(|score| score.score)
+        };
+        let of_variation = cases.iter().filter(|case| case.variation == variation);
+        let scores: Vec<(DepthScore, Option<DepthScore>)> =
+            of_variation.filter_map(|case| Some((score(case, method)?, score(case, Method::Nothing.name())))).collect();
+        let mean = |figure: fn(&DepthScore) -> f64| {
+            let figures: Vec<f64> = scores.iter().map(|(score, _)| figure(score)).filter(|f| f.is_finite()).collect();
+            figures.iter().sum::<f64>() / figures.len() as f64
+        };
+        let is_worse = |(score, nothing): &&(DepthScore, Option<DepthScore>)| {
+            nothing.is_some_and(|nothing| score.everywhere_mm > nothing.everywhere_mm)
+        };
+        (!scores.is_empty()).then(|| Self {
+            method: method.into(),
+            variation,
+            cases: scores.len(),
+            everywhere_mm: mean(|score| score.everywhere_mm),
+            inside_mm: mean(|score| score.inside_mm),
+            border_mm: mean(|score| score.border_mm),
+            outside_mm: mean(|score| score.outside_mm),
+            worst_inside_mm: scores.iter().map(|(score, _)| score.inside_mm).fold(f64::NAN, f64::max),
+            worse_than_nothing: scores.iter().filter(is_worse).count(),
+        })
+    }
+}
+
+/// The means, a table a variation.
+impl fmt::Display for BenchmarkReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for variation in &self.variations {
+            writeln!(f, "{}: {}", variation.name, variation.about)?;
+            let columns = ["everywhere", "inside", "border", "outside", "worst inside", "worse than 0"];
+            writeln!(f, "  {:22}{}", "mean error, mm", columns.map(|name| format!("{name:>14}")).concat())?;
+            for means in self.means.iter().filter(|means| means.variation == variation.name) {
+                write!(f, "  {:22}", means.method)?;
+                let MethodMeans { everywhere_mm, inside_mm, border_mm, outside_mm, worst_inside_mm, .. } = means;
+                for figure in [everywhere_mm, inside_mm, border_mm, outside_mm, worst_inside_mm] {
+                    write!(f, "{figure:14.3}")?;
+                }
+                writeln!(f, "{:>14}", format!("{} of {}", means.worse_than_nothing, means.cases))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn score(everywhere_mm: f64, inside_mm: f64) -> DepthScore {
+        DepthScore {
+            everywhere_mm,
+            inside_mm,
+            border_mm: f64::NAN,
+            outside_mm: 0.0,
+            trusted_mm: 0.0,
+            trusted: 1.0,
+            correlation: 0.0,
+        }
+    }
+
+    #[test]
+    fn means_are_over_the_cases_that_a_method_has() {
+        let case = |scene, own: Option<f64>| CaseReport {
+            case: scene,
+            scene: "circle",
+            variation: "default",
+            depth_mm: 2.0,
+            flow_error_px: 0.01,
+            scores: [("nothing", Some(1.0)), ("mine", own)]
+                .into_iter()
+                .filter_map(|(name, mean)| Some(MethodScore { method: name.into(), score: score(mean?, 2.0 * mean?) }))
+                .collect(),
+        };
+        let cases = vec![case("a".into(), Some(0.5)), case("b".into(), Some(1.5)), case("c".into(), None)];
+        let report = BenchmarkReport::new(Extent::Quick, cases);
+        assert_eq!(report.methods(), ["nothing", "mine"]);
+        let mine = &report.means[1];
+        assert_eq!((mine.cases, mine.everywhere_mm, mine.worst_inside_mm), (2, 1.0, 3.0));
+        assert_eq!(mine.worse_than_nothing, 1);
+        assert!(mine.border_mm.is_nan(), "no case has a border");
+    }
+}

@@ -1,0 +1,171 @@
+//! Goes through all cases.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+use fingervision_calibrate::depth::DepthFit;
+use fingervision_gel::{PressCache, Truth};
+use fingervision_image::Image;
+use fingervision_optics::Camera;
+use rayon::prelude::*;
+
+use super::cases::adapt;
+use super::{BenchmarkReport, Case, CaseReport, Entry, Extent, Method, MethodScore, Variation};
+use crate::experiment::{ExperimentError, Following, Recording, Scorer, calibrate, follow};
+
+/// What to benchmark.
+#[derive(Debug)]
+pub struct Benchmark<'a> {
+    /// How much.
+    pub extent: Extent,
+    /// The cases, those of [`cases`](super::cases) or some of them.
+    pub cases: Vec<Case>,
+    /// Other programs.
+    pub entries: &'a [Entry],
+    /// Where solved presses are kept.
+    pub cache: &'a PressCache,
+}
+
+/// The fits of every sensor, by the variation's name, for the dense pattern and for dots.
+type Fits = BTreeMap<(&'static str, bool), DepthFit>;
+
+/// Runs the benchmark. `progress` is told what has been done after every case and calibration; it may end the run.
+///
+/// # Errors
+///
+/// [`ExperimentError`] if a case cannot be solved, tracked or scored; [`ExperimentError::Interrupted`] if `progress` wants
+/// it to end.
+pub fn run(
+    benchmark: &Benchmark,
+    progress: &(dyn Fn(&str) -> ControlFlow<()> + Sync),
+) -> Result<BenchmarkReport, ExperimentError> {
+    for entry in benchmark.entries {
+        entry.check(&benchmark.cases)?;
+    }
+    let fits = fits(benchmark, progress)?;
+    let report = |case: &Case| {
+        let report = report(case, &fits, benchmark)?;
+        go_on(progress(&case.name))?;
+        Ok(report)
+    };
+    let cases = benchmark.cases.par_iter().map(report).collect::<Result<Vec<_>, ExperimentError>>()?;
+    Ok(BenchmarkReport::new(benchmark.extent, cases))
+}
+
+fn go_on(flow: ControlFlow<()>) -> Result<(), ExperimentError> {
+    if flow.is_break() { Err(ExperimentError::Interrupted) } else { Ok(()) }
+}
+
+/// Calibrates every sensor that a case needs.
+fn fits(benchmark: &Benchmark, progress: &(dyn Fn(&str) -> ControlFlow<()> + Sync)) -> Result<Fits, ExperimentError> {
+    let mut sensors: Vec<(&'static str, bool)> = Vec::new();
+    for variation in benchmark.cases.iter().map(|case| case.variation) {
+        let followings = [false, true].into_iter().filter(|&is_dots| variation.has_dots || !is_dots);
+        for sensor in followings.map(|is_dots| (variation.sensor, is_dots)) {
+            if !sensors.contains(&sensor) {
+                sensors.push(sensor);
+            }
+        }
+    }
+    let fit = |&(name, is_dots): &(&'static str, bool)| {
+        let variation = Variation::find(name).unwrap_or(const { &Variation::ALL[0] });
+        let adapted = |scene| {
+            let mut scene = variation.apply(scene)?;
+            adapt(&mut scene, benchmark.extent)?;
+            if is_dots { Ok(with_dots(scene)?) } else { Ok(scene) }
+        };
+        let following = if is_dots { Following::Dots } else { Following::Dense };
+        let fit = calibrate(&adapted, following, benchmark.cache)?;
+        go_on(progress(name))?;
+        Ok(((name, is_dots), fit))
+    };
+    // One after another: the nine presses of one sensor already keep all threads busy.
+    sensors.iter().map(fit).collect()
+}
+
+/// The scene with 15×15 dots for a pattern.
+pub(crate) fn with_dots(
+    mut scene: fingervision_gel::Scene,
+) -> Result<fingervision_gel::Scene, fingervision_gel::SceneError> {
+    scene.set_all([("pattern", "{ kind = \"dots\", dots = [15, 15], levels = [16, 240] }")])?;
+    Ok(scene)
+}
+
+/// What a way of following came to in the last frame.
+struct Last {
+    feature: Image<f32>,
+    valid: Image<u8>,
+    flow_error_px: f64,
+}
+
+fn last(recording: &Recording, following: Following) -> Result<Last, ExperimentError> {
+    let (width, height) = recording.size();
+    let mut last = Last {
+        feature: Image::filled(width, height, 0.0),
+        valid: Image::filled(width, height, 0),
+        flow_error_px: f64::NAN,
+    };
+    let final_frame = recording.depths_mm.len() - 1;
+    follow(recording, &recording.profile, following, |number, found| {
+        if number == final_frame {
+            last.feature = found.feature.clone();
+            last.valid = found.valid.clone();
+            last.flow_error_px = flow_error_px(found.flow, found.valid, &recording.truth);
+        }
+    })?;
+    Ok(last)
+}
+
+/// Mean distance between the places that flow and truth lead to, over what is trusted and seen, px.
+pub(crate) fn flow_error_px(flow: &fingervision_flow::FlowField, valid: &Image<u8>, truth: &Truth) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for pixel in 0..valid.values().len() {
+        let [u, v] = truth.flow.values()[pixel].map(f64::from);
+        if valid.values()[pixel] != 0 && truth.visible.values()[pixel] != 0 && u.is_finite() {
+            let found = [flow.u.values()[pixel], flow.v.values()[pixel]].map(f64::from);
+            sum += (found[0] - u).hypot(found[1] - v);
+            count += 1.0;
+        }
+    }
+    sum / count
+}
+
+fn report(case: &Case, fits: &Fits, benchmark: &Benchmark) -> Result<CaseReport, ExperimentError> {
+    let recording = Recording::of(&case.scene, benchmark.cache)?;
+    let camera = Camera::new(&case.scene.camera())
+        .map_err(|error| ExperimentError::EndedEarly { scene: case.name.clone(), reason: error.to_string() })?;
+    let scorer = Scorer::new(&recording.truth, &camera);
+    let dense = last(&recording, Following::Dense)?;
+    let dots = if case.variation.has_dots {
+        let recording = Recording::of(&with_dots(case.scene.clone())?, benchmark.cache)?;
+        Some(last(&recording, Following::Dots)?)
+    } else {
+        None
+    };
+    let mut scores = Vec::new();
+    for method in Method::ALL {
+        let is_dots = method.following() == Following::Dots;
+        let (Some(found), Some(fit)) =
+            (if is_dots { dots.as_ref() } else { Some(&dense) }, fits.get(&(case.variation.sensor, is_dots)))
+        else {
+            continue;
+        };
+        if let Some(depth) = method.depth(&found.feature, fit, &recording) {
+            scores.push(MethodScore { method: method.name().into(), score: scorer.score(&depth, &found.valid) });
+        }
+    }
+    for entry in benchmark.entries {
+        if let Some([depth, valid]) = entry.read(case)? {
+            let score = scorer.score(&depth.values, &valid.mask());
+            scores.push(MethodScore { method: entry.name.clone(), score });
+        }
+    }
+    Ok(CaseReport {
+        case: case.name.clone(),
+        scene: case.base,
+        variation: case.variation.name,
+        depth_mm: recording.depths_mm.last().copied().unwrap_or_default(),
+        flow_error_px: dense.flow_error_px,
+        scores,
+    })
+}

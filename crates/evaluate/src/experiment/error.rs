@@ -1,0 +1,63 @@
+use fingervision_calibrate::camera::BoardError;
+use fingervision_calibrate::depth::DepthFitError;
+use fingervision_gel::SceneError;
+use fingervision_sink::SinkError;
+use fingervision_touch::{ParameterError, TrackError};
+
+use crate::dots::DotError;
+use crate::run::RunError;
+
+/// What keeps an experiment from its end.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// The scene cannot be.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A press was not solved to its end.
+    #[error("{scene}: {reason}")]
+    EndedEarly {
+        /// The scene.
+        scene: String,
+        /// How far it came.
+        reason: String,
+    },
+    /// A frame cannot be tracked.
+    #[error(transparent)]
+    Track(#[from] TrackError),
+    /// A parameter is none.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The dots cannot be followed.
+    #[error(transparent)]
+    Dots(#[from] DotError),
+    /// No depth law can be fitted.
+    #[error(transparent)]
+    Fit(#[from] DepthFitError),
+    /// No camera can be fitted.
+    #[error(transparent)]
+    Board(#[from] BoardError),
+    /// A run of another program cannot be used.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A picture or a file cannot be written.
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+    /// Somebody wants it to end.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl ExperimentError {
+    /// What the user can do about it, where there is something to say.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Scene(error) => error.hint(),
+            Self::Fit(error) => error.hint(),
+            Self::Board(error) => error.hint(),
+            Self::Run(error) => error.hint(),
+            Self::EndedEarly { .. } => Some("a coarser motion or a finer mesh may converge".into()),
+            Self::Track(_) | Self::Parameter(_) | Self::Dots(_) | Self::Sink(_) | Self::Interrupted => None,
+        }
+    }
+}

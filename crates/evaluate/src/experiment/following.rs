@@ -1,0 +1,93 @@
+//! From images to displacement and density feature, by the dense pattern or by dots.
+
+use fingervision_flow::FlowField;
+use fingervision_image::{Frame, Image};
+use fingervision_touch::{Fields, Profile, Tracker};
+use std::time::Instant;
+
+use super::{ExperimentError, Recording};
+use crate::dots::{DotSensor, DotTouch};
+
+/// How points of the gel are followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Following {
+    /// By the tracker, on a dense pattern.
+    Dense,
+    /// By the centroids of dots, interpolated smoothly.
+    Dots,
+}
+
+/// What was found in a frame, on the reference grid.
+#[derive(Debug, Clone, Copy)]
+pub struct Followed<'a> {
+    /// Displacement, px.
+    pub flow: &'a FlowField,
+    /// The density feature `1 − density` after the filter, dimensionless.
+    pub feature: &'a Image<f32>,
+    /// 1 where both hold.
+    pub valid: &'a Image<u8>,
+    /// From the arrival of the image to the feature, ms.
+    pub latency_ms: f64,
+}
+
+/// Follows a recording and hands every frame's fields to `take`.
+///
+/// # Errors
+///
+/// [`ExperimentError::Track`] or [`ExperimentError::Dots`] if a frame cannot be followed.
+pub fn follow(
+    recording: &Recording,
+    profile: &Profile,
+    following: Following,
+    mut take: impl FnMut(usize, Followed),
+) -> Result<(), ExperimentError> {
+    match following {
+        Following::Dense => by_tracker(recording, profile, &mut take),
+        Following::Dots => by_dots(recording, profile, &mut take),
+    }
+}
+
+fn by_tracker(
+    recording: &Recording,
+    profile: &Profile,
+    take: &mut impl FnMut(usize, Followed),
+) -> Result<(), ExperimentError> {
+    let mut tracker: Option<Tracker> = None;
+    for (number, frame) in recording.frames().enumerate() {
+        let tracker = match &mut tracker {
+            Some(tracker) => tracker,
+            none => none.insert(new_tracker(recording, profile, &frame)?),
+        };
+        let reading = tracker.track(&frame)?;
+        if let Some(feature) = &reading.density {
+            let latency_ms = reading.latency_ms;
+            take(number, Followed { flow: &reading.flow, feature, valid: &reading.valid, latency_ms });
+        }
+    }
+    Ok(())
+}
+
+fn new_tracker(recording: &Recording, profile: &Profile, first: &Frame) -> Result<Tracker, ExperimentError> {
+    let mut profile = profile.clone();
+    profile.depth.density = None;
+    let fields = Fields { density: true, depth: false };
+    Ok(Tracker::new(&profile, recording.size(), first.pixels.is_colour(), fields)?)
+}
+
+fn by_dots(
+    recording: &Recording,
+    profile: &Profile,
+    take: &mut impl FnMut(usize, Followed),
+) -> Result<(), ExperimentError> {
+    let mut sensor: Option<DotSensor> = None;
+    for (number, frame) in recording.frames().enumerate() {
+        let begin = Instant::now();
+        let sensor = match &mut sensor {
+            Some(sensor) => sensor,
+            none => none.insert(DotSensor::new(&frame.pixels, &profile.density)?),
+        };
+        let DotTouch { flow, feature, valid, .. } = sensor.read(&frame.pixels)?;
+        take(number, Followed { flow, feature, valid, latency_ms: begin.elapsed().as_secs_f64() * 1e3 });
+    }
+    Ok(())
+}

@@ -1,0 +1,17 @@
+//! Simulated presses tracked from their images, in memory: what the benchmark and the paper's figures are made of.
+//!
+//! A [`Recording`] is a scene's images with the truth of its last frame. [`follow`] finds the displacement in them by the
+//! dense pattern or by dots, and the density feature of every frame. [`calibrate`] makes depth laws of the nine
+//! calibration presses, and [`Scorer`] says how far a depth map is from the truth.
+
+mod calibration;
+mod error;
+mod following;
+mod recording;
+mod score;
+
+pub use calibration::{CALIBRATION, calibrate};
+pub use error::ExperimentError;
+pub use following::{Followed, Following, follow};
+pub use recording::Recording;
+pub use score::{DepthScore, Scorer};

@@ -1,0 +1,75 @@
+//! A scene, solved and drawn.
+
+use fingervision_gel::{PressCache, Scene, Simulation, Truth};
+use fingervision_image::{Frame, Pixels};
+use fingervision_sink::simulated_profile;
+use fingervision_touch::Profile;
+use std::ops::ControlFlow;
+
+use super::ExperimentError;
+
+/// Frames a second that are written into the frames: no figure depends on it.
+const FRAMES_PER_SECOND: f64 = 90.0;
+
+/// A simulated press: its images, and the truth of its last frame.
+#[derive(Debug, Clone)]
+pub struct Recording {
+    /// The scene's name.
+    pub name: String,
+    /// The scene's camera and gel.
+    pub profile: Profile,
+    /// How deep the indenter is in every frame, mm.
+    pub depths_mm: Vec<f64>,
+    /// The last frame's truth.
+    pub truth: Truth,
+    /// Force of the indenter on the gel in the last frame, N.
+    pub force_n: [f64; 3],
+    images: Vec<Pixels>,
+}
+
+impl Recording {
+    /// Solves a scene, or takes the press from the cache, and draws all its frames.
+    ///
+    /// # Errors
+    ///
+    /// [`ExperimentError::Scene`] if the scene cannot be, [`ExperimentError::EndedEarly`] if it was not solved to its end.
+    pub fn of(scene: &Scene, cache: &PressCache) -> Result<Self, ExperimentError> {
+        let mut simulation = Simulation::new(scene)?;
+        let press = simulation.solve(cache, &mut |_| ControlFlow::Continue(()))?;
+        if let Some(end) = &press.end {
+            return Err(ExperimentError::EndedEarly { scene: scene.name.clone(), reason: end.to_string() });
+        }
+        let count = simulation.states().len();
+        let images = (0..count).map(|frame| simulation.frame(frame).cloned()).collect::<Result<_, _>>()?;
+        let truth = simulation.truth(count - 1)?.clone();
+        Ok(Self {
+            name: scene.name.clone(),
+            profile: simulated_profile(scene),
+            depths_mm: simulation.poses().iter().map(|pose| pose.depth_mm).collect(),
+            force_n: simulation.states().last().map_or([0.0; 3], |state| state.force_n),
+            truth,
+            images,
+        })
+    }
+
+    /// Columns and rows of every frame, px.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        self.truth.depth.size()
+    }
+
+    /// The images as a camera hands them out.
+    pub fn frames(&self) -> impl Iterator<Item = Frame> {
+        self.images.iter().enumerate().map(|(number, pixels)| Frame {
+            sequence: number as u64,
+            capture_time_s: number as f64 / FRAMES_PER_SECOND,
+            pixels: pixels.clone(),
+        })
+    }
+
+    /// The last image.
+    #[must_use]
+    pub fn last_image(&self) -> Option<&Pixels> {
+        self.images.last()
+    }
+}

@@ -1,0 +1,65 @@
+//! A table in a page.
+
+use serde::Serialize;
+
+/// A table: a row's name, then its cells.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HtmlTable {
+    /// What it shows.
+    pub caption: String,
+    /// Names of the columns, that of the row's names first.
+    pub columns: Vec<String>,
+    /// Its rows.
+    pub rows: Vec<HtmlRow>,
+}
+
+/// A row of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HtmlRow {
+    /// What it is about.
+    pub name: String,
+    /// Its cells.
+    pub cells: Vec<Cell>,
+}
+
+/// A cell of a table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Cell {
+    /// What it says.
+    pub text: String,
+    /// Whether it is the best of its kind.
+    pub is_best: bool,
+}
+
+impl Cell {
+    /// A word.
+    #[must_use]
+    pub fn text(text: impl Into<String>) -> Self {
+        Self { text: text.into(), is_best: false }
+    }
+
+    /// A number with so many decimals; a dash if it is none.
+    #[must_use]
+    pub fn figure(value: f64, decimals: usize) -> Self {
+        if value.is_finite() { Self::text(format!("{value:.decimals$}").replace('-', "−")) } else { Self::none() }
+    }
+
+    /// Nothing was measured.
+    #[must_use]
+    pub fn none() -> Self {
+        Self::text("—")
+    }
+}
+
+impl HtmlTable {
+    /// A table without rows.
+    #[must_use]
+    pub fn new<'a>(caption: impl Into<String>, columns: impl IntoIterator<Item = &'a str>) -> Self {
+        Self { caption: caption.into(), columns: columns.into_iter().map(String::from).collect(), rows: Vec::new() }
+    }
+
+    /// Adds a row.
+    pub fn row(&mut self, name: impl Into<String>, cells: impl IntoIterator<Item = Cell>) {
+        self.rows.push(HtmlRow { name: name.into(), cells: cells.into_iter().collect() });
+    }
+}
