@@ -40,11 +40,11 @@ fn the_quick_report_has_every_figure_and_its_numbers() {
 #[test]
 fn the_quick_benchmark_scores_every_method_and_another_program() {
     let bench = Workbench::new();
-    bench.run("evaluate --benchmark --quick --out first").expect_done();
     let case = "circle--default";
-    bench.run(&format!("simulate first/cases/{case}.toml --truth-only --out truth")).expect_done();
+    // A board that slides is nowhere pressed in: depth is 0, what the method "nothing" says too.
+    bench.run("simulate board --frames 2 --truth-only --out board").expect_done();
     fs::create_dir_all(bench.path("mine").join(case)).unwrap();
-    fs::copy(bench.path("truth/truth/depth.npy"), bench.path("mine").join(case).join("depth.npy")).unwrap();
+    fs::copy(bench.path("board/truth/depth.npy"), bench.path("mine").join(case).join("depth.npy")).unwrap();
     let ended = bench.run("evaluate --benchmark --quick --out bench --entry mine=mine").expect_done();
     assert!(ended.out.contains("density-perspective"), "{}", ended.out);
     let report = numbers(&bench, "bench/report.json");
@@ -58,8 +58,13 @@ fn the_quick_benchmark_scores_every_method_and_another_program() {
         assert_eq!(names.len(), if case["case"] == "circle--default" { 7 } else { 6 }, "{case}");
     }
     let circle = cases.iter().find(|found| found["case"] == case).unwrap();
-    let mine = circle["scores"].as_array().unwrap().iter().find(|score| score["method"] == "mine").unwrap();
-    assert!(mine["everywhere_mm"].as_f64().unwrap() < 1e-6, "the truth itself has no error: {mine}");
+    let [mine, nothing] = ["mine", "nothing"].map(|name| {
+        let score = circle["scores"].as_array().unwrap().iter().find(|score| score["method"] == name).unwrap();
+        ["everywhere_mm", "inside_mm", "border_mm", "outside_mm"].map(|region| score[region].as_f64().unwrap())
+    });
+    assert_eq!(mine, nothing);
+    assert!(mine[1] > 1.0, "a circle is pressed in by 2 mm: {mine:?}");
+    assert!(bench.path("bench/cases").join(format!("{case}.toml")).exists());
     assert!(bench.path("bench/report.html").exists());
 }
 
