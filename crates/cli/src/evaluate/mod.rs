@@ -36,10 +36,10 @@ pub(crate) struct Args {
     #[arg(long)]
     benchmark: bool,
     /// Score another program too: FOLDER/CASE/depth.npy for each scene in cases/; may be repeated
-    #[arg(long = "entry", value_name = "NAME=FOLDER", requires = "benchmark", value_parser = benchmark::entry)]
+    #[arg(long = "entry", value_name = "NAME=FOLDER", conflicts_with = "run", value_parser = benchmark::entry)]
     entries: Vec<Entry>,
     /// Three scenes on the default sensor alone: to see that it works
-    #[arg(long, requires = "benchmark")]
+    #[arg(long, conflicts_with = "run")]
     quick: bool,
     /// The folder for evaluation.png, where an earlier one is replaced; without it RUN/evaluation, for the benchmark
     /// ./fingervision-benchmark
