@@ -1,6 +1,8 @@
-//! Calibration: fits that write a sensor's profile, each with a report on what it is worth.
+//! Calibration: fits that write a sensor's profile, each with a report on what it is worth, and checks of the recordings
+//! that they are made from.
 
 pub mod camera;
+pub mod check;
 pub mod depth;
 mod profile_file;
 

@@ -106,6 +106,12 @@ impl BoardTracker {
         Ok(())
     }
 
+    /// The flow of the last two images; none before there are two.
+    #[must_use]
+    pub fn last_pair(&self) -> Option<&Estimate> {
+        (self.images > 1).then_some(&self.estimate)
+    }
+
     fn follow(&mut self) -> Result<(), BoardError> {
         let image = self.images - 1;
         self.estimator.prepare(&self.before, &mut self.reference);

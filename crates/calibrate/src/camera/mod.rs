@@ -28,4 +28,5 @@ pub use prior::{Prior, Priors};
 pub use report::{CameraReport, SlideReport};
 pub use residuals::{ResidualMap, Residuals};
 pub use slide::Slide;
+pub(crate) use steps::median;
 pub use unknowns::{UNKNOWNS, Unknown, Unknowns, camera_params, unknowns_of};

@@ -56,7 +56,7 @@ pub(super) fn check_slide(usual: [f64; 2], slide: Slide, known_flow_px: Option<[
 }
 
 /// The middle value; not a number where there is none.
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     if values.is_empty() {
         return f64::NAN;
     }

@@ -183,7 +183,8 @@ fn tracking(press: &str) -> impl Fn(TrackError) -> DepthFitError + '_ {
     |source| DepthFitError::Track { press: press.into(), source: Box::new(source) }
 }
 
-fn check_depths(press: &str, depths_mm: &[f64]) -> Result<(), DepthFitError> {
+/// Refuses depths that are none of a press.
+pub(crate) fn check_depths(press: &str, depths_mm: &[f64]) -> Result<(), DepthFitError> {
     let press = press.to_owned();
     let Some(&first) = depths_mm.first() else { return Err(DepthFitError::Count { press, images: 1, depths: 0 }) };
     let (least, most) = depths_mm.iter().fold((first, first), |(low, high), &depth| (depth.min(low), depth.max(high)));

@@ -17,6 +17,7 @@ mod regression;
 mod report;
 mod table;
 
+pub(crate) use curve::check_depths;
 pub use curve::{Place, PressCurve, PressPoint, PressRecorder};
 pub use error::DepthFitError;
 pub use fit::{DepthFit, FittedLaw, Method, PressFit};

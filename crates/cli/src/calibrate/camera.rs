@@ -115,19 +115,27 @@ fn from_corners(args: &Args, file: &Path, out: &mut impl Write) -> Result<(), Fa
 }
 
 fn from_slides(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    let (report, picture) = fit(args)?;
+    let text = format!("{report}\npicture   {}\nprofile   {}", picture.display(), args.profile.display());
+    args.output.result(out, &CameraResult { report, picture, profile: args.profile.clone() }, &text)
+}
+
+/// Fits the camera to the slides and writes the picture of residuals and the profile; gives the report and the picture's
+/// file.
+pub(super) fn fit(args: &Args) -> Result<(CameraReport, PathBuf), Failure> {
     let profile = if args.profile.exists() { Profile::load(&args.profile)? } else { Profile::default() };
     let slides = args.slides()?;
     let mut flows: Vec<BoardFlow> = Vec::new();
-    let mut priors = None;
+    let mut known = None;
     for (board, slide) in args.boards.iter().zip(slides) {
-        let (flow, known) = args.follow(board, slide, &profile)?;
+        let (flow, priors) = args.follow(board, slide, &profile)?;
         if let Some(first) = flows.first().filter(|first| first.size != flow.size) {
             return Err(other_size(board, flow.size, first.size));
         }
         flows.push(flow);
-        priors.get_or_insert(known);
+        known.get_or_insert(priors);
     }
-    let Some(priors) = priors else { return Ok(()) };
+    let priors = known.ok_or(BoardError::TooFewImages { images: 0 })?;
     let options = FitOptions { radial: args.radial.into(), start: args.start.into() };
     let fit = fit_camera(&flows, &priors, options)?;
     let report = CameraReport::new(fit, &flows, &priors);
@@ -137,11 +145,26 @@ fn from_slides(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let picture = args.picture.clone().unwrap_or_else(|| beside(&args.profile));
     write_png(&report.draw(), &picture)?;
     update_profile(&args.profile, "camera", &report.camera)?;
-    let text = format!("{report}\npicture   {}\nprofile   {}", picture.display(), args.profile.display());
-    args.output.result(out, &CameraResult { report, picture, profile: args.profile.clone() }, &text)
+    Ok((report, picture))
 }
 
 impl Args {
+    /// One slide, and what is known of the camera's distance.
+    pub(super) fn slide(board: PathBuf, slide: Slide, distance: Prior, profile: PathBuf, output: OutputArgs) -> Self {
+        Self {
+            boards: vec![board],
+            step_mm: vec![slide.step_mm],
+            direction: vec![slide.direction_rad.to_degrees()],
+            profile,
+            priors: vec![(Unknown::Distance, distance)],
+            corners: None,
+            radial: RadialName::Brown,
+            start: StartName::Plain,
+            picture: None,
+            output,
+        }
+    }
+
     /// Each board's slide.
     fn slides(&self) -> Result<Vec<Slide>, Failure> {
         let count = self.boards.len();
@@ -259,7 +282,7 @@ fn beside(profile: &Path) -> PathBuf {
     profile.with_file_name(format!("{stem}-camera.png"))
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(super) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("a step is a length above 0 mm; for a slide the other way round see --direction".into()),
@@ -267,7 +290,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// Degrees from x towards y.
-fn direction(text: &str) -> Result<f64, String> {
+pub(super) fn direction(text: &str) -> Result<f64, String> {
     match text {
         "x" => Ok(0.0),
         "y" => Ok(90.0),

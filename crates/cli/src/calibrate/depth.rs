@@ -115,14 +115,8 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     if method == Method::Perspective && profile.camera.is_none() {
         return Err(DepthFitError::NoCamera.into());
     }
-    let names = || ReadyMade::ALL.iter().map(|scene| scene.name).filter(|name| name.starts_with("calibration-"));
-    let presses = if args.simulated { names().map(Into::into).collect() } else { args.presses.clone() };
-    let curves = presses.iter().map(|press| record(args, press, &profile)).collect::<Result<Vec<_>, _>>()?;
-    let fit = DepthFit::new(curves)?;
-    let written = fit.law(method)?;
-    let picture = args.picture.clone().unwrap_or_else(|| picture_beside(&args.profile));
-    write_png(&fit.draw(), &picture)?;
-    update_profile(&args.profile, "depth", &DepthTable { density: &written.law })?;
+    let fit = fit(args, &profile)?;
+    let (written, picture) = write(args, &fit, method)?;
     let mut text = fit.to_string();
     let (profile, shown) = (args.profile.display(), picture.display());
     let _ =
@@ -136,7 +130,32 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     args.output.result(out, &result, &text)
 }
 
-fn law_name(method: Method) -> &'static str {
+/// Tracks the presses and fits every law to them.
+pub(super) fn fit(args: &Args, profile: &Profile) -> Result<DepthFit, Failure> {
+    let names = || ReadyMade::ALL.iter().map(|scene| scene.name).filter(|name| name.starts_with("calibration-"));
+    let presses = if args.simulated { names().map(Into::into).collect() } else { args.presses.clone() };
+    let curves = presses.iter().map(|press| record(args, press, profile)).collect::<Result<Vec<_>, _>>()?;
+    Ok(DepthFit::new(curves)?)
+}
+
+/// Writes the picture, and the law of this form into the profile; gives the law and the picture's file.
+pub(super) fn write<'a>(args: &Args, fit: &'a DepthFit, method: Method) -> Result<(&'a FittedLaw, PathBuf), Failure> {
+    let written = fit.law(method)?;
+    let picture = args.picture.clone().unwrap_or_else(|| picture_beside(&args.profile));
+    write_png(&fit.draw(), &picture)?;
+    update_profile(&args.profile, "depth", &DepthTable { density: &written.law })?;
+    Ok((written, picture))
+}
+
+impl Args {
+    /// Recorded presses.
+    pub(super) fn recorded(presses: Vec<String>, profile: PathBuf, output: OutputArgs) -> Self {
+        let (method, maximum) = (MethodName::Origin, MaximumName::Plain);
+        Self { presses, simulated: false, draft: false, profile, method, maximum, picture: None, output }
+    }
+}
+
+pub(super) fn law_name(method: Method) -> &'static str {
     match method {
         Method::Line => "published line",
         Method::Origin => "line through the origin",

@@ -2,6 +2,7 @@
 
 mod camera;
 mod depth;
+mod guide;
 
 use std::io::Write;
 
@@ -9,12 +10,18 @@ use clap::Subcommand;
 
 use crate::failure::Failure;
 
-/// Calibrate a sensor: fit a part of its profile to recordings of known motion
+/// Calibrate a sensor: be led through it, or fit one part of its profile to recordings of known motion
+///
+/// Without a subcommand it leads through the calibration of a real sensor. A folder holds the recordings: the untouched gel, a
+/// sliding board, some presses. It says which is next and how to take it, checks each as it comes, says what to do again and
+/// why, and at last writes the sensor's profile. Run it again after every recording.
 #[derive(Debug, clap::Args)]
-#[command(arg_required_else_help = true)]
+#[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct Args {
     #[command(subcommand)]
-    part: Part,
+    part: Option<Part>,
+    #[command(flatten)]
+    guide: guide::GuideArgs,
 }
 
 /// What is fitted.
@@ -26,7 +33,8 @@ enum Part {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     match &args.part {
-        Part::Camera(args) => camera::run(args, out),
-        Part::Depth(args) => depth::run(args, out),
+        Some(Part::Camera(args)) => camera::run(args, out),
+        Some(Part::Depth(args)) => depth::run(args, out),
+        None => guide::run(&args.guide, out),
     }
 }

@@ -1,0 +1,148 @@
+//! A press of known depth.
+
+use fingervision_image::Frame;
+use fingervision_touch::{Fields, Flag, Profile, ProfileError, TrackError, Tracker};
+
+use super::Check;
+use super::exposure::Exposure;
+use super::fault::{Fault, RecordingCheck, What};
+use super::samples::{Samples, unsharp};
+use crate::depth::{DepthFitError, PressFolder, check_depths};
+
+/// A press that moves nothing by this, px, says little about depth.
+const LEAST_MOTION_PX: f64 = 0.5;
+/// More than this part of the images lost, and the curve has gaps.
+const LARGEST_LOST: f64 = 0.1;
+/// The border is this part of the image's smaller side.
+const BORDER: f64 = 0.05;
+/// A press whose motion at the border is this part of its largest does not end within the image.
+const LARGEST_AT_BORDER: f64 = 0.9;
+
+/// Checks a recording of a press.
+#[derive(Debug)]
+pub struct PressCheck {
+    exposure: Exposure,
+    tracker: Tracker,
+    depths: usize,
+    frames: usize,
+    lost: usize,
+    was_pressed: bool,
+    light_changed: bool,
+    /// Median deviation of the first image that is found again, px: later ones are stretched.
+    deviation_px: Option<f64>,
+    /// Largest motion in all, and at the border in the image that has it, px.
+    largest: [f64; 2],
+    refused: Option<TrackError>,
+}
+
+impl PressCheck {
+    /// A check of a press whose depths are known, for frames of this size, px, in grey or colour.
+    ///
+    /// # Errors
+    ///
+    /// What is wrong with the depths, or why the profile cannot track such frames.
+    pub fn new(
+        folder: &PressFolder,
+        profile: &Profile,
+        frame_size: (usize, usize),
+        is_colour: bool,
+    ) -> Result<Self, Fault> {
+        check_depths(&folder.name, &folder.depths_mm).map_err(|error| Fault::from(&error))?;
+        let unfit = |error: ProfileError| Fault::unreadable(&error, error.hint());
+        let region = profile.region(frame_size).map_err(unfit)?;
+        let fields = Fields { density: false, depth: false };
+        let tracker = Tracker::new(profile, frame_size, is_colour, fields)
+            .map_err(|error| Fault::unreadable(&error, error.hint()))?;
+        Ok(Self {
+            exposure: Exposure::new(region, false),
+            tracker,
+            depths: folder.depths_mm.len(),
+            frames: 0,
+            lost: 0,
+            was_pressed: false,
+            light_changed: false,
+            deviation_px: None,
+            largest: [0.0; 2],
+            refused: None,
+        })
+    }
+
+    fn count_fault(&self) -> Option<Fault> {
+        let (images, depths) = (self.frames as u64, self.depths as u64);
+        (images != depths).then(|| Fault::from(&DepthFitError::Count { press: String::new(), images, depths }))
+    }
+
+    fn motion_fault(&self) -> Option<Fault> {
+        let Self { lost, frames, largest: [largest, at_border], .. } = *self;
+        if self.light_changed {
+            let remedy = "switch automatic exposure, gain and white balance off and keep daylight out";
+            let measured = "the mean level changes by more than a quarter";
+            return Some(Fault::new(What::Light, measured, "steady light", remedy));
+        }
+        if self.was_pressed {
+            let measured = "the surface moves back from the first image on: it was pressed there";
+            let remedy = "begin the recording before the indenter touches the gel";
+            return Some(Fault::new(What::PressedAtStart, measured, "an untouched gel at first", remedy));
+        }
+        if lost as f64 > LARGEST_LOST * frames as f64 {
+            let measured = format!("{lost} of {frames} images cannot be followed");
+            let remedy = "press in smaller steps, an image at each, and keep light and exposure as they are";
+            return Some(Fault::new(What::Lost, measured, format!("at most {:.0} %", 100.0 * LARGEST_LOST), remedy));
+        }
+        if largest < LEAST_MOTION_PX {
+            let measured = format!("nothing moves by more than {largest:.2} px");
+            let remedy = "press deeper, and within the camera's view";
+            return Some(Fault::new(What::MotionTooSmall, measured, format!("at least {LEAST_MOTION_PX} px"), remedy));
+        }
+        let measured =
+            format!("at the border the surface still moves by {at_border:.1} px, its most is {largest:.1} px");
+        let remedy = "press farther from the image's border, or with a smaller indenter";
+        let allowed = format!("below {:.0} %", 100.0 * LARGEST_AT_BORDER);
+        (at_border > LARGEST_AT_BORDER * largest).then(|| Fault::new(What::CutByBorder, measured, allowed, remedy))
+    }
+}
+
+impl Check for PressCheck {
+    fn push(&mut self, frame: &Frame) {
+        self.frames += 1;
+        self.exposure.push(frame);
+        if self.refused.is_some() {
+            return;
+        }
+        let reading = match self.tracker.track(frame) {
+            Ok(reading) => reading,
+            Err(error) => {
+                self.refused = Some(error);
+                return;
+            }
+        };
+        self.was_pressed |= reading.flags.has(Flag::PressedAtStart);
+        self.light_changed |= reading.flags.has(Flag::LightChanged);
+        self.lost += usize::from(reading.flags.has(Flag::Lost));
+        if reading.flags.has(Flag::NoTexture) {
+            self.deviation_px.get_or_insert(f64::INFINITY);
+        }
+        if self.frames == 1 || reading.flags.has(Flag::Lost) {
+            return;
+        }
+        let samples = Samples::of(&reading.flow, &reading.deviation, &reading.valid);
+        self.deviation_px.get_or_insert(samples.deviation_px);
+        let (width, height) = reading.flow.size();
+        let [all, border] = samples.largest(BORDER * width.min(height) as f64);
+        if all > self.largest[0] {
+            self.largest = [all, border];
+        }
+    }
+
+    fn finish(self: Box<Self>) -> RecordingCheck {
+        let refused = self.refused.as_ref().map(|error| Fault::unreadable(error, error.hint()));
+        let cause = || unsharp(self.deviation_px.unwrap_or(0.0)).or_else(|| self.motion_fault());
+        let cause = refused.or_else(|| self.exposure.fault()).or_else(cause);
+        RecordingCheck {
+            deviation_px: self.deviation_px.filter(|deviation| deviation.is_finite()),
+            motion_px: Some(self.largest[0]),
+            faults: self.count_fault().into_iter().chain(cause).collect(),
+            ..self.exposure.figures()
+        }
+    }
+}

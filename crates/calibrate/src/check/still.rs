@@ -1,0 +1,136 @@
+//! The untouched gel, a few seconds long: what the camera and its light are worth.
+
+use fingervision_flow::{Estimate, FlowError, FlowEstimator, FlowParams, Picture, Reference, Start};
+use fingervision_image::{Frame, Rect};
+
+use super::Check;
+use super::exposure::Exposure;
+use super::fault::{Fault, RecordingCheck, What};
+use super::samples::{Samples, unsharp};
+
+/// Fewer images do not show whether light and camera keep still.
+pub const STILL_IMAGES: usize = 10;
+/// The image may move by this as a whole, px: more, and a calibration to a hundredth of a pixel is in vain.
+const LARGEST_DRIFT_PX: f64 = 0.02;
+/// All but this part of the image may move by this from the rest, px: several deviations of the least flow that passes.
+const LARGEST_MOTION_PX: f64 = 0.25;
+const MOVING_PART: f64 = 0.02;
+/// The mean level may change by this part: well above noise, well below what the flow can bear.
+const LARGEST_FLICKER: f64 = 0.03;
+/// Where this part of the first image has texture, this part of it must be found again.
+const LEAST_TEXTURED: f32 = 0.2;
+const LEAST_MATCHED: f32 = 0.5;
+/// Less noise than this, grey levels, is no camera's.
+const LEAST_NOISE_LEVELS: f64 = 0.01;
+
+/// Checks a recording of the untouched gel. All images are matched with the first.
+#[derive(Debug)]
+pub struct StillCheck {
+    region: Rect,
+    exposure: Exposure,
+    estimator: FlowEstimator,
+    picture: Picture,
+    reference: Reference,
+    estimate: Estimate,
+    /// Of the worst image: median deviation, motion as a whole, motion of parts; px.
+    worst: [f64; 3],
+    /// The first image that does not show what the first one does, from 1.
+    other: Option<usize>,
+    refused: Option<Fault>,
+}
+
+impl StillCheck {
+    /// A check of the region of interest of frames in grey or colour.
+    ///
+    /// # Errors
+    ///
+    /// [`FlowError`] for a region too small or parameters out of range.
+    pub fn new(region: Rect, is_colour: bool, params: &FlowParams) -> Result<Self, FlowError> {
+        let params = FlowParams { colour: params.colour && is_colour, ..*params };
+        let estimator = FlowEstimator::new(region.width, region.height, &params)?;
+        Ok(Self {
+            region,
+            exposure: Exposure::new(region, true),
+            picture: estimator.picture(),
+            reference: estimator.reference(),
+            estimate: Estimate::new(region.width, region.height),
+            estimator,
+            worst: [0.0; 3],
+            other: None,
+            refused: None,
+        })
+    }
+
+    fn count_fault(&self) -> Option<Fault> {
+        let images = self.exposure.images();
+        let remedy = "record some seconds of the gel with nothing near it";
+        let measured = format!("{images} images");
+        (images < STILL_IMAGES).then(|| Fault::new(What::Count, measured, format!("at least {STILL_IMAGES}"), remedy))
+    }
+
+    fn light_fault(&self) -> Option<Fault> {
+        let flicker = self.exposure.flicker();
+        let measured = format!("the mean level changes by {:.1} % within the recording", 100.0 * flicker);
+        let allowed = format!("at most {:.0} %", 100.0 * LARGEST_FLICKER);
+        let remedy = "switch automatic exposure, gain and white balance off, drive the lamp with direct current, keep daylight out";
+        (flicker > LARGEST_FLICKER).then(|| Fault::new(What::Light, measured, allowed, remedy))
+    }
+
+    fn motion_fault(&self) -> Option<Fault> {
+        let [_, drift, motion] = self.worst;
+        if self.exposure.noise_levels().is_some_and(|noise| noise < LEAST_NOISE_LEVELS) {
+            let remedy = "save the images that the camera takes one after another, not one of them several times";
+            return Some(Fault::new(What::Copies, "all images are the same", "images with the camera's noise", remedy));
+        }
+        if drift > LARGEST_DRIFT_PX || self.other.is_some() {
+            let moved = || format!("the whole image moves by {drift:.3} px");
+            let measured =
+                self.other.map_or_else(moved, |image| format!("image {image} does not show what image 1 does"));
+            let remedy =
+                "fix camera, lens and gel in one rigid frame, lock the focus, let all warm up for some minutes";
+            return Some(Fault::new(What::Drift, measured, format!("at most {LARGEST_DRIFT_PX} px"), remedy));
+        }
+        let measured = format!("a part of the image moves by {motion:.2} px");
+        let remedy = "leave the gel untouched; if it was, wait until it has come to rest after the last press";
+        let fault = || Fault::new(What::Touched, measured, format!("at most {LARGEST_MOTION_PX} px"), remedy);
+        (motion > LARGEST_MOTION_PX).then(fault)
+    }
+}
+
+impl Check for StillCheck {
+    fn push(&mut self, frame: &Frame) {
+        if let Err(error) = self.picture.load(&frame.pixels, self.region) {
+            self.refused.get_or_insert_with(|| Fault::unreadable(&error, None));
+            return;
+        }
+        self.exposure.push(frame);
+        if self.exposure.images() == 1 {
+            self.estimator.prepare(&self.picture, &mut self.reference);
+            return;
+        }
+        self.estimator.estimate(&self.reference, &self.picture, Start::Search(None), &mut self.estimate);
+        if self.reference.textured() >= LEAST_TEXTURED && self.estimate.matched < LEAST_MATCHED {
+            self.other.get_or_insert(self.exposure.images());
+            return;
+        }
+        let samples = Samples::of(&self.estimate.flow, &self.estimate.deviation, &self.estimate.valid);
+        self.worst[0] = self.worst[0].max(samples.deviation_px);
+        if !samples.is_empty() {
+            let [x, y] = samples.median();
+            self.worst[1] = self.worst[1].max(x.hypot(y));
+            self.worst[2] = self.worst[2].max(samples.apart_from([x, y], MOVING_PART));
+        }
+    }
+
+    fn finish(self: Box<Self>) -> RecordingCheck {
+        let [deviation, drift, _] = self.worst;
+        let cause = || self.light_fault().or_else(|| unsharp(deviation)).or_else(|| self.motion_fault());
+        let cause = self.refused.clone().or_else(|| self.exposure.fault()).or_else(cause);
+        RecordingCheck {
+            deviation_px: deviation.is_finite().then_some(deviation),
+            motion_px: Some(drift),
+            faults: self.count_fault().into_iter().chain(cause).collect(),
+            ..self.exposure.figures()
+        }
+    }
+}

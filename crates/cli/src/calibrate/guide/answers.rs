@@ -1,0 +1,86 @@
+//! What somebody said about the recordings, kept beside them.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use fingervision_calibrate::camera::{Prior, Slide};
+use serde::{Deserialize, Serialize};
+
+use crate::failure::Failure;
+
+/// The answers' file in the sensor's folder.
+const FILE: &str = "answers.toml";
+
+/// What no image tells.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct Answers {
+    /// How far the board moves between neighbouring images, mm.
+    step_mm: f64,
+    /// Where to, degrees from x towards y.
+    direction_deg: f64,
+    /// From the lens to the gel's surface, mm, and how far that may be off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    distance_mm: Option<[f64; 2]>,
+}
+
+impl Default for Answers {
+    fn default() -> Self {
+        Self { step_mm: 0.5, direction_deg: 0.0, distance_mm: None }
+    }
+}
+
+impl Answers {
+    /// The answers of a folder; those that everybody begins with if it has none.
+    pub(super) fn load(folder: &Path) -> Result<Self, Failure> {
+        let path = folder.join(FILE);
+        let text = match fs::read_to_string(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Self::default()),
+            Err(error) => return Err(refused(&path, &error.kind())),
+            Ok(text) => text,
+        };
+        let answers: Self = toml::from_str(&text).map_err(|error| refused(&path, &error.message()))?;
+        let is_length = |value: f64| value.is_finite() && value > 0.0;
+        let lengths = [answers.step_mm].into_iter().chain(answers.distance_mm.into_iter().flatten());
+        match lengths.into_iter().find(|&value| !is_length(value)) {
+            Some(value) => Err(refused(&path, &format!("{value} mm is no length"))),
+            None if !answers.direction_deg.is_finite() => Err(refused(&path, &"direction_deg is no angle")),
+            None => Ok(answers),
+        }
+    }
+
+    /// These answers with those replaced that are given now.
+    pub(super) fn with(self, step_mm: Option<f64>, direction_deg: Option<f64>, distance: Option<Prior>) -> Self {
+        Self {
+            step_mm: step_mm.unwrap_or(self.step_mm),
+            direction_deg: direction_deg.unwrap_or(self.direction_deg),
+            distance_mm: distance.map(|prior| [prior.value, prior.deviation]).or(self.distance_mm),
+        }
+    }
+
+    /// Keeps the answers in a folder that exists.
+    pub(super) fn save(&self, folder: &Path) -> Result<(), Failure> {
+        let path = folder.join(FILE);
+        let text = toml::to_string(self).map_err(|error| refused(&path, &error))?;
+        fs::write(&path, text).map_err(|error| refused(&path, &error.kind()))
+    }
+
+    /// The board's slide.
+    pub(super) fn slide(&self) -> Slide {
+        Slide { step_mm: self.step_mm, direction_rad: self.direction_deg.to_radians() }
+    }
+
+    /// The distance from the lens to the gel's surface, mm, if it was measured.
+    pub(super) fn distance(&self) -> Option<Prior> {
+        self.distance_mm.map(|[value, deviation]| Prior { value, deviation })
+    }
+}
+
+fn refused(path: &Path, reason: &impl ToString) -> Failure {
+    let path: PathBuf = path.into();
+    Failure::new(
+        format!("{}: {}", path.display(), reason.to_string()),
+        "remove the file and give --step-mm, --direction and --distance-mm again, or put it right",
+    )
+}

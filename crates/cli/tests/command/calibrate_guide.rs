@@ -1,0 +1,139 @@
+//! `calibrate` alone: a person is led from an empty folder to a profile.
+
+use std::fs;
+
+use image::DynamicImage;
+use serde_json::Value;
+
+use crate::workbench::{Ended, Workbench, save};
+
+/// A camera of few pixels before whatever moves.
+fn scene(rest: &str) -> String {
+    format!(
+        "[camera]\nfocal_length_px = [133.0, 133.0]\nrotation_rad = [0.03, -0.02, 0.01]\n\
+         [pattern]\ncell_mm = 0.6\n[render]\nwidth = 160\nheight = 120\n{rest}"
+    )
+}
+
+/// The board at so many places along x, from there to there.
+fn board(images: usize, slide_mm: f64) -> String {
+    scene(&format!(
+        "[gel]\nsize_mm = [70.0, 60.0]\n[motion]\nkind = 'rigid'\nframes = {images}\n\
+         keyframes = [{{ at = {}, shear_mm = [{slide_mm}, 0.0] }}]\n",
+        images - 1
+    ))
+}
+
+/// A square pressed in on a coarse mesh.
+fn press(centre_mm: [f64; 2], depth_mm: f64) -> String {
+    scene(&format!(
+        "[gel]\nsize_mm = [36.0, 30.0]\n[indenter]\nshape = 'rectangle'\nsize_mm = [6.0, 6.0]\n[mesh]\ncells = [18, 15, 3]\n\
+         [motion]\ncentre_mm = {centre_mm:?}\nframes = 5\nkeyframes = [{{ at = 4, depth_mm = {depth_mm:?} }}]\n"
+    ))
+}
+
+fn simulate(bench: &Workbench, name: &str, scene: &str) {
+    bench.write("scene.toml", scene);
+    let _ = fs::remove_dir_all(bench.path(&format!("sensor/{name}")));
+    bench.run(&format!("simulate scene.toml --out sensor/{name}")).expect_done();
+}
+
+fn guide(bench: &Workbench, options: &str) -> Ended {
+    bench.run(&format!("calibrate --folder sensor {options}"))
+}
+
+/// The state of every step.
+fn states(bench: &Workbench) -> Vec<String> {
+    let result: Value = serde_json::from_str(&guide(bench, "--json").out).unwrap();
+    let steps = result["steps"].as_array().unwrap().iter();
+    steps.map(|step| format!("{} {}", step["name"].as_str().unwrap(), step["state"].as_str().unwrap())).collect()
+}
+
+fn expect(ended: &Ended, texts: &[&str]) {
+    for text in texts {
+        assert!(ended.out.contains(text), "no \"{text}\" in {}", ended.out);
+    }
+}
+
+#[test]
+fn a_person_is_led_from_an_empty_folder_to_a_profile() {
+    let bench = Workbench::new();
+    expect(
+        &guide(&bench, "").expect_done(),
+        &[
+            "next  still",
+            "-     board",
+            "-     press-3",
+            "into sensor/still",
+            "Then: fingervision calibrate --folder sensor",
+        ],
+    );
+    assert!(bench.path("sensor/still").is_dir());
+
+    simulate(&bench, "still", &board(10, 0.0));
+    let ended = guide(&bench, "").expect_done();
+    expect(&ended, &["done  still     10 images", "noise 2.0 levels", "next  board", "21 images", "into sensor/board"]);
+
+    simulate(&bench, "board", &board(8, 3.5));
+    let ended = guide(&bench, "");
+    expect(&ended, &["redo  board     8 images", "Again: board", "Replace what is in sensor/board"]);
+    ended.expect_failure("board: 8 images; asked for: at least 21", "20 equal steps");
+    simulate(&bench, "board", &board(21, -10.0));
+    guide(&bench, "").expect_failure("board: the board moves towards", "--direction");
+    simulate(&bench, "board", &board(21, 10.0));
+    expect(&guide(&bench, "").expect_done(), &["done  board     21 images", "next  distance", "--distance-mm 25±0.5"]);
+
+    let ended = guide(&bench, "--distance-mm 25±0.5").expect_done();
+    expect(&ended, &["done  distance  25 ± 0.5 mm", "next  press-1", "depth.csv", "into sensor/press-1"]);
+    assert!(bench.path("sensor/press-1").is_dir());
+
+    simulate(&bench, "press-1", &press([0.0, 0.0], 2.0));
+    simulate(&bench, "press-2", &press([4.0, 0.0], 2.0));
+    simulate(&bench, "press-3", &press([-6.0, 4.0], 2.0));
+    fs::rename(bench.path("sensor/press-2/truth"), bench.path("truth")).unwrap();
+    let ended = guide(&bench, "");
+    expect(&ended, &["done  press-1", "redo  press-2", "done  press-3"]);
+    ended.expect_failure("press-2: it has no depth.csv", "write depth.csv beside the images");
+    fs::rename(bench.path("truth"), bench.path("sensor/press-2/truth")).unwrap();
+
+    let ended = guide(&bench, "").expect_done();
+    expect(&ended, &["camera    leaves 0.0", "depth     errs by", "fingervision track RECORDING"]);
+    let profile = fs::read_to_string(bench.path("sensor/sensor.toml")).unwrap();
+    assert!(profile.contains("[camera]") && profile.contains("[depth]"), "{profile}");
+    bench.run("track sensor/press-1/frames --profile sensor/sensor.toml --out run").expect_done();
+    let deepest: f64 = bench.column("max_depth_mm")[4].parse().unwrap();
+    assert!((0.5..6.0).contains(&deepest), "{deepest} mm instead of 2 mm");
+    // What is calibrated stays so, and says the same again.
+    assert_eq!(states(&bench).iter().filter(|state| state.ends_with(" done")).count(), 6);
+    assert_eq!(fs::read_to_string(bench.path("sensor/sensor.toml")).unwrap(), profile);
+}
+
+#[test]
+fn recordings_that_cannot_be_read_are_to_be_done_again() {
+    let bench = Workbench::new();
+    bench.folder("sensor/still");
+    bench.write("sensor/still/0000.png", "no picture");
+    bench.write("sensor/still/0001.png", "no picture");
+    guide(&bench, "").expect_failure("still: sensor/still/0000.png: frame 0", "");
+    for (number, width) in [(0, 160), (1, 128)] {
+        save(&DynamicImage::new_rgb8(width, 120), &bench.path("sensor/still"), number);
+    }
+    guide(&bench, "").expect_failure("still: sensor/still/0001.png: frame 1", "");
+    assert_eq!(states(&bench)[..2], ["still redo", "board later"]);
+    bench.write("sensor/sensor.toml", "[image]\nregion_of_interest = [15, 15, 610, 450]\n");
+    guide(&bench, "")
+        .expect_failure("still: image.region_of_interest = [15, 15, 610, 450] reaches outside", "[0, 0, 160");
+}
+
+#[test]
+fn answers_are_kept_and_wrong_ones_are_named() {
+    let bench = Workbench::new();
+    guide(&bench, "--distance-mm 31+-0.5 --step-mm 1 --direction y").expect_done();
+    expect(&guide(&bench, "").expect_done(), &["done  distance  31 ± 0.5 mm"]);
+    let answers = fs::read_to_string(bench.path("sensor/answers.toml")).unwrap();
+    assert!(answers.contains("step_mm = 1.0") && answers.contains("direction_deg = 90.0"), "{answers}");
+    bench.write("sensor/answers.toml", "step_mm = -1.0\n");
+    guide(&bench, "").expect_failure("sensor/answers.toml: -1 mm is no length", "remove the file");
+    bench.write("sensor/answers.toml", "step = 1.0\n");
+    guide(&bench, "").expect_failure("sensor/answers.toml: unknown field `step`", "remove the file");
+}
