@@ -40,7 +40,7 @@ pub fn calibrate(
     Ok(DepthFit::new(curves)?)
 }
 
-/// The curve of a press: the largest feature of every frame, the published maximum.
+/// The curve of a press: the largest feature of every frame, the published maximum, where the displacement is trusted.
 fn curve(recording: &Recording, place: Place, following: Following) -> Result<PressCurve, ExperimentError> {
     let camera = recording.profile.camera;
     let slopes = camera.and_then(|camera| perspective_slopes_mm(&camera, recording.size()));

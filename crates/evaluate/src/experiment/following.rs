@@ -2,7 +2,7 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Frame, Image};
-use fingervision_touch::{Fields, Profile, Tracker};
+use fingervision_touch::{DensityEstimator, DensityField, Fields, GuidedFilter, Profile, Tracker};
 use std::time::Instant;
 
 use super::{ExperimentError, Recording};
@@ -22,9 +22,10 @@ pub enum Following {
 pub struct Followed<'a> {
     /// Displacement, px.
     pub flow: &'a FlowField,
-    /// The density feature `1 − density` after the filter, dimensionless.
+    /// The density feature `1 − density` after the filter, dimensionless. As published it is taken of the displacement
+    /// everywhere, trusted or not.
     pub feature: &'a Image<f32>,
-    /// 1 where both hold.
+    /// 1 where the displacement is trusted.
     pub valid: &'a Image<u8>,
     /// From the arrival of the image to the feature, ms.
     pub latency_ms: f64,
@@ -52,17 +53,24 @@ fn by_tracker(
     profile: &Profile,
     take: &mut impl FnMut(usize, Followed),
 ) -> Result<(), ExperimentError> {
+    let (width, height) = recording.size();
+    let mut estimator = DensityEstimator::new(width, height, &profile.density)?;
+    let mut filter = GuidedFilter::new(width, height, &profile.density.filter)?;
+    let mut field = DensityField::at_rest(width, height);
+    let mut feature = Image::filled(width, height, 0.0);
     let mut tracker: Option<Tracker> = None;
     for (number, frame) in recording.frames().enumerate() {
+        let begin = Instant::now();
         let tracker = match &mut tracker {
             Some(tracker) => tracker,
             none => none.insert(new_tracker(recording, profile, &frame)?),
         };
         let reading = tracker.track(&frame)?;
-        if let Some(feature) = &reading.density {
-            let latency_ms = reading.latency_ms;
-            take(number, Followed { flow: &reading.flow, feature, valid: &reading.valid, latency_ms });
-        }
+        estimator.estimate_into(&reading.flow, &mut field);
+        filter.filter_into(&field.feature, &field.valid, &mut feature);
+        let latency_ms = begin.elapsed().as_secs_f64() * 1e3;
+        let (flow, valid) = (&reading.flow, &reading.valid);
+        take(number, Followed { flow, feature: &feature, valid, latency_ms });
     }
     Ok(())
 }
@@ -70,7 +78,7 @@ fn by_tracker(
 fn new_tracker(recording: &Recording, profile: &Profile, first: &Frame) -> Result<Tracker, ExperimentError> {
     let mut profile = profile.clone();
     profile.depth.density = None;
-    let fields = Fields { density: true, depth: false };
+    let fields = Fields { density: false, depth: false };
     Ok(Tracker::new(&profile, recording.size(), first.pixels.is_colour(), fields)?)
 }
 
@@ -87,7 +95,8 @@ fn by_dots(
             none => none.insert(DotSensor::new(&frame.pixels, &profile.density)?),
         };
         let DotTouch { flow, feature, valid, .. } = sensor.read(&frame.pixels)?;
-        take(number, Followed { flow, feature, valid, latency_ms: begin.elapsed().as_secs_f64() * 1e3 });
+        let latency_ms = begin.elapsed().as_secs_f64() * 1e3;
+        take(number, Followed { flow, feature, valid, latency_ms });
     }
     Ok(())
 }
