@@ -157,8 +157,9 @@ fn against_dots(setting: Setting, measured: &[Measured]) -> Result<Section, Expe
     let clipped = better(|errors| [errors.dense_clipped.everywhere_mm, errors.dots_clipped.everywhere_mm]);
     section.text(format!(
         "Over the whole image the dense pattern errs less than the dots on {line} of {count} indenters with the published line, and on \
-         {clipped} of {count} with the clipped one. The paper prints no numbers for this figure beside its maps, and finds the dense \
-         pattern better throughout.",
+         {clipped} of {count} with the clipped one. The dense pattern sees the rim's compression, which the plain line reads as negative \
+         depth; dots smooth it away, with the contact's border. The paper prints no numbers for this figure beside its maps, and finds \
+         the dense pattern better throughout: so it is where negative density counts as none.",
         count = measured.len()
     ));
     for (caption, figure) in REGIONS {
