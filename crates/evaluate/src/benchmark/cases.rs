@@ -3,6 +3,8 @@
 use fingervision_gel::{ReadyMade, Scene, SceneError};
 use serde::Serialize;
 
+use crate::experiment::Extent;
+
 /// A change of the default sensor, or of what touches it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Variation {
@@ -78,17 +80,6 @@ impl Variation {
     }
 }
 
-/// How much is benchmarked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Extent {
-    /// Every scene under every variation.
-    #[default]
-    Full,
-    /// Three scenes on the default sensor, in half as many frames.
-    Quick,
-}
-
 /// A scene under a variation.
 #[derive(Debug, Clone)]
 pub struct Case {
@@ -128,14 +119,7 @@ pub fn cases(extent: Extent) -> Result<Vec<Case>, SceneError> {
 /// What a scene of this extent is solved and drawn with.
 pub(super) fn adapt(scene: &mut Scene, extent: Extent) -> Result<(), SceneError> {
     scene.make_draft();
-    if extent == Extent::Quick {
-        let last = scene.motion.keyframes.last().map_or(0.0, |keyframe| keyframe.at);
-        for keyframe in &mut scene.motion.keyframes {
-            keyframe.at *= 10.0 / last;
-        }
-        scene.set_all([("motion.frames", "11")])?;
-    }
-    Ok(())
+    extent.shorten(scene)
 }
 
 #[cfg(test)]

@@ -14,7 +14,8 @@ mod page;
 mod report;
 mod run;
 
-pub use cases::{Case, Extent, Variation, cases};
+pub use crate::experiment::Extent;
+pub use cases::{Case, Variation, cases};
 pub use entry::Entry;
 pub use methods::Method;
 pub use report::{BenchmarkReport, CaseReport, MethodMeans, MethodScore};

@@ -6,12 +6,14 @@
 
 mod calibration;
 mod error;
+mod extent;
 mod following;
 mod recording;
 mod score;
 
 pub use calibration::{CALIBRATION, calibrate};
 pub use error::ExperimentError;
+pub use extent::Extent;
 pub use following::{Followed, Following, follow};
 pub use recording::Recording;
 pub use score::{DepthScore, Scorer};

@@ -28,10 +28,12 @@ pub use indenters::{IndenterErrors, Indenters};
 pub use law::LawFit;
 pub use references::{PolicyErrors, ReferenceErrors};
 pub use report::Reproduction;
-pub use setting::{Extent, Setting};
+pub use setting::Setting;
 pub use speed::Speed;
 
 use crate::experiment::ExperimentError;
+
+pub use crate::experiment::Extent;
 
 /// Is told what comes next; may end the run.
 pub type Progress<'a> = &'a (dyn Fn(&str) -> ControlFlow<()> + Sync);

@@ -3,16 +3,7 @@
 use fingervision_gel::{Scene, SceneError};
 use serde::Serialize;
 
-/// How much is made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Extent {
-    /// Everything.
-    #[default]
-    Full,
-    /// The default sensor alone, draft meshes, two indenters, half as many frames: to see that it works.
-    Quick,
-}
+use crate::experiment::Extent;
 
 /// A simulated sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -24,9 +15,6 @@ pub enum Setting {
     /// The default simulated sensor: Poisson's ratio 0.48, the camera 25 mm away, sticking.
     Realistic,
 }
-
-/// Frames of a press where few must do.
-const FEW_FRAMES: usize = 11;
 
 impl Extent {
     /// How many parts there are to make.
@@ -49,18 +37,6 @@ impl Extent {
             Self::Full => &["circle", "triangle", "rectangle", "crossing"],
             Self::Quick => &["circle", "crossing"],
         }
-    }
-
-    /// The scene in as many frames as are wanted.
-    pub(super) fn shorten(self, scene: &mut Scene) -> Result<(), SceneError> {
-        if self == Self::Full {
-            return Ok(());
-        }
-        let last = scene.motion.keyframes.last().map_or(0.0, |keyframe| keyframe.at);
-        for keyframe in &mut scene.motion.keyframes {
-            keyframe.at *= (FEW_FRAMES - 1) as f64 / last;
-        }
-        scene.set_all([("motion.frames", FEW_FRAMES.to_string().as_str())])
     }
 }
 
