@@ -28,7 +28,7 @@ fn the_quick_report_has_every_figure_and_its_numbers() {
     assert!(camera["from_truth_px"].as_f64().unwrap() < 0.02, "{camera}");
     for indenter in report["indenters"][0]["errors"].as_array().unwrap() {
         let error = |name: &str| indenter[name]["everywhere_mm"].as_f64().unwrap();
-        assert!(error("dense") < error("dots"), "{indenter}");
+        assert!(error("dense_clipped") < error("dots_clipped"), "{indenter}");
     }
     for policy in
         report["references"].as_array().unwrap().iter().flat_map(|press| press["policies"].as_array().unwrap())
