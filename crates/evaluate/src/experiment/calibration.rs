@@ -1,7 +1,7 @@
 //! The nine calibration presses of a sensor, tracked from their images.
 
 use fingervision_calibrate::depth::{DepthFit, Maximum, MaximumFinder, Place, PressCurve, PressPoint};
-use fingervision_gel::{PressCache, ReadyMade, Scene};
+use fingervision_gel::{PressCache, Scene};
 use fingervision_image::Image;
 use fingervision_touch::perspective_slopes_mm;
 use rayon::prelude::*;
@@ -32,8 +32,7 @@ pub fn calibrate(
     cache: &PressCache,
 ) -> Result<DepthFit, ExperimentError> {
     let curve = |&(name, place): &(&str, Place)| {
-        let ready = ReadyMade::find(name).map(ReadyMade::scene).unwrap_or_default();
-        let recording = Recording::of(&adapt(ready)?, cache)?;
+        let recording = Recording::of(&adapt(Scene::find(name)?)?, cache)?;
         curve(&recording, place, following)
     };
     let curves = CALIBRATION.par_iter().map(curve).collect::<Result<Vec<_>, _>>()?;

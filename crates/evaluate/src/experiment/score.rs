@@ -5,7 +5,7 @@ use fingervision_image::Image;
 use fingervision_optics::Camera;
 use serde::Serialize;
 
-use crate::run::{BORDER_MM, BorderBand};
+use crate::run::{BORDER_MM, BorderBand, Correlation};
 
 /// Mean absolute errors of a depth map, mm.
 ///
@@ -75,7 +75,7 @@ impl<'a> Scorer<'a> {
         assert_eq!((depth_mm.size(), valid.size()), (truth.depth.size(), truth.depth.size()), "sizes of the maps");
         let (mut everywhere, mut inside, mut border) = (Mean::default(), Mean::default(), Mean::default());
         let (mut outside, mut trusted) = (Mean::default(), Mean::default());
-        let mut pairs = Vec::new();
+        let mut pairs = Correlation::default();
         for pixel in 0..truth.depth.values().len() {
             let true_mm = f64::from(truth.depth.values()[pixel]);
             if truth.visible.values()[pixel] == 0 || !true_mm.is_finite() {
@@ -85,7 +85,7 @@ impl<'a> Scorer<'a> {
             let estimate_mm = if estimate_mm.is_finite() { estimate_mm } else { 0.0 };
             let error = (estimate_mm - true_mm).abs();
             everywhere.push(error);
-            pairs.push([estimate_mm, true_mm]);
+            pairs.push(estimate_mm, true_mm);
             let is_inside = truth.contact.values()[pixel] != 0;
             if is_inside {
                 inside.push(error);
@@ -107,17 +107,9 @@ impl<'a> Scorer<'a> {
             outside_mm: outside.value(),
             trusted_mm: trusted.value(),
             trusted: trusted.count / everywhere.count,
-            correlation: correlation(&pairs),
+            correlation: pairs.coefficient().unwrap_or(f64::NAN),
         }
     }
-}
-
-/// Pearson's correlation of pairs.
-pub(crate) fn correlation(pairs: &[[f64; 2]]) -> f64 {
-    let count = pairs.len() as f64;
-    let mean = [0, 1].map(|axis: usize| pairs.iter().map(|pair| pair[axis]).sum::<f64>() / count);
-    let moment = |a: usize, b: usize| pairs.iter().map(|pair| (pair[a] - mean[a]) * (pair[b] - mean[b])).sum::<f64>();
-    moment(0, 1) / (moment(0, 0) * moment(1, 1)).sqrt()
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Figures 6 and 7: depth maps of four indenters, by the dense pattern and by dots, against the truth.
 
 use fingervision_calibrate::depth::{DepthFit, Method};
-use fingervision_gel::ReadyMade;
+use fingervision_gel::Scene;
 use fingervision_image::Image;
 use fingervision_optics::Camera;
 use fingervision_sink::HeatScale;
@@ -67,8 +67,7 @@ pub(super) fn measure(lab: &Lab, setting: Setting, fits: &Fits) -> Result<(Inden
 }
 
 fn indenter(lab: &Lab, setting: Setting, fits: &Fits, name: &'static str) -> Result<Measured, ExperimentError> {
-    let ready = ReadyMade::find(name).map(ReadyMade::scene).unwrap_or_default();
-    let scene = setting.scene(ready, lab.extent)?;
+    let scene = setting.scene(Scene::find(name)?, lab.extent)?;
     let recording = Recording::of(&scene, lab.cache)?;
     let dotted = with_dots(scene.clone())?;
     let (dense, dots) = rayon::join(

@@ -1,7 +1,7 @@
 //! Figure 4: the flow with and without adaptive references.
 
 use fingervision_flow::FlowField;
-use fingervision_gel::ReadyMade;
+use fingervision_gel::Scene;
 use fingervision_image::Image;
 use fingervision_sink::HeatScale;
 use fingervision_touch::Policy;
@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::{Lab, Setting, pictures};
+use crate::end_point::{mean, quantile};
 use crate::experiment::{ExperimentError, Following, Recording, follow};
 use crate::page::{Cell, HtmlTable, Section};
 
@@ -82,8 +83,7 @@ pub(super) fn measure(lab: &Lab) -> Result<(Vec<ReferenceErrors>, Section), Expe
 }
 
 fn indenter(lab: &Lab, name: &'static str) -> Result<Measured, ExperimentError> {
-    let ready = ReadyMade::find(name).map(ReadyMade::scene).unwrap_or_default();
-    let recording = Recording::of(&Setting::Realistic.scene(ready, lab.extent)?, lab.cache)?;
+    let recording = Recording::of(&Setting::Realistic.scene(Scene::find(name)?, lab.extent)?, lab.cache)?;
     let truth = &recording.truth.flow;
     let length = |x: usize, y: usize| {
         let [u, v] = truth.at(x, y);
@@ -132,12 +132,12 @@ fn errors(flow: &FlowField, valid: &Image<u8>, recording: &Recording, policy: &'
             trusted += f64::from(valid.values()[pixel]);
         }
     }
-    let count = errors.len() as f64;
-    let place = ((0.95 * count) as usize).min(errors.len().saturating_sub(1));
-    let mean_px = errors.iter().map(|&error| f64::from(error)).sum::<f64>() / count;
-    let percentile_95_px =
-        if errors.is_empty() { f64::NAN } else { f64::from(*errors.select_nth_unstable_by(place, f32::total_cmp).1) };
-    PolicyErrors { policy, mean_px, percentile_95_px, trusted: trusted / count }
+    PolicyErrors {
+        policy,
+        mean_px: mean(errors.iter().copied()),
+        percentile_95_px: quantile(errors.iter().copied(), 0.95),
+        trusted: trusted / errors.len() as f64,
+    }
 }
 
 fn lengths(flow: &FlowField) -> Image<f32> {

@@ -1,9 +1,10 @@
 //! Frame rate.
 
-use fingervision_gel::ReadyMade;
+use fingervision_gel::Scene;
 use serde::Serialize;
 
 use super::{Lab, Setting, published};
+use crate::end_point::quantile;
 use crate::experiment::{ExperimentError, Following, Recording, follow};
 use crate::page::{Cell, HtmlTable, Section};
 
@@ -19,13 +20,11 @@ pub struct Speed {
 }
 
 pub(super) fn measure(lab: &Lab) -> Result<(Speed, Section), ExperimentError> {
-    let ready = ReadyMade::find("circle").map(ReadyMade::scene).unwrap_or_default();
-    let recording = Recording::of(&Setting::Realistic.scene(ready, lab.extent)?, lab.cache)?;
+    let recording = Recording::of(&Setting::Realistic.scene(Scene::find("circle")?, lab.extent)?, lab.cache)?;
     let mut times = Vec::new();
-    follow(&recording, &recording.profile, Following::Dense, |_, found| times.push(found.latency_ms))?;
-    times.sort_by(f64::total_cmp);
-    let quantile = |part: f64| times[((times.len() - 1) as f64 * part).round() as usize];
-    let speed = Speed { size: recording.size(), median_ms: quantile(0.5), percentile_95_ms: quantile(0.95) };
+    follow(&recording, &recording.profile, Following::Dense, |_, found| times.push(found.latency_ms as f32))?;
+    let [median_ms, percentile_95_ms] = [0.5, 0.95].map(|part| quantile(times.iter().copied(), part));
+    let speed = Speed { size: recording.size(), median_ms, percentile_95_ms };
     let mut section = Section::new("speed", "Frame rate");
     let mut table = HtmlTable::new("From image to filtered density", ["", "size, px", "ms a frame", "frames/s"]);
     let (width, height) = speed.size;

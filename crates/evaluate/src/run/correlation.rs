@@ -2,7 +2,7 @@
 
 /// Means and sums of squared deviations of pairs, kept up to date with every pair (Welford, *Technometrics* 4, 1962).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Correlation {
+pub(crate) struct Correlation {
     count: f64,
     mean: [f64; 2],
     squares: [f64; 2],
@@ -10,7 +10,7 @@ pub(super) struct Correlation {
 }
 
 impl Correlation {
-    pub(super) fn push(&mut self, x: f64, y: f64) {
+    pub(crate) fn push(&mut self, x: f64, y: f64) {
         self.count += 1.0;
         let (dx, dy) = (x - self.mean[0], y - self.mean[1]);
         self.mean[0] += dx / self.count;
@@ -21,7 +21,7 @@ impl Correlation {
     }
 
     /// Takes in the pairs of another (Chan, Golub and `LeVeque`, 1979).
-    pub(super) fn merge(&mut self, other: &Self) {
+    pub(crate) fn merge(&mut self, other: &Self) {
         if other.count == 0.0 {
             return;
         }
@@ -37,7 +37,7 @@ impl Correlation {
     }
 
     /// The coefficient, −1 to 1; none where either number never changes.
-    pub(super) fn coefficient(&self) -> Option<f64> {
+    pub(crate) fn coefficient(&self) -> Option<f64> {
         let [x, y] = self.squares;
         (x > 0.0 && y > 0.0).then(|| (self.product / (x.sqrt() * y.sqrt())).clamp(-1.0, 1.0))
     }

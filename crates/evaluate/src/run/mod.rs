@@ -60,6 +60,7 @@ mod tally;
 mod text;
 
 pub(crate) use border::BorderBand;
+pub(crate) use correlation::Correlation;
 pub use error::RunError;
 pub use evaluation::{Evaluation, Options, Outcome};
 pub(crate) use last_frame::LastFrame;
