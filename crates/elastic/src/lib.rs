@@ -15,6 +15,7 @@ pub use block::{BlockError, GelBlock, Law};
 pub use contact::{ContactLaw, Pose, Relief, ReliefPoint, SurfaceState};
 pub use fem::{BlockMesh, graded_lines};
 pub use layer::{
-    ContactParams, Layer, LayerContact, LayerError, LayerOperator, LayerPress, SurfaceGrid, WaveCompliance,
+    BlockOperator, ContactParams, Layer, LayerContact, LayerError, LayerOperator, LayerPress, SurfaceGrid,
+    WaveCompliance,
 };
 pub use press::{MeshParams, Press, PressError, PressSetup, Resolution, StepReport, SweptRegion, swept_region};

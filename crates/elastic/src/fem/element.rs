@@ -31,10 +31,10 @@ static SHAPE_GRADIENTS: LazyLock<[[[f64; 3]; 8]; 8]> = LazyLock::new(|| {
 pub(crate) struct Inverted;
 
 /// A vector at each of an element's nodes.
-pub(super) type Nodes = [[f64; 3]; 8];
+pub(crate) type Nodes = [[f64; 3]; 8];
 
 /// `[i][j][a][b]`: derivative of node `a`'s force along `i` by node `b`'s displacement along `j`.
-pub(super) type Stiffness = [[[[f64; 8]; 8]; 3]; 3];
+pub(crate) type Stiffness = [[[[f64; 8]; 8]; 3]; 3];
 
 /// What an element at rest says: its gradients and volumes, before any displacement.
 pub(super) struct Geometry {
@@ -254,7 +254,7 @@ pub(super) fn evaluate(nodes: &Nodes, displacement: &Nodes, material: &Material)
 ///
 /// [`Inverted`] if the element has no volume left somewhere.
 #[inline(always)]
-pub(super) fn stiffness(
+pub(crate) fn stiffness(
     nodes: &Nodes,
     displacement: &Nodes,
     material: &Material,

@@ -11,5 +11,6 @@ mod mesh;
 mod tests;
 
 pub(crate) use assembly::{Assembled, Assembly};
+pub(crate) use element::{Stiffness, stiffness};
 pub(crate) use material::Material;
 pub use mesh::{BlockMesh, graded_lines};

@@ -68,6 +68,17 @@ impl Layer {
         Ok(Self { thickness_mm: block.thickness_mm, shear_modulus_mpa, poissons_ratio: block.poissons_ratio })
     }
 
+    /// The layer of a block, of a shear modulus of 1 `MPa`: tractions are then in units of the shear modulus.
+    ///
+    /// # Errors
+    ///
+    /// [`LayerError::Block`] if a value of the block is impossible.
+    pub(super) fn of_unit_modulus(block: &GelBlock) -> Result<Self, LayerError> {
+        block.validate()?;
+        let GelBlock { thickness_mm, poissons_ratio, .. } = *block;
+        Ok(Self { thickness_mm, shear_modulus_mpa: 1.0, poissons_ratio })
+    }
+
     /// The half-space of a block's material: a layer whose base is infinitely far below.
     ///
     /// # Errors

@@ -23,7 +23,7 @@
 //!
 //! [`Layer`] gives these at a wavenumber. [`LayerOperator`] applies them to tractions on a grid of cells, each cell's
 //! traction uniform, with displacements at the cells' centres. [`LayerContact`] finds the tractions that press a rigid
-//! body into the layer. Nothing here is nonlinear: beyond some ten per cent of strain the elements are the truth.
+//! body into the layer. [`BlockOperator`] adds what the free sides of a block change. Nothing here is nonlinear: beyond some ten per cent of strain the elements are the truth.
 
 mod compliance;
 mod contact;
@@ -31,6 +31,7 @@ mod grid;
 mod half_space;
 mod operator;
 mod remainder;
+mod sides;
 mod symbol;
 #[cfg(test)]
 mod tests;
@@ -40,3 +41,4 @@ pub use compliance::{Layer, LayerError, WaveCompliance};
 pub use contact::{ContactParams, LayerContact, LayerPress};
 pub use grid::SurfaceGrid;
 pub use operator::LayerOperator;
+pub use sides::BlockOperator;

@@ -5,7 +5,7 @@ use rustfft::num_complex::Complex64;
 use super::half_space::{Influence, influence};
 use super::remainder::{REACH, Remainder};
 use super::symbol::Symbol;
-use super::transform::Transform;
+use super::transform::{Transform, good_length};
 use super::{Layer, LayerError, SurfaceGrid};
 
 /// From tractions on a grid of cells to the displacements of their centres.
@@ -20,7 +20,7 @@ use super::{Layer, LayerError, SurfaceGrid};
 #[derive(Debug)]
 pub struct LayerOperator {
     grid: SurfaceGrid,
-    transform: Transform,
+    transform: Transform<f64>,
     compliance: Symbol,
     stiffness: Symbol,
     spectra: [Vec<Complex64>; 3],
@@ -33,20 +33,7 @@ impl LayerOperator {
     ///
     /// [`LayerError`] if the grid is impossible or its cells are wider than half the layer's thickness.
     pub fn new(layer: &Layer, grid: SurfaceGrid) -> Result<Self, LayerError> {
-        grid.validate()?;
-        let SurfaceGrid { columns, rows, cell_mm } = grid;
-        let thickness_mm = layer.thickness_mm;
-        if 2.0 * cell_mm > thickness_mm {
-            return Err(LayerError::Coarse { cell_mm, thickness_mm });
-        }
-        let reach_cells = REACH * thickness_mm / cell_mm;
-        // A float too large for an integer becomes the largest one.
-        let kernel = [columns, rows].map(|count| count.min((reach_cells.ceil() as usize).saturating_add(1)));
-        let padded = |count: usize, kernel: usize| Transform::good_length(count + kernel - 1);
-        let mut transform = Transform::new(padded(columns, kernel[0]), padded(rows, kernel[1]));
-        let at_cell = kernel_of(layer, cell_mm, kernel);
-        let compliance = Symbol::of_influence(&mut transform, (kernel[0], kernel[1]), at_cell);
-        let stiffness = Symbol::of_stiffness(&transform, layer, cell_mm);
+        let Symbols { transform, compliance, stiffness } = Symbols::new(layer, grid, REACH)?;
         let spectra = [(); 3].map(|()| transform.spectrum());
         Ok(Self { grid, transform, compliance, stiffness, spectra })
     }
@@ -133,6 +120,34 @@ impl LayerOperator {
                 target[axis] = *value;
             }
         });
+    }
+}
+
+/// The matrices of a layer on a padded grid, with the transform that they belong to.
+pub(super) struct Symbols {
+    pub(super) transform: Transform<f64>,
+    pub(super) compliance: Symbol,
+    pub(super) stiffness: Symbol,
+}
+
+impl Symbols {
+    /// For a kernel that ends after `reach` thicknesses.
+    pub(super) fn new(layer: &Layer, grid: SurfaceGrid, reach: f64) -> Result<Self, LayerError> {
+        grid.validate()?;
+        let SurfaceGrid { columns, rows, cell_mm } = grid;
+        let thickness_mm = layer.thickness_mm;
+        if 2.0 * cell_mm > thickness_mm {
+            return Err(LayerError::Coarse { cell_mm, thickness_mm });
+        }
+        let reach_cells = reach * thickness_mm / cell_mm;
+        // A float too large for an integer becomes the largest one.
+        let kernel = [columns, rows].map(|count| count.min((reach_cells.ceil() as usize).saturating_add(1)));
+        let padded = |count: usize, kernel: usize| good_length(count + kernel - 1);
+        let mut transform = Transform::new(padded(columns, kernel[0]), padded(rows, kernel[1]));
+        let at_cell = kernel_of(layer, cell_mm, kernel);
+        let compliance = Symbol::of_influence(&mut transform, (kernel[0], kernel[1]), at_cell);
+        let stiffness = Symbol::of_stiffness(&transform, layer, cell_mm);
+        Ok(Self { transform, compliance, stiffness })
     }
 }
 

@@ -21,7 +21,7 @@ impl Symbol {
     /// The symbol of a convolution with an influence, which is given by the offset in cells for offsets within
     /// `columns` and `rows` of zero, for offsets of no negative part; the others follow from symmetry.
     pub(super) fn of_influence(
-        transform: &mut Transform,
+        transform: &mut Transform<f64>,
         (columns, rows): (usize, usize),
         influence: impl Fn(usize, usize) -> Influence,
     ) -> Self {
@@ -50,7 +50,7 @@ impl Symbol {
     }
 
     /// The stiffness of a layer, the inverse of its compliance, MPa/mm, at the frequencies of a grid of this spacing.
-    pub(super) fn of_stiffness(transform: &Transform, layer: &Layer, cell_mm: f64) -> Self {
+    pub(super) fn of_stiffness(transform: &Transform<f64>, layer: &Layer, cell_mm: f64) -> Self {
         let (width, height) = (transform.width(), transform.height());
         let scale = 1.0 / (width * height) as f64;
         let entry = |column: usize, row: usize| {
@@ -64,6 +64,11 @@ impl Symbol {
         let entries =
             (0..transform.columns()).flat_map(|i| (0..height).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect();
         Self { entries }
+    }
+
+    /// The matrices, as the spectrum lies.
+    pub(super) fn entries(&self) -> &[Entry] {
+        &self.entries
     }
 
     /// Multiplies the spectra of the three components of a field.

@@ -3,24 +3,43 @@
 use std::sync::Arc;
 
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::Complex64;
-use rustfft::{Fft, FftPlanner};
+use rustfft::num_complex::Complex;
+use rustfft::{Fft, FftNum, FftPlanner};
+
+/// Rows that are turned into columns at a time: their neighbours in a column then share a cache line.
+const BAND: usize = 8;
 
 /// Plans for one size, with their scratch. A spectrum holds the frequencies `0 ..= width / 2` along x, each with all
 /// `height` frequencies along y side by side.
-pub(super) struct Transform {
+pub(super) struct Transform<T: FftNum> {
     width: usize,
     height: usize,
-    forward_rows: Arc<dyn RealToComplex<f64>>,
-    inverse_rows: Arc<dyn ComplexToReal<f64>>,
-    forward_columns: Arc<dyn Fft<f64>>,
-    inverse_columns: Arc<dyn Fft<f64>>,
-    row: Vec<f64>,
-    row_spectrum: Vec<Complex64>,
-    scratch: Vec<Complex64>,
+    forward_rows: Arc<dyn RealToComplex<T>>,
+    inverse_rows: Arc<dyn ComplexToReal<T>>,
+    forward_columns: Arc<dyn Fft<T>>,
+    inverse_columns: Arc<dyn Fft<T>>,
+    row: Vec<T>,
+    /// Spectra of the rows of a band, row by row.
+    band: Vec<Complex<T>>,
+    scratch: Vec<Complex<T>>,
 }
 
-impl Transform {
+/// The smallest length from `least` on that has no prime factor above 5.
+pub(super) fn good_length(least: usize) -> usize {
+    let strip = |mut rest: usize, factor: usize| {
+        while rest.is_multiple_of(factor) {
+            rest /= factor;
+        }
+        rest
+    };
+    let mut length = least.max(1);
+    while [2, 3, 5].into_iter().fold(length, strip) > 1 {
+        length += 1;
+    }
+    length
+}
+
+impl<T: FftNum> Transform<T> {
     /// A transform of `width` by `height` values.
     pub(super) fn new(width: usize, height: usize) -> Self {
         let mut rows = RealFftPlanner::new();
@@ -37,28 +56,13 @@ impl Transform {
             width,
             height,
             row: forward_rows.make_input_vec(),
-            row_spectrum: forward_rows.make_output_vec(),
-            scratch: vec![Complex64::default(); needs.into_iter().max().unwrap_or(0)],
+            band: vec![zero(); BAND * (width / 2 + 1)],
+            scratch: vec![zero(); needs.into_iter().max().unwrap_or(0)],
             forward_rows,
             inverse_rows,
             forward_columns,
             inverse_columns,
         }
-    }
-
-    /// The smallest length from `least` on that has no prime factor above 5.
-    pub(super) fn good_length(least: usize) -> usize {
-        let strip = |mut rest: usize, factor: usize| {
-            while rest.is_multiple_of(factor) {
-                rest /= factor;
-            }
-            rest
-        };
-        let mut length = least.max(1);
-        while [2, 3, 5].into_iter().fold(length, strip) > 1 {
-            length += 1;
-        }
-        length
     }
 
     pub(super) fn width(&self) -> usize {
@@ -74,30 +78,36 @@ impl Transform {
         self.width / 2 + 1
     }
 
-    pub(super) fn spectrum(&self) -> Vec<Complex64> {
-        vec![Complex64::default(); self.columns() * self.height]
+    pub(super) fn spectrum(&self) -> Vec<Complex<T>> {
+        vec![zero(); self.columns() * self.height]
     }
 
     /// The spectrum of a field of `rows` rows, which `value` gives by column and row; zero beyond `columns` and `rows`.
     pub(super) fn forward_into(
         &mut self,
         (columns, rows): (usize, usize),
-        value: impl Fn(usize, usize) -> f64,
-        spectrum: &mut [Complex64],
+        value: impl Fn(usize, usize) -> T,
+        spectrum: &mut [Complex<T>],
     ) {
-        let height = self.height;
-        spectrum.fill(Complex64::default());
-        for row in 0..rows {
-            for (column, target) in self.row.iter_mut().enumerate() {
-                *target = if column < columns { value(column, row) } else { 0.0 };
+        let (height, width) = (self.height, self.columns());
+        for first in (0..rows).step_by(BAND) {
+            let count = BAND.min(rows - first);
+            for (row, target) in (first..first + count).zip(self.band.chunks_exact_mut(width)) {
+                for (column, target) in self.row[..columns].iter_mut().enumerate() {
+                    *target = value(column, row);
+                }
+                self.row[columns..].fill(T::zero());
+                self.forward_rows
+                    .process_with_scratch(&mut self.row, target, &mut self.scratch)
+                    .expect("buffers are made for the plan");
             }
-            self.forward_rows
-                .process_with_scratch(&mut self.row, &mut self.row_spectrum, &mut self.scratch)
-                .expect("buffers are made for the plan");
-            for (column, &value) in self.row_spectrum.iter().enumerate() {
-                spectrum[column * height + row] = value;
+            for (column, target) in spectrum.chunks_exact_mut(height).enumerate() {
+                for (row, target) in target[first..first + count].iter_mut().enumerate() {
+                    *target = self.band[row * width + column];
+                }
             }
         }
+        spectrum.chunks_exact_mut(height).for_each(|column| column[rows..].fill(zero()));
         self.forward_columns.process_with_scratch(spectrum, &mut self.scratch);
     }
 
@@ -105,30 +115,38 @@ impl Transform {
     pub(super) fn inverse_into(
         &mut self,
         rows: usize,
-        spectrum: &mut [Complex64],
-        mut write: impl FnMut(usize, &[f64]),
+        spectrum: &mut [Complex<T>],
+        mut write: impl FnMut(usize, &[T]),
     ) {
-        let height = self.height;
+        let (height, width) = (self.height, self.columns());
         self.inverse_columns.process_with_scratch(spectrum, &mut self.scratch);
-        let last = self.row_spectrum.len() - 1;
-        for row in 0..rows {
-            for (column, value) in self.row_spectrum.iter_mut().enumerate() {
-                *value = spectrum[column * height + row];
+        for first in (0..rows).step_by(BAND) {
+            let count = BAND.min(rows - first);
+            for (column, values) in spectrum.chunks_exact(height).enumerate() {
+                for (row, value) in values[first..first + count].iter().enumerate() {
+                    self.band[row * width + column] = *value;
+                }
             }
-            // A real field has real ends; rounding leaves a trace there.
-            self.row_spectrum[0].im = 0.0;
-            if self.width.is_multiple_of(2) {
-                self.row_spectrum[last].im = 0.0;
+            for (row, values) in (first..first + count).zip(self.band.chunks_exact_mut(width)) {
+                // A real field has real ends; rounding leaves a trace there.
+                values[0].im = T::zero();
+                if self.width.is_multiple_of(2) {
+                    values[width - 1].im = T::zero();
+                }
+                self.inverse_rows
+                    .process_with_scratch(values, &mut self.row, &mut self.scratch)
+                    .expect("buffers are made for the plan");
+                write(row, &self.row);
             }
-            self.inverse_rows
-                .process_with_scratch(&mut self.row_spectrum, &mut self.row, &mut self.scratch)
-                .expect("buffers are made for the plan");
-            write(row, &self.row);
         }
     }
 }
 
-impl std::fmt::Debug for Transform {
+fn zero<T: FftNum>() -> Complex<T> {
+    Complex::new(T::zero(), T::zero())
+}
+
+impl<T: FftNum> std::fmt::Debug for Transform<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Transform({}x{})", self.width, self.height)
     }

@@ -2,7 +2,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 use super::super::half_space::influence;
-use super::super::transform::Transform;
+use super::super::transform::good_length;
 use super::*;
 
 fn grid(columns: usize, rows: usize, cell_mm: f64) -> SurfaceGrid {
@@ -198,7 +198,7 @@ fn no_call_allocates() {
 #[test]
 fn transforms_have_lengths_of_small_factors() {
     for (least, length) in [(0, 1), (1, 1), (7, 8), (11, 12), (61, 64), (121, 125), (255, 256)] {
-        assert_eq!(Transform::good_length(least), length);
+        assert_eq!(good_length(least), length);
     }
 }
 

@@ -1,0 +1,106 @@
+//! What the sides change, ready to be applied.
+
+use fearless_simd::{Level, dispatch};
+use rayon::prelude::*;
+
+use super::mesh::CoarseMesh;
+use super::parity::Parity;
+use super::quarter::difference;
+use super::waves::EndlessMesh;
+use crate::GelBlock;
+
+/// Rows of a matrix whose products are summed at once.
+const ROWS: usize = 8;
+
+/// From forces on the nodes of a block's coarse surface to what its sides add to their displacements.
+#[derive(Debug)]
+pub(super) struct Correction {
+    pub(super) nodes: [usize; 2],
+    pub(super) cell_mm: [f64; 2],
+    parts: Vec<Part>,
+    simd: Level,
+}
+
+/// One parity.
+#[derive(Debug)]
+struct Part {
+    /// For each unknown, the values of the field that it stands for: place in the nodal vector, factor.
+    fields: Vec<[(usize, f32); 4]>,
+    /// Symmetric, times the shear modulus, 1/mm; rows and columns filled up with zeros.
+    matrix: Vec<f32>,
+    size: usize,
+}
+
+/// Room for one parity's forces and displacements.
+#[derive(Debug, Clone)]
+pub(super) struct Room([Vec<f32>; 2]);
+
+impl Correction {
+    pub(super) fn new(block: &GelBlock) -> Self {
+        let mesh = CoarseMesh::new(block);
+        let endless = EndlessMesh::new(&mesh);
+        let parts = Parity::ALL.par_iter().map(|&parity| Part::new(&mesh, &endless, parity)).collect();
+        Self { nodes: mesh.nodes(), cell_mm: [mesh.cell_mm[0], mesh.cell_mm[1]], parts, simd: Level::new() }
+    }
+
+    pub(super) fn room(&self) -> Room {
+        let largest = self.parts.iter().map(|part| part.size).max().unwrap_or(0);
+        Room([(); 2].map(|()| vec![0.0; largest]))
+    }
+
+    /// Displacements times the shear modulus, of all nodes row by row, `(x, y, z)` each.
+    pub(super) fn displacement_into(&self, forces: &[f32], displacement: &mut [f32], room: &mut Room) {
+        displacement.fill(0.0);
+        for part in &self.parts {
+            dispatch!(self.simd, _ => part.add(forces, displacement, room));
+        }
+    }
+}
+
+impl Part {
+    fn new(mesh: &CoarseMesh, endless: &EndlessMesh, parity: Parity) -> Self {
+        let unknowns = parity.unknowns(mesh.half());
+        let (half, columns) = (mesh.half().map(usize::cast_signed), mesh.nodes()[0]);
+        let fields = unknowns.iter().map(|unknown| {
+            parity.field(unknown).map(|(node, value)| {
+                let [i, j] = [0, 1].map(|axis| (half[axis] + node[axis]).cast_unsigned());
+                (3 * (j * columns + i) + unknown.axis, value as f32)
+            })
+        });
+        let size = unknowns.len().next_multiple_of(ROWS);
+        let mut matrix = vec![0.0; size * size];
+        let difference = difference(mesh, endless, parity);
+        for (target, row) in matrix.chunks_exact_mut(size).zip(difference.chunks_exact(unknowns.len())) {
+            for (target, value) in target.iter_mut().zip(row) {
+                *target = *value as f32;
+            }
+        }
+        Self { fields: fields.collect(), matrix, size }
+    }
+
+    #[inline(always)]
+    fn add(&self, forces: &[f32], displacement: &mut [f32], Room([from, to]): &mut Room) {
+        let size = self.size;
+        let (from, to) = (&mut from[..size], &mut to[..size]);
+        from.fill(0.0);
+        to.fill(0.0);
+        for (from, field) in from.iter_mut().zip(&self.fields) {
+            *from = field.iter().map(|&(place, factor)| factor * forces[place]).sum();
+        }
+        for (rows, from) in self.matrix.chunks_exact(ROWS * size).zip(from.chunks_exact(ROWS)) {
+            let row: [&[f32]; ROWS] = std::array::from_fn(|n| &rows[n * size..][..size]);
+            for column in 0..size {
+                let mut sum = to[column];
+                for n in 0..ROWS {
+                    sum += from[n] * row[n][column];
+                }
+                to[column] = sum;
+            }
+        }
+        for (to, field) in to.iter().zip(&self.fields) {
+            for &(place, factor) in field {
+                displacement[place] += factor * to;
+            }
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! What the free sides of a block change.
+//!
+//! A layer without end is a convolution, a block is not. What a block's surface does under traction is taken as
+//!
+//! ```text
+//! u = C_∞ t + Bᵀ (G − G_∞) B t
+//! ```
+//!
+//! with `C_∞` the layer on the grid of cells by Fourier transform, `G` the compliance of the block's surface in a coarse
+//! mesh of finite elements (small strain, mean dilatation, [Nagtegaal1974], up to 24×24×8), `G_∞` that of the **same
+//! mesh continued without end**, and `B` what brings tractions to the coarse nodes: each cell's force is divided
+//! bilinearly among the four nodes around it; displacements are interpolated by the transpose. Where the sides are not
+//! near, the errors of one mesh are the same in both and cancel; the difference is smooth and a coarse mesh can hold
+//! it. The sum is symmetric by construction.
+//!
+//! A block has two mirror planes. Fields split into four parities about them (`parity`), each a problem on a quarter of
+//! the block, eliminated level by level from the base to the surface (`quarter`). The mesh without end is a chain of
+//! 3×3 matrices for each wave, by the theorem of Floquet and Bloch (`waves`).
+//!
+//! Assumed are linear elasticity, small strain and equal bricks. Against elements half as wide, on 30×25×10 mm at
+//! ν 0.48 under humps of 4 mm radius, the error farther than 5 mm from the load stays below 3 % of the largest
+//! displacement even for a load beside a side; a load's own error grows to some 5 % in the half coarse cell next to a
+//! side, whose edge the coarse mesh does not resolve.
+
+mod correction;
+mod inverse;
+mod lattice;
+mod mesh;
+mod operator;
+mod parity;
+mod quarter;
+#[cfg(test)]
+mod tests;
+mod waves;
+
+pub use operator::BlockOperator;
