@@ -35,14 +35,14 @@ impl Influence {
         }
     }
 
-    pub(super) fn over(self, divisor: f64) -> Self {
+    pub(super) fn times(self, factor: f64) -> Self {
         Self {
-            xx: self.xx / divisor,
-            xy: self.xy / divisor,
-            yy: self.yy / divisor,
-            xz: self.xz / divisor,
-            yz: self.yz / divisor,
-            zz: self.zz / divisor,
+            xx: self.xx * factor,
+            xy: self.xy * factor,
+            yy: self.yy * factor,
+            xz: self.xz * factor,
+            yz: self.yz * factor,
+            zz: self.zz * factor,
         }
     }
 }

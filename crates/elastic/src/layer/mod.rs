@@ -23,7 +23,8 @@
 //!
 //! [`Layer`] gives these at a wavenumber. [`LayerOperator`] applies them to tractions on a grid of cells, each cell's
 //! traction uniform, with displacements at the cells' centres. [`LayerContact`] finds the tractions that press a rigid
-//! body into the layer. [`BlockOperator`] adds what the free sides of a block change. Nothing here is nonlinear: beyond some ten per cent of strain the elements are the truth.
+//! body into the layer. [`BlockOperator`] adds what the free sides of a block change. Nothing here is nonlinear: beyond
+//! some ten per cent of strain the elements are the truth.
 
 mod compliance;
 mod contact;

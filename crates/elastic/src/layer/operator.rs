@@ -33,7 +33,8 @@ impl LayerOperator {
     ///
     /// [`LayerError`] if the grid is impossible or its cells are wider than half the layer's thickness.
     pub fn new(layer: &Layer, grid: SurfaceGrid) -> Result<Self, LayerError> {
-        let Symbols { transform, compliance, stiffness } = Symbols::new(layer, grid, REACH)?;
+        let Symbols { transform, compliance, stiffness } =
+            Symbols::new(layer, grid, REACH * layer.thickness_mm, |_| 1.0)?;
         let spectra = [(); 3].map(|()| transform.spectrum());
         Ok(Self { grid, transform, compliance, stiffness, spectra })
     }
@@ -131,20 +132,30 @@ pub(super) struct Symbols {
 }
 
 impl Symbols {
-    /// For a kernel that ends after `reach` thicknesses.
-    pub(super) fn new(layer: &Layer, grid: SurfaceGrid, reach: f64) -> Result<Self, LayerError> {
+    /// For the layer's influence times a share of it, a function of the offset that is even along both axes and zero
+    /// from `reach_mm` on along either.
+    pub(super) fn new(
+        layer: &Layer,
+        grid: SurfaceGrid,
+        reach_mm: f64,
+        share: impl Fn([f64; 2]) -> f64,
+    ) -> Result<Self, LayerError> {
         grid.validate()?;
         let SurfaceGrid { columns, rows, cell_mm } = grid;
         let thickness_mm = layer.thickness_mm;
         if 2.0 * cell_mm > thickness_mm {
             return Err(LayerError::Coarse { cell_mm, thickness_mm });
         }
-        let reach_cells = reach * thickness_mm / cell_mm;
         // A float too large for an integer becomes the largest one.
-        let kernel = [columns, rows].map(|count| count.min((reach_cells.ceil() as usize).saturating_add(1)));
+        let reach = ((reach_mm / cell_mm).ceil() as usize).saturating_add(1);
+        let kernel = [columns, rows].map(|count| count.min(reach));
         let padded = |count: usize, kernel: usize| good_length(count + kernel - 1);
         let mut transform = Transform::new(padded(columns, kernel[0]), padded(rows, kernel[1]));
-        let at_cell = kernel_of(layer, cell_mm, kernel);
+        let influence = influence_of(layer, cell_mm, cell_mm * (kernel[0] as f64).hypot(kernel[1] as f64));
+        let at_cell = |column: usize, row: usize| {
+            let offset = [column, row].map(|count| count as f64 * cell_mm);
+            influence(offset).times(share(offset))
+        };
         let compliance = Symbol::of_influence(&mut transform, (kernel[0], kernel[1]), at_cell);
         let stiffness = Symbol::of_stiffness(&transform, layer, cell_mm);
         Ok(Self { transform, compliance, stiffness })
@@ -158,18 +169,16 @@ enum Kernel {
     Stiffness,
 }
 
-/// The influence of a cell at an offset in cells, mm/MPa.
-fn kernel_of(layer: &Layer, cell_mm: f64, cells: [usize; 2]) -> impl Fn(usize, usize) -> Influence {
+/// The influence of a cell at an offset in mm, mm/MPa, for offsets up to `reach_mm`.
+pub(super) fn influence_of(layer: &Layer, cell_mm: f64, reach_mm: f64) -> impl Fn([f64; 2]) -> Influence {
     let Layer { thickness_mm, shear_modulus_mpa, poissons_ratio } = *layer;
-    let reach_mm = cell_mm * (cells[0] as f64).hypot(cells[1] as f64);
     let base = thickness_mm.is_finite().then(|| Remainder::new(thickness_mm, poissons_ratio, cell_mm, reach_mm));
-    move |column, row| {
-        let offset = [column, row].map(|count| count as f64 * cell_mm);
+    move |offset| {
         let deep = influence(offset, cell_mm, poissons_ratio);
         let whole = match &base {
             None => deep,
             Some(base) => base.at(offset).map_or_else(Influence::default, |remainder| deep.plus(remainder)),
         };
-        whole.over(shear_modulus_mpa)
+        whole.times(1.0 / shear_modulus_mpa)
     }
 }

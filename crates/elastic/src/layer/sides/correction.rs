@@ -4,19 +4,23 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use super::mesh::CoarseMesh;
+use super::near::Near;
 use super::parity::Parity;
 use super::quarter::difference;
 use super::waves::EndlessMesh;
 use crate::GelBlock;
+use crate::layer::Layer;
 
 /// Rows of a matrix whose products are summed at once.
 const ROWS: usize = 8;
 
-/// From forces on the nodes of a block's coarse surface to what its sides add to their displacements.
+/// From forces on the nodes of a block's coarse surface to their displacements, less what the grid of cells carries.
 #[derive(Debug)]
 pub(super) struct Correction {
     pub(super) nodes: [usize; 2],
     pub(super) cell_mm: [f64; 2],
+    /// What is left to the grid of cells.
+    pub(super) near: Near,
     parts: Vec<Part>,
     simd: Level,
 }
@@ -36,11 +40,13 @@ struct Part {
 pub(super) struct Room([Vec<f32>; 2]);
 
 impl Correction {
-    pub(super) fn new(block: &GelBlock) -> Self {
+    pub(super) fn new(block: &GelBlock, layer: &Layer) -> Self {
         let mesh = CoarseMesh::new(block);
-        let endless = EndlessMesh::new(&mesh);
+        let near = Near::new(&mesh);
+        let mut endless = EndlessMesh::new(&mesh);
+        endless.leave_far(&mesh, layer, near);
         let parts = Parity::ALL.par_iter().map(|&parity| Part::new(&mesh, &endless, parity)).collect();
-        Self { nodes: mesh.nodes(), cell_mm: [mesh.cell_mm[0], mesh.cell_mm[1]], parts, simd: Level::new() }
+        Self { nodes: mesh.nodes(), cell_mm: [mesh.cell_mm[0], mesh.cell_mm[1]], near, parts, simd: Level::new() }
     }
 
     pub(super) fn room(&self) -> Room {

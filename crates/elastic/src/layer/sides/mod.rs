@@ -3,15 +3,18 @@
 //! A layer without end is a convolution, a block is not. What a block's surface does under traction is taken as
 //!
 //! ```text
-//! u = C_∞ t + Bᵀ (G − G_∞) B t
+//! u = C_near t + Bᵀ (G − G_∞ + C_far) B t
 //! ```
 //!
-//! with `C_∞` the layer on the grid of cells by Fourier transform, `G` the compliance of the block's surface in a coarse
+//! with `C_near + C_far` the compliance of the layer, `G` the compliance of the block's surface in a coarse
 //! mesh of finite elements (small strain, mean dilatation, [Nagtegaal1974], up to 24×24×8), `G_∞` that of the **same
 //! mesh continued without end**, and `B` what brings tractions to the coarse nodes: each cell's force is divided
 //! bilinearly among the four nodes around it; displacements are interpolated by the transpose. Where the sides are not
 //! near, the errors of one mesh are the same in both and cancel; the difference is smooth and a coarse mesh can hold
 //! it. The sum is symmetric by construction.
+//!
+//! The layer's influence is divided smoothly by distance (`near`). What is near lives on the grid of cells, by Fourier
+//! transform; what is far is smooth as well and rides with the sides for nothing. So the transform needs little padding.
 //!
 //! A block has two mirror planes. Fields split into four parities about them (`parity`), each a problem on a quarter of
 //! the block, eliminated level by level from the base to the surface (`quarter`). The mesh without end is a chain of
@@ -26,6 +29,7 @@ mod correction;
 mod inverse;
 mod lattice;
 mod mesh;
+mod near;
 mod operator;
 mod parity;
 mod quarter;

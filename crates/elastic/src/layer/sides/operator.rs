@@ -9,15 +9,14 @@ use super::correction::{Correction, Room};
 use super::lattice::Lattice;
 use crate::GelBlock;
 use crate::layer::operator::Symbols;
-use crate::layer::remainder::REACH;
 use crate::layer::symbol::Symbol;
 use crate::layer::transform::Transform;
 use crate::layer::{Layer, LayerError, SurfaceGrid};
 
 /// From tractions on the cells of a block's surface to the displacements of their centres, free sides included.
 ///
-/// `u = C_∞ t + Bᵀ (G − G_∞) B t`: a layer without end, as [`crate::LayerOperator`] has it, and what the sides change,
-/// by finite elements on a coarse mesh. Tractions are **in units of the shear modulus**, so that a gel of unknown
+/// What a layer without end does, as [`crate::LayerOperator`] has it, and what the sides change, by finite elements on a
+/// coarse mesh. Tractions are **in units of the shear modulus**, so that a gel of unknown
 /// stiffness has an operator, too. The grid lies about the centre of the surface and should cover it and no more: beyond
 /// a side the correction goes on constantly and means nothing.
 ///
@@ -48,8 +47,9 @@ impl BlockOperator {
     /// [`LayerError`] if the block or the grid is impossible or the cells are wider than half the thickness.
     pub fn new(block: &GelBlock, grid: SurfaceGrid) -> Result<Self, LayerError> {
         let layer = Layer::of_unit_modulus(block)?;
-        let symbols = Symbols::new(&layer, grid, REACH)?;
-        Ok(Self::assemble(layer, grid, &symbols, Arc::new(Correction::new(block))))
+        // A grid that cannot be is told before the work.
+        grid.validate()?;
+        Self::assemble(layer, grid, Arc::new(Correction::new(block, &layer)))
     }
 
     /// The operator of the same block on another grid, in a fraction of the time.
@@ -58,14 +58,15 @@ impl BlockOperator {
     ///
     /// [`LayerError`] if the grid is impossible or its cells are wider than half the thickness.
     pub fn on_grid(&self, grid: SurfaceGrid) -> Result<Self, LayerError> {
-        let symbols = Symbols::new(&self.layer, grid, REACH)?;
-        Ok(Self::assemble(self.layer, grid, &symbols, Arc::clone(&self.correction)))
+        Self::assemble(self.layer, grid, Arc::clone(&self.correction))
     }
 
-    fn assemble(layer: Layer, grid: SurfaceGrid, symbols: &Symbols, correction: Arc<Correction>) -> Self {
+    fn assemble(layer: Layer, grid: SurfaceGrid, correction: Arc<Correction>) -> Result<Self, LayerError> {
+        let near = correction.near;
+        let symbols = Symbols::new(&layer, grid, near.reach_mm, |offset| near.share(offset))?;
         let transform = Transform::new(symbols.transform.width(), symbols.transform.height());
         let nodal = || vec![0.0; 3 * correction.nodes[0] * correction.nodes[1]];
-        Self {
+        Ok(Self {
             layer,
             grid,
             lattice: Lattice::new(grid, &correction),
@@ -78,7 +79,7 @@ impl BlockOperator {
             room: correction.room(),
             correction,
             simd: Level::new(),
-        }
+        })
     }
 
     /// The grid.
@@ -94,19 +95,10 @@ impl BlockOperator {
     ///
     /// If a field has not one entry a cell.
     pub fn displacement_into(&mut self, traction: &[[f32; 3]], displacement_mm: &mut [[f32; 3]]) {
-        self.layer_into(traction, displacement_mm);
+        self.convolve(Kernel::Compliance, traction, displacement_mm);
         self.lattice.forces_into(traction, &mut self.forces);
         self.correction.displacement_into(&self.forces, &mut self.moved, &mut self.room);
         self.lattice.add_displacement(&self.moved, displacement_mm);
-    }
-
-    /// As [`BlockOperator::displacement_into`] for a layer without end.
-    ///
-    /// # Panics
-    ///
-    /// If a field has not one entry a cell.
-    pub fn layer_into(&mut self, traction: &[[f32; 3]], displacement_mm: &mut [[f32; 3]]) {
-        self.convolve(Kernel::Compliance, traction, displacement_mm);
     }
 
     /// The traction, in units of the shear modulus, that a layer without end would need for a displacement, cut off at

@@ -19,8 +19,8 @@ struct Layer {
     coupling: Vec<Vec<(usize, f64)>>,
 }
 
-/// What the sides change, `G − G_∞`, in the basis of a parity's fields of norm 1: symmetric, times the shear modulus,
-/// 1/mm.
+/// What the coarse nodes carry, `G − G_∞ + C_far`, in the basis of a parity's fields of norm 1: symmetric, times the
+/// shear modulus, 1/mm.
 pub(super) fn difference(mesh: &CoarseMesh, endless: &EndlessMesh, parity: Parity) -> Vec<f64> {
     let unknowns = parity.unknowns(mesh.half());
     let size = unknowns.len();

@@ -4,7 +4,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 use super::inverse::invert;
 use super::*;
 use crate::fem::{Assembly, BlockMesh, Material};
-use crate::layer::{LayerError, SurfaceGrid};
+use crate::layer::{Layer, LayerError, LayerOperator, SurfaceGrid};
 use crate::solver::{Multigrid, Solver, Stop};
 use crate::{GelBlock, Law};
 
@@ -35,10 +35,12 @@ fn moved(operator: &mut BlockOperator, traction: &[[f32; 3]]) -> Field {
     displacement
 }
 
-fn in_layer(operator: &mut BlockOperator, traction: &[[f32; 3]]) -> Field {
-    let mut displacement = vec![[f32::NAN; 3]; operator.grid().len()];
-    operator.layer_into(traction, &mut displacement);
-    displacement
+fn in_layer(block: &GelBlock, grid: SurfaceGrid, traction: &[[f32; 3]]) -> Field {
+    let layer = Layer::of_unit_modulus(block).unwrap();
+    let traction: Vec<_> = traction.iter().map(|t| t.map(f64::from)).collect();
+    let mut displacement = vec![[f64::NAN; 3]; grid.len()];
+    LayerOperator::new(&layer, grid).unwrap().displacement_into(&traction, &mut displacement);
+    displacement.into_iter().map(|u| u.map(|value| value as f32)).collect()
 }
 
 fn dot(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
@@ -99,7 +101,7 @@ fn a_load_near_a_side_moves_the_surface_as_finite_elements_do() {
         let truth = by_elements(&block, grid, &load);
         let displacement = moved(&mut operator, &load);
         let with_sides = difference(&displacement, &truth);
-        let without = difference(&in_layer(&mut operator, &load), &truth);
+        let without = difference(&in_layer(&block, grid, &load), &truth);
         assert!(with_sides < 0.035, "load at {centre_mm:?}: {with_sides:.3} off");
         assert!(without > least_without, "load at {centre_mm:?}: without the sides only {without:.3} off");
         // Not only on the whole: farther than 5 mm from the load nowhere by much, next to the sides neither.
@@ -137,9 +139,10 @@ fn far_sides_change_nothing_in_the_middle() {
     let load = hump(grid, [0.0; 2], [0.05, 0.0, 0.1]);
     let change = |size: f64| {
         let mut operator = BlockOperator::new(&flat(size), grid).unwrap();
-        difference(&moved(&mut operator, &load), &in_layer(&mut operator, &load))
+        difference(&moved(&mut operator, &load), &in_layer(&flat(size), grid, &load))
     };
-    assert!(change(30.0) < 1e-3, "{:.1e}", change(30.0));
+    // Coarse cells of 1.25 mm hold the influence of 2 mm of gel no better.
+    assert!(change(30.0) < 4e-3, "{:.1e}", change(30.0));
     assert!(change(11.0) > 0.02, "{:.1e}", change(11.0));
 }
 

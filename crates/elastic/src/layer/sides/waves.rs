@@ -9,7 +9,10 @@
 use std::f64::consts::TAU;
 
 use super::mesh::CoarseMesh;
+use super::near::Near;
+use crate::layer::Layer;
 use crate::layer::half_space::Influence;
+use crate::layer::operator::influence_of;
 
 /// The period is longer than the block by this many thicknesses: the nearest image is not felt.
 const PERIOD: f64 = 9.0;
@@ -48,6 +51,20 @@ impl EndlessMesh {
             }
         }
         Self { columns, table }
+    }
+
+    /// Takes away the part of a layer's influence that is not near, for the coarse nodes to carry.
+    pub(super) fn leave_far(&mut self, mesh: &CoarseMesh, layer: &Layer, near: Near) {
+        let [dx, dy, _] = mesh.cell_mm;
+        // As good as a point, and no offset is on the prolongation of its sides.
+        let point_mm = 0.1 * dx.min(dy);
+        let [width, height] = [0, 1].map(|axis| mesh.cell_mm[axis] * mesh.cells[axis] as f64);
+        let influence = influence_of(layer, point_mm, width.hypot(height));
+        for (index, entry) in self.table.iter_mut().enumerate() {
+            let offset = [(index % self.columns) as f64 * dx, (index / self.columns) as f64 * dy];
+            let far = (1.0 - near.share(offset)) / (point_mm * point_mm);
+            *entry = entry.plus(influence(offset).times(-far));
+        }
     }
 
     /// Displacement along `axes[0]` by force along `axes[1]`, at an offset in elements.
