@@ -1,6 +1,7 @@
 //! One element: its energy, the forces that hold it, its tangent stiffness.
 
 use super::Material;
+use super::volume::Volume;
 use crate::Law;
 use std::sync::LazyLock;
 
@@ -42,7 +43,6 @@ pub(super) struct Geometry {
     weights: [f64; 8],
     /// Gradient of each shape function at each Gauss point as `[point][axis][node]`, 1/mm.
     gradients: [[[f64; 8]; 3]; 8],
-    volume: f64,
 }
 
 impl Geometry {
@@ -51,7 +51,7 @@ impl Geometry {
     /// [`Inverted`] if the nodes do not span a body.
     #[inline(always)]
     pub(super) fn new(nodes: &Nodes) -> Result<Self, Inverted> {
-        let mut geometry = Self { weights: [0.0; 8], gradients: [[[0.0; 8]; 3]; 8], volume: 0.0 };
+        let mut geometry = Self { weights: [0.0; 8], gradients: [[[0.0; 8]; 3]; 8] };
         for (point, shape) in SHAPE_GRADIENTS.iter().enumerate() {
             let mut jacobian = [[0.0; 3]; 3];
             for (node, gradient) in nodes.iter().zip(shape) {
@@ -64,7 +64,6 @@ impl Geometry {
                 return Err(Inverted);
             }
             geometry.weights[point] = determinant;
-            geometry.volume += determinant;
             for (node, gradient) in shape.iter().enumerate() {
                 for axis in 0..3 {
                     geometry.gradients[point][axis][node] = dot(&inverse_transpose[axis], gradient);
@@ -80,8 +79,7 @@ pub(super) struct Element<'a> {
     geometry: &'a Geometry,
     material: &'a Material,
     points: [Point; 8],
-    /// Element's mean volume ratio.
-    volume_ratio: f64,
+    volume: Volume,
 }
 
 /// The deformation at a Gauss point.
@@ -102,8 +100,7 @@ impl<'a> Element<'a> {
     #[inline(always)]
     pub(super) fn new(geometry: &'a Geometry, material: &'a Material, displacement: &Nodes) -> Result<Self, Inverted> {
         let mut points = [Point::default(); 8];
-        let mut volume = 0.0;
-        for (point, (shape, weight)) in points.iter_mut().zip(geometry.gradients.iter().zip(geometry.weights)) {
+        for (point, shape) in points.iter_mut().zip(&geometry.gradients) {
             for (r, c) in (0..9).map(|n| (n / 3, n % 3)) {
                 let change: f64 = displacement.iter().zip(&shape[c]).map(|(node, gradient)| node[r] * gradient).sum();
                 point.gradient[r][c] = change + f64::from(u8::from(r == c));
@@ -112,32 +109,31 @@ impl<'a> Element<'a> {
             if point.volume_ratio.is_nan() || point.volume_ratio <= 0.0 {
                 return Err(Inverted);
             }
-            volume += weight * point.volume_ratio;
         }
-        Ok(Self { geometry, material, points, volume_ratio: volume / geometry.volume })
+        let ratios = points.each_ref().map(|point| point.volume_ratio);
+        Ok(Self { geometry, material, volume: Volume::new(&geometry.weights, &ratios, material), points })
     }
 
     /// Strain energy, N mm.
     #[inline(always)]
     pub(super) fn energy(&self) -> f64 {
-        let volumetric = self.geometry.volume * self.material.volumetric(self.volume_ratio)[0];
         let shear = self
             .points
             .iter()
             .zip(self.geometry.weights)
             .map(|(point, weight)| weight * (square_sum(&point.gradient) - 3.0 - 2.0 * point.volume_ratio.ln()));
-        volumetric + 0.5 * self.material.shear_modulus * shear.sum::<f64>()
+        self.volume.energy + 0.5 * self.material.shear_modulus * shear.sum::<f64>()
     }
 
     /// Gradient of the energy: the force on each node that holds the element so, N.
     #[inline(always)]
     pub(super) fn forces(&self) -> Nodes {
-        let [_, pressure, _] = self.material.volumetric(self.volume_ratio);
+        let pressure = self.volume.slope / self.volume.deformed;
         let mut forces = [[0.0; 3]; 8];
         for (index, point) in self.points.iter().enumerate() {
             let weight = self.geometry.weights[index];
             let mu = weight * self.material.shear_modulus;
-            let normal = weight * pressure * point.volume_ratio - mu;
+            let normal = weight * (pressure * point.volume_ratio + self.volume.uneven[index][0]) - mu;
             // First Piola–Kirchhoff stress times the weight.
             let stress = [0, 1, 2]
                 .map(|r| [0, 1, 2].map(|c| mu * point.gradient[r][c] + normal * point.inverse_transpose[r][c]));
@@ -155,27 +151,28 @@ impl<'a> Element<'a> {
     #[inline(always)]
     pub(super) fn stiffness_into(&self, stiffness: &mut Stiffness) {
         *stiffness = [[[[0.0; 8]; 8]; 3]; 3];
-        let [_, pressure, modulus] = self.material.volumetric(self.volume_ratio);
-        let mut dilatation = [[0.0; 8]; 3];
+        let Volume { slope, curvature, deformed, .. } = self.volume;
+        // Derivatives by the displacements: of the logarithm of the mean volume ratio, and of the points' mean of φ'.
+        let (mut mean, mut uneven) = ([[0.0; 8]; 3], [[0.0; 8]; 3]);
         for (index, point) in self.points.iter().enumerate() {
-            let weight = self.geometry.weights[index];
+            let (weight, [first, second]) = (self.geometry.weights[index], self.volume.uneven[index]);
             let spatial = self.spatial_gradients(index);
-            let volume = weight * point.volume_ratio;
-            for (sum, g) in dilatation.iter_mut().zip(&spatial) {
-                for (sum, g) in sum.iter_mut().zip(g) {
-                    *sum += volume * g;
+            let share = weight * point.volume_ratio / deformed;
+            for axis in 0..3 {
+                for node in 0..8 {
+                    mean[axis][node] += share * spatial[axis][node];
+                    uneven[axis][node] += weight * second * spatial[axis][node];
                 }
             }
-            let (mu, normal) = (weight * self.material.shear_modulus, pressure * volume);
-            add_stiffness(&self.geometry.gradients[index], &spatial, [mu, normal, mu - normal], stiffness);
+            let (mu, held) = (weight * self.material.shear_modulus, slope * share);
+            let (parallel, crossed) = (held + weight * second, mu - held - weight * first);
+            add_stiffness(&self.geometry.gradients[index], &spatial, [mu, parallel, crossed], stiffness);
         }
-        let factor = modulus / self.geometry.volume;
-        for (i, j, a) in (0..72).map(|n| (n / 24, n / 8 % 3, n % 8)).filter(|(i, j, _)| i <= j) {
-            let scale = factor * dilatation[i][a];
-            for (value, other) in stiffness[i][j][a].iter_mut().zip(&dilatation[j]) {
-                *value += scale * other;
-            }
+        // Half of the mean's square goes with each of the two products.
+        for (uneven, mean) in uneven.as_flattened_mut().iter_mut().zip(mean.as_flattened()) {
+            *uneven = 0.5 * (curvature - slope) * mean - *uneven;
         }
+        add_products(&mean, &uneven, stiffness);
         // The other half by symmetry.
         for (i, j) in [(1, 0), (2, 0), (2, 1)] {
             for (a, b) in (0..64).map(|n| (n / 8, n % 8)) {
@@ -194,7 +191,8 @@ impl<'a> Element<'a> {
     /// Small-strain stiffness and forces: the tangent at rest times the displacement.
     pub(super) fn linear(geometry: &Geometry, material: &Material, stiffness: &mut Stiffness) {
         let rest = Point { gradient: IDENTITY, inverse_transpose: IDENTITY, volume_ratio: 1.0 };
-        Element { geometry, material, points: [rest; 8], volume_ratio: 1.0 }.stiffness_into(stiffness);
+        let volume = Volume::new(&geometry.weights, &[1.0; 8], material);
+        Element { geometry, material, points: [rest; 8], volume }.stiffness_into(stiffness);
     }
 }
 
@@ -221,6 +219,17 @@ fn add_stiffness(
                     target[b] += along * (n[0][a] * n[0][b] + n[1][a] * n[1][b] + n[2][a] * n[2][b]);
                 }
             }
+        }
+    }
+}
+
+/// Adds `p_a,i q_b,j + q_a,i p_b,j` for `i ≤ j`.
+#[inline(always)]
+fn add_products(p: &[[f64; 8]; 3], q: &[[f64; 8]; 3], stiffness: &mut Stiffness) {
+    for (i, j, a) in (0..72).map(|n| (n / 24, n / 8 % 3, n % 8)).filter(|(i, j, _)| i <= j) {
+        let (by_q, by_p) = (p[i][a], q[i][a]);
+        for ((value, p), q) in stiffness[i][j][a].iter_mut().zip(&p[j]).zip(&q[j]) {
+            *value += by_q * q + by_p * p;
         }
     }
 }

@@ -2,10 +2,17 @@
 
 use crate::{GelBlock, Law};
 
+/// What an uneven volume within an element costs, over the shear modulus, dimensionless.
+///
+/// Enough to keep a square's face smooth: without friction, 6 mm wide and 3 mm deep, ν 0.35 and 0.48, cells of 0.75 and
+/// 0.5 mm. It adds 0.1 % at a depth of 1 mm and 0.8 % at 2 mm to the force on such a square that sticks, with cells of 0.3 mm.
+const UNEVENNESS: f64 = 6.0;
+
 /// Elastic constants and the law that uses them.
 ///
 /// Compressible neo-Hookean energy per undeformed volume ([Bonet2008] eq. (6.27)), its volumetric part with the
-/// element's mean volume ratio `J̄`: `ψ = μ/2 (tr FᵀF − 3 − 2 ln J) + λ/2 ln² J̄`.
+/// element's mean volume ratio `J̄`: `ψ = μ/2 (tr FᵀF − 3 − 2 ln J) + λ/2 ln² J̄ + 6 μ ln⁴(J / J̄)`. The last term is the elements',
+/// not the gel's; see the folder's header.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Material {
     pub(crate) law: Law,
@@ -30,10 +37,12 @@ impl Material {
         Self::new(law, block.youngs_modulus_mpa.unwrap_or(1.0), block.poissons_ratio)
     }
 
-    /// Volumetric energy per volume, its derivative by the volume ratio and its second derivative, `MPa`.
-    pub(crate) fn volumetric(&self, volume_ratio: f64) -> [f64; 3] {
-        let (lambda, log) = (self.lame, volume_ratio.ln());
-        let pressure = lambda * log / volume_ratio;
-        [0.5 * lambda * log * log, pressure, (lambda / volume_ratio - pressure) / volume_ratio]
+    /// Energy per volume of a point whose volume ratio differs from its element's mean by `difference` in the logarithm, and
+    /// its first two derivatives, `MPa`.
+    #[inline(always)]
+    pub(crate) fn uneven(&self, difference: f64) -> [f64; 3] {
+        let modulus = UNEVENNESS * self.shear_modulus;
+        let square = difference * difference;
+        [modulus * square * square, 4.0 * modulus * square * difference, 12.0 * modulus * square]
     }
 }

@@ -152,6 +152,27 @@ fn a_face_without_friction_presses_and_slides() {
 }
 
 #[test]
+fn a_deep_face_without_friction_neither_folds_nor_tears() {
+    let punch = Punch { radius_mm: 3.0 };
+    let setup = setup(GEL, Law::NeoHookean, ContactLaw::Frictionless);
+    let mut press = Press::new(&setup, mesh(&GEL, 4.5, 0.6, 1.5), &punch, [0.0, 0.0]).unwrap();
+    for step in 1..=5 {
+        press.step(&deep(0.52 * f64::from(step))).unwrap();
+    }
+    let state = press.surface();
+    assert!(state.force_n[0].hypot(state.force_n[1]) < 1e-3 * state.force_n[2], "{:?} N", state.force_n);
+    // The face neither folds nor tears: cells keep three quarters of their width, and none grows by half.
+    let columns = state.x_mm.len();
+    for (row, y) in state.y_mm.iter().enumerate() {
+        for (column, x) in state.x_mm.iter().enumerate().filter(|(_, x)| x.hypot(*y) < 2.5) {
+            let at = |column: usize| state.x_mm[column] + state.displacement_mm[row * columns + column][0];
+            let share = (at(column) - at(column - 1)) / (x - state.x_mm[column - 1]);
+            assert!((0.75..1.5).contains(&share), "({x}, {y}): a cell has {share} of its width");
+        }
+    }
+}
+
+#[test]
 fn friction_carries_its_coefficient_times_the_normal_force() {
     let (punch, coefficient) = (Punch { radius_mm: 4.0 }, 0.3);
     let setup = setup(GEL, Law::NeoHookean, ContactLaw::Friction(coefficient));
