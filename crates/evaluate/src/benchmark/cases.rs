@@ -35,7 +35,7 @@ const fn variation(
 
 impl Variation {
     /// All of them, the default sensor first.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: &'static [Self] = &[
         variation(
             "default",
             "Poisson's ratio 0.48, sticking contact, noise of 2 levels, cells of 0.1 mm",
@@ -66,7 +66,7 @@ impl Variation {
     /// The variation of this name.
     #[must_use]
     pub fn find(name: &str) -> Option<&'static Self> {
-        const { &Self::ALL }.iter().find(|variation| variation.name == name)
+        Self::ALL.iter().find(|variation| variation.name == name)
     }
 
     /// A scene so varied.
@@ -101,12 +101,11 @@ pub struct Case {
 pub fn cases(extent: Extent) -> Result<Vec<Case>, SceneError> {
     let is_press = |name: &str| name != "board" && !name.starts_with("calibration-");
     let is_asked = |name: &str| extent == Extent::Full || ["circle", "sphere", "letter"].contains(&name);
-    let variations = if extent == Extent::Full { &Variation::ALL[..] } else { &Variation::ALL[..1] };
+    let variations = if extent == Extent::Full { Variation::ALL } else { &Variation::ALL[..1] };
     let scenes = ReadyMade::ALL.iter().filter(|ready| is_press(ready.name) && is_asked(ready.name));
     let mut cases = Vec::new();
     for ready in scenes {
         for variation in variations {
-            let variation = Variation::find(variation.name).unwrap_or(const { &Variation::ALL[0] });
             let mut scene = variation.apply(ready.scene())?;
             adapt(&mut scene, extent)?;
             scene.name = format!("{}--{}", ready.name, variation.name);

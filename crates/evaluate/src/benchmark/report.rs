@@ -81,7 +81,6 @@ impl BenchmarkReport {
         }
         let variations: Vec<_> = Variation::ALL
             .iter()
-            .filter_map(|variation| Variation::find(variation.name))
             .filter(|variation| cases.iter().any(|case| case.variation == variation.name))
             .collect();
         let means = variations

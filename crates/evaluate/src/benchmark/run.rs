@@ -58,17 +58,12 @@ fn go_on(flow: ControlFlow<()>) -> Result<(), ExperimentError> {
 
 /// Calibrates every sensor that a case needs.
 fn fits(benchmark: &Benchmark, progress: &(dyn Fn(&str) -> ControlFlow<()> + Sync)) -> Result<Fits, ExperimentError> {
-    let mut sensors: Vec<(&'static str, bool)> = Vec::new();
-    for variation in benchmark.cases.iter().map(|case| case.variation) {
-        let followings = [false, true].into_iter().filter(|&is_dots| variation.has_dots || !is_dots);
-        for sensor in followings.map(|is_dots| (variation.sensor, is_dots)) {
-            if !sensors.contains(&sensor) {
-                sensors.push(sensor);
-            }
-        }
-    }
-    let fit = |&(name, is_dots): &(&'static str, bool)| {
-        let variation = Variation::find(name).unwrap_or(const { &Variation::ALL[0] });
+    let needs = |sensor: &Variation, is_dots: bool| {
+        let variations = || benchmark.cases.iter().map(|case| case.variation).filter(|one| one.sensor == sensor.name);
+        variations().any(|one| one.has_dots || !is_dots)
+    };
+    let sensors = Variation::ALL.iter().flat_map(|sensor| [(sensor, false), (sensor, true)]);
+    let fit = |(variation, is_dots): (&'static Variation, bool)| {
         let adapted = |scene| {
             let mut scene = variation.apply(scene)?;
             adapt(&mut scene, benchmark.extent)?;
@@ -76,11 +71,11 @@ fn fits(benchmark: &Benchmark, progress: &(dyn Fn(&str) -> ControlFlow<()> + Syn
         };
         let following = if is_dots { Following::Dots } else { Following::Dense };
         let fit = calibrate(&adapted, following, benchmark.cache)?;
-        go_on(progress(name))?;
-        Ok(((name, is_dots), fit))
+        go_on(progress(variation.name))?;
+        Ok(((variation.name, is_dots), fit))
     };
     // One after another: the nine presses of one sensor already keep all threads busy.
-    sensors.iter().map(fit).collect()
+    sensors.filter(|&(sensor, is_dots)| needs(sensor, is_dots)).map(fit).collect()
 }
 
 /// The scene with 15×15 dots for a pattern.
