@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::cases::adapt;
 use super::{BenchmarkReport, Case, CaseReport, Entry, Extent, Method, MethodScore, Variation};
-use crate::experiment::{ExperimentError, Following, Recording, Scorer, calibrate, follow};
+use crate::experiment::{ExperimentError, Following, Recording, Scorer, calibrate, follow_last};
 
 /// What to benchmark.
 #[derive(Debug)]
@@ -94,21 +94,11 @@ struct Last {
 }
 
 fn last(recording: &Recording, following: Following) -> Result<Last, ExperimentError> {
-    let (width, height) = recording.size();
-    let mut last = Last {
-        feature: Image::filled(width, height, 0.0),
-        valid: Image::filled(width, height, 0),
-        flow_error_px: f64::NAN,
-    };
-    let final_frame = recording.depths_mm.len() - 1;
-    follow(recording, &recording.profile, following, |number, found| {
-        if number == final_frame {
-            last.feature = found.feature.clone();
-            last.valid = found.valid.clone();
-            last.flow_error_px = flow_error_px(found.flow, found.valid, &recording.truth);
-        }
-    })?;
-    Ok(last)
+    follow_last(recording, &recording.profile, following, |found| Last {
+        feature: found.feature.clone(),
+        valid: found.valid.clone(),
+        flow_error_px: flow_error_px(found.flow, found.valid, &recording.truth),
+    })
 }
 
 /// Mean distance between the places that flow and truth lead to, over what is trusted and seen, px.

@@ -48,6 +48,30 @@ pub fn follow(
     }
 }
 
+/// Follows a recording and gives what `take` makes of its last frame.
+///
+/// # Errors
+///
+/// As [`follow`]; [`ExperimentError::EndedEarly`] if the recording has no frame.
+pub fn follow_last<T>(
+    recording: &Recording,
+    profile: &Profile,
+    following: Following,
+    mut take: impl FnMut(Followed) -> T,
+) -> Result<T, ExperimentError> {
+    let count = recording.depths_mm.len();
+    let mut taken = None;
+    follow(recording, profile, following, |number, found| {
+        if number + 1 == count {
+            taken = Some(take(found));
+        }
+    })?;
+    taken.ok_or_else(|| ExperimentError::EndedEarly {
+        scene: recording.name.clone(),
+        reason: "the last frame was not tracked".into(),
+    })
+}
+
 fn by_tracker(
     recording: &Recording,
     profile: &Profile,

@@ -14,6 +14,6 @@ mod score;
 pub use calibration::{CALIBRATION, calibrate};
 pub use error::ExperimentError;
 pub use extent::Extent;
-pub use following::{Followed, Following, follow};
+pub use following::{Followed, Following, follow, follow_last};
 pub use recording::Recording;
 pub use score::{DepthScore, Scorer};

@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::law::Fits;
 use super::{Lab, Setting, pictures};
 use crate::benchmark::with_dots;
-use crate::experiment::{DepthScore, ExperimentError, Following, Recording, Scorer, follow};
+use crate::experiment::{DepthScore, ExperimentError, Following, Recording, Scorer, follow_last};
 use crate::page::{Cell, HtmlTable, Section};
 
 /// Depth errors of one indenter.
@@ -93,26 +93,18 @@ fn indenter(lab: &Lab, setting: Setting, fits: &Fits, name: &'static str) -> Res
 }
 
 fn maps(recording: &Recording, following: Following, fit: &DepthFit) -> Result<Maps, ExperimentError> {
-    let last = recording.depths_mm.len() - 1;
-    let mut maps = None;
     let (line, origin) = (fit.law(Method::Line)?.law, fit.law(Method::Origin)?.law);
-    follow(recording, &recording.profile, following, |number, found| {
-        if number == last {
-            let of = |law| {
-                let mut depth = Image::filled(found.feature.width(), found.feature.height(), 0.0_f32);
-                if let Some(map) = DepthMap::new(law, None, depth.size()) {
-                    map.depth_into(found.feature, &mut found.valid.clone(), &mut depth);
-                }
-                depth
-            };
-            let mut clipped = of(&origin);
-            clipped.values_mut().iter_mut().for_each(|depth| *depth = depth.max(0.0));
-            maps = Some(Maps { line: of(&line), clipped, valid: found.valid.clone() });
-        }
-    })?;
-    maps.ok_or_else(|| ExperimentError::EndedEarly {
-        scene: recording.name.clone(),
-        reason: "the last frame was not tracked".into(),
+    follow_last(recording, &recording.profile, following, |found| {
+        let of = |law| {
+            let mut depth = Image::filled(found.feature.width(), found.feature.height(), 0.0_f32);
+            if let Some(map) = DepthMap::new(law, None, depth.size()) {
+                map.depth_into(found.feature, &mut found.valid.clone(), &mut depth);
+            }
+            depth
+        };
+        let mut clipped = of(&origin);
+        clipped.values_mut().iter_mut().for_each(|depth| *depth = depth.max(0.0));
+        Maps { line: of(&line), clipped, valid: found.valid.clone() }
     })
 }
 

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::{Lab, Setting, pictures};
 use crate::end_point::{mean, quantile};
-use crate::experiment::{ExperimentError, Following, Recording, follow};
+use crate::experiment::{ExperimentError, Following, Recording, follow_last};
 use crate::page::{Cell, HtmlTable, Section};
 
 const POLICIES: [(Policy, &str); 3] =
@@ -108,16 +108,8 @@ fn with_policy(
 ) -> Result<(PolicyErrors, Image<f32>), ExperimentError> {
     let mut profile = recording.profile.clone();
     profile.references.policy = policy;
-    let last = recording.depths_mm.len() - 1;
-    let mut found = None;
-    follow(recording, &profile, Following::Dense, |number, followed| {
-        if number == last {
-            found = Some((errors(followed.flow, followed.valid, recording, name), lengths(followed.flow)));
-        }
-    })?;
-    found.ok_or_else(|| ExperimentError::EndedEarly {
-        scene: recording.name.clone(),
-        reason: "the last frame was not tracked".into(),
+    follow_last(recording, &profile, Following::Dense, |found| {
+        (errors(found.flow, found.valid, recording, name), lengths(found.flow))
     })
 }
 
