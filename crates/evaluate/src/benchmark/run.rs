@@ -6,12 +6,11 @@ use std::ops::ControlFlow;
 use fingervision_calibrate::depth::DepthFit;
 use fingervision_gel::{PressCache, Truth};
 use fingervision_image::Image;
-use fingervision_optics::Camera;
 use rayon::prelude::*;
 
 use super::cases::adapt;
 use super::{BenchmarkReport, Case, CaseReport, Entry, Extent, Method, MethodScore, Variation};
-use crate::experiment::{ExperimentError, Following, Recording, Scorer, calibrate, follow_last};
+use crate::experiment::{ExperimentError, Following, Recording, calibrate, follow_last};
 
 /// What to benchmark.
 #[derive(Debug)]
@@ -117,9 +116,7 @@ pub(crate) fn flow_error_px(flow: &fingervision_flow::FlowField, valid: &Image<u
 
 fn report(case: &Case, fits: &Fits, benchmark: &Benchmark) -> Result<CaseReport, ExperimentError> {
     let recording = Recording::of(&case.scene, benchmark.cache)?;
-    let camera = Camera::new(&case.scene.camera())
-        .map_err(|error| ExperimentError::EndedEarly { scene: case.name.clone(), reason: error.to_string() })?;
-    let scorer = Scorer::new(&recording.truth, &camera);
+    let scorer = recording.scorer();
     let dense = last(&recording, Following::Dense)?;
     let dots = if case.variation.has_dots {
         let recording = Recording::of(&with_dots(case.scene.clone())?, benchmark.cache)?;

@@ -1,6 +1,7 @@
 use fingervision_calibrate::camera::BoardError;
 use fingervision_calibrate::depth::DepthFitError;
 use fingervision_gel::SceneError;
+use fingervision_optics::CameraError;
 use fingervision_sink::SinkError;
 use fingervision_touch::{ParameterError, TrackError};
 
@@ -21,6 +22,9 @@ pub enum ExperimentError {
         /// How far it came.
         reason: String,
     },
+    /// The camera is none.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
     /// A frame cannot be tracked.
     #[error(transparent)]
     Track(#[from] TrackError),
@@ -57,7 +61,12 @@ impl ExperimentError {
             Self::Board(error) => error.hint(),
             Self::Run(error) => error.hint(),
             Self::EndedEarly { .. } => Some("a coarser motion or a finer mesh may converge".into()),
-            Self::Track(_) | Self::Parameter(_) | Self::Dots(_) | Self::Sink(_) | Self::Interrupted => None,
+            Self::Camera(_)
+            | Self::Track(_)
+            | Self::Parameter(_)
+            | Self::Dots(_)
+            | Self::Sink(_)
+            | Self::Interrupted => None,
         }
     }
 }

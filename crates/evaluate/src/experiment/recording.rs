@@ -2,11 +2,12 @@
 
 use fingervision_gel::{PressCache, Scene, Simulation, Truth};
 use fingervision_image::{Frame, Pixels};
+use fingervision_optics::Camera;
 use fingervision_sink::simulated_profile;
 use fingervision_touch::Profile;
 use std::ops::ControlFlow;
 
-use super::ExperimentError;
+use super::{ExperimentError, Scorer};
 
 /// Frames a second that are written into the frames: no figure depends on it.
 const FRAMES_PER_SECOND: f64 = 90.0;
@@ -24,6 +25,7 @@ pub struct Recording {
     pub truth: Truth,
     /// Force of the indenter on the gel in the last frame, N.
     pub force_n: [f64; 3],
+    camera: Camera,
     images: Vec<Pixels>,
 }
 
@@ -48,6 +50,7 @@ impl Recording {
             depths_mm: simulation.poses().iter().map(|pose| pose.depth_mm).collect(),
             force_n: simulation.states().last().map_or([0.0; 3], |state| state.force_n),
             truth,
+            camera: Camera::new(&scene.camera())?,
             images,
         })
     }
@@ -56,6 +59,12 @@ impl Recording {
     #[must_use]
     pub fn size(&self) -> (usize, usize) {
         self.truth.depth.size()
+    }
+
+    /// Scores depth maps by the truth of the last frame.
+    #[must_use]
+    pub fn scorer(&self) -> Scorer<'_> {
+        Scorer::new(&self.truth, &self.camera)
     }
 
     /// The images as a camera hands them out.

@@ -3,7 +3,6 @@
 use fingervision_calibrate::depth::{DepthFit, Method};
 use fingervision_gel::Scene;
 use fingervision_image::Image;
-use fingervision_optics::Camera;
 use fingervision_sink::HeatScale;
 use fingervision_touch::DepthMap;
 use serde::Serialize;
@@ -11,7 +10,7 @@ use serde::Serialize;
 use super::law::Fits;
 use super::{Lab, Setting, pictures};
 use crate::benchmark::with_dots;
-use crate::experiment::{DepthScore, ExperimentError, Following, Recording, Scorer, follow_last};
+use crate::experiment::{DepthScore, ExperimentError, Following, Recording, follow_last};
 use crate::page::{Cell, HtmlTable, Section};
 
 /// Depth errors of one indenter.
@@ -75,9 +74,7 @@ fn indenter(lab: &Lab, setting: Setting, fits: &Fits, name: &'static str) -> Res
         || maps(&Recording::of(&dotted, lab.cache)?, Following::Dots, &fits.dots),
     );
     let (dense, dots) = (dense?, dots?);
-    let camera = Camera::new(&scene.camera())
-        .map_err(|error| ExperimentError::EndedEarly { scene: scene.name.clone(), reason: error.to_string() })?;
-    let scorer = Scorer::new(&recording.truth, &camera);
+    let scorer = recording.scorer();
     let nothing = Image::filled(dense.line.width(), dense.line.height(), 0.0);
     let errors = IndenterErrors {
         indenter: name,
