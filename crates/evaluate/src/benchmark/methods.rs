@@ -2,10 +2,9 @@
 
 use fingervision_calibrate::depth::{self, DepthFit};
 use fingervision_image::Image;
-use fingervision_touch::DepthMap;
 use serde::Serialize;
 
-use crate::experiment::{Following, Recording};
+use crate::experiment::{Following, Recording, clipped, depth_of};
 
 /// A way from images to depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -63,19 +62,13 @@ impl Method {
 
     /// Depth of a feature by what was calibrated; none where the law cannot be had.
     pub(super) fn depth(self, feature: &Image<f32>, fit: &DepthFit, recording: &Recording) -> Option<Image<f32>> {
-        let law = match self {
+        let method = match self {
             Self::Nothing => return Some(Image::filled(feature.width(), feature.height(), 0.0)),
             Self::Density | Self::Dots => depth::Method::Line,
             Self::DensityOrigin => depth::Method::Origin,
             Self::DensityPerspective | Self::DensityClipped => depth::Method::Perspective,
         };
-        let law = fit.law(law).ok()?.law;
-        let map = DepthMap::new(&law, recording.profile.camera.as_ref(), feature.size())?;
-        let mut depth = Image::filled(feature.width(), feature.height(), 0.0_f32);
-        map.depth_into(feature, &mut Image::filled(feature.width(), feature.height(), 1), &mut depth);
-        if self == Self::DensityClipped {
-            depth.values_mut().iter_mut().for_each(|depth| *depth = depth.max(0.0));
-        }
-        Some(depth)
+        let depth = depth_of(feature, fit, method, recording).ok()?;
+        Some(if self == Self::DensityClipped { clipped(depth) } else { depth })
     }
 }

@@ -5,6 +5,7 @@
 //! calibration presses, and [`Scorer`] says how far a depth map is from the truth.
 
 mod calibration;
+mod depth;
 mod error;
 mod extent;
 mod following;
@@ -12,6 +13,7 @@ mod recording;
 mod score;
 
 pub use calibration::{CALIBRATION, calibrate};
+pub use depth::{clipped, depth_of};
 pub use error::ExperimentError;
 pub use extent::Extent;
 pub use following::{Followed, Following, follow, follow_last};

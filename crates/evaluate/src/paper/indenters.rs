@@ -1,16 +1,15 @@
 //! Figures 6 and 7: depth maps of four indenters, by the dense pattern and by dots, against the truth.
 
-use fingervision_calibrate::depth::{DepthFit, Method};
+use fingervision_calibrate::depth::{DepthFit, DepthFitError, Method};
 use fingervision_gel::Scene;
 use fingervision_image::Image;
 use fingervision_sink::HeatScale;
-use fingervision_touch::DepthMap;
 use serde::Serialize;
 
 use super::law::Fits;
 use super::{Lab, Setting, pictures};
 use crate::benchmark::with_dots;
-use crate::experiment::{DepthScore, ExperimentError, Following, Recording, follow_last};
+use crate::experiment::{DepthScore, ExperimentError, Following, Recording, clipped, depth_of, follow_last};
 use crate::page::{Cell, HtmlTable, Section};
 
 /// Depth errors of one indenter.
@@ -90,19 +89,11 @@ fn indenter(lab: &Lab, setting: Setting, fits: &Fits, name: &'static str) -> Res
 }
 
 fn maps(recording: &Recording, following: Following, fit: &DepthFit) -> Result<Maps, ExperimentError> {
-    let (line, origin) = (fit.law(Method::Line)?.law, fit.law(Method::Origin)?.law);
-    follow_last(recording, &recording.profile, following, |found| {
-        let of = |law| {
-            let mut depth = Image::filled(found.feature.width(), found.feature.height(), 0.0_f32);
-            if let Some(map) = DepthMap::new(law, None, depth.size()) {
-                map.depth_into(found.feature, &mut found.valid.clone(), &mut depth);
-            }
-            depth
-        };
-        let mut clipped = of(&origin);
-        clipped.values_mut().iter_mut().for_each(|depth| *depth = depth.max(0.0));
-        Maps { line: of(&line), clipped, valid: found.valid.clone() }
-    })
+    let maps = follow_last(recording, &recording.profile, following, |found| {
+        let of = |method| depth_of(found.feature, fit, method, recording);
+        Ok(Maps { line: of(Method::Line)?, clipped: clipped(of(Method::Origin)?), valid: found.valid.clone() })
+    })?;
+    maps.map_err(DepthFitError::into)
 }
 
 /// Figure 6.
