@@ -26,6 +26,7 @@ pub mod dots;
 mod end_point;
 mod error;
 pub mod experiment;
+mod filtered_density;
 mod matcher;
 pub mod page;
 pub mod pairs;

@@ -2,9 +2,10 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Image, Pixels};
-use fingervision_touch::{DensityEstimator, DensityField, DensityParams, GuidedFilter};
+use fingervision_touch::DensityParams;
 
 use super::{DotError, DotTracker};
+use crate::filtered_density::FilteredDensity;
 
 /// Every field that one image of dots gives, on the grid of the first image.
 #[derive(Debug, Clone, Copy)]
@@ -23,10 +24,7 @@ pub struct DotTouch<'a> {
 #[derive(Debug, Clone)]
 pub struct DotSensor {
     tracker: DotTracker,
-    estimator: DensityEstimator,
-    filter: GuidedFilter,
-    field: DensityField,
-    feature: Image<f32>,
+    density: FilteredDensity,
 }
 
 impl DotSensor {
@@ -36,14 +34,7 @@ impl DotSensor {
     ///
     /// As [`DotTracker::new`], and [`DotError::Parameter`] for a parameter out of range.
     pub fn new(first: &Pixels, params: &DensityParams) -> Result<Self, DotError> {
-        let (width, height) = first.size();
-        Ok(Self {
-            tracker: DotTracker::new(first)?,
-            estimator: DensityEstimator::new(width, height, params)?,
-            filter: GuidedFilter::new(width, height, &params.filter)?,
-            field: DensityField::at_rest(width, height),
-            feature: Image::filled(width, height, 0.0),
-        })
+        Ok(Self { tracker: DotTracker::new(first)?, density: FilteredDensity::new(first.size(), params)? })
     }
 
     /// The dots.
@@ -59,8 +50,8 @@ impl DotSensor {
     /// As [`DotTracker::track`].
     pub fn read(&mut self, image: &Pixels) -> Result<DotTouch<'_>, DotError> {
         let reading = self.tracker.track(image)?;
-        self.estimator.estimate_into(&reading.flow, &mut self.field);
-        self.filter.filter_into(&self.field.feature, &self.field.valid, &mut self.feature);
-        Ok(DotTouch { flow: &reading.flow, feature: &self.feature, valid: &self.field.valid, lost: reading.lost })
+        self.density.update(&reading.flow);
+        let (feature, valid) = (self.density.feature(), self.density.valid());
+        Ok(DotTouch { flow: &reading.flow, feature, valid, lost: reading.lost })
     }
 }

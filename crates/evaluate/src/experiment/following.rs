@@ -2,11 +2,12 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Frame, Image};
-use fingervision_touch::{DensityEstimator, DensityField, Fields, GuidedFilter, Profile, Tracker};
+use fingervision_touch::{Fields, Profile, Tracker};
 use std::time::Instant;
 
 use super::{ExperimentError, Recording};
 use crate::dots::{DotSensor, DotTouch};
+use crate::filtered_density::FilteredDensity;
 
 /// How points of the gel are followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,11 +78,7 @@ fn by_tracker(
     profile: &Profile,
     take: &mut impl FnMut(usize, Followed),
 ) -> Result<(), ExperimentError> {
-    let (width, height) = recording.size();
-    let mut estimator = DensityEstimator::new(width, height, &profile.density)?;
-    let mut filter = GuidedFilter::new(width, height, &profile.density.filter)?;
-    let mut field = DensityField::at_rest(width, height);
-    let mut feature = Image::filled(width, height, 0.0);
+    let mut density = FilteredDensity::new(recording.size(), &profile.density)?;
     let mut tracker: Option<Tracker> = None;
     for (number, frame) in recording.frames().enumerate() {
         let begin = Instant::now();
@@ -90,11 +87,10 @@ fn by_tracker(
             none => none.insert(new_tracker(recording, profile, &frame)?),
         };
         let reading = tracker.track(&frame)?;
-        estimator.estimate_into(&reading.flow, &mut field);
-        filter.filter_into(&field.feature, &field.valid, &mut feature);
+        density.update(&reading.flow);
         let latency_ms = begin.elapsed().as_secs_f64() * 1e3;
         let (flow, valid) = (&reading.flow, &reading.valid);
-        take(number, Followed { flow, feature: &feature, valid, latency_ms });
+        take(number, Followed { flow, feature: density.feature(), valid, latency_ms });
     }
     Ok(())
 }
