@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use fingervision_evaluate::run::{Errors, Options, Report};
+use fingervision_evaluate::run::{Errors, FrameReport, Options, Report};
 use fingervision_gel::{PressCache, Scene};
 use fingervision_source::open;
 use fingervision_touch::Profile;
@@ -93,5 +93,23 @@ fn text(DemoResult { summary, simulation, truth, picture }: &DemoResult) -> Stri
         let _ =
             writeln!(text, "truth    flow is off by {mean:.3} px on average; the gel moves by up to {moved_px:.1} px");
     }
+    if let Some(readout) = true_readout(simulation, truth) {
+        let _ = writeln!(text, "truth    {readout}");
+    }
     text + &format!("picture  {}", picture.display())
+}
+
+/// What the deepest frame was to read, and how far its depth and contact are off.
+fn true_readout(simulation: &SimulationSummary, truth: &Report) -> Option<String> {
+    let FrameReport { true_depth_mm, errors, .. } = truth.deepest()?;
+    let [x, y, z] = simulation.force_n;
+    let mut text = format!("depth up to {:.2} mm, force ({x:.2}, {y:.2}, {z:.2}) N", (*true_depth_mm)?);
+    let depth = errors.depth_mm?;
+    let mean = |errors: Option<Errors>| errors.map_or(f64::NAN, |errors| errors.mean);
+    let (inside, everywhere) = (mean(depth.inside), mean(depth.everywhere));
+    let _ = write!(text, "; depth is off by {everywhere:.3} mm on average, {inside:.3} mm in contact");
+    if let Some(overlap) = errors.contact_overlap {
+        let _ = write!(text, "; contact overlaps by {:.0} %", 100.0 * overlap);
+    }
+    Some(text)
 }

@@ -32,7 +32,7 @@ use clap::{Parser, Subcommand};
 
 use failure::Failure;
 
-/// Camera-based touch: from images of a patterned gel to flow, density and depth.
+/// Camera-based touch: from images of a patterned gel to flow, depth and force.
 #[derive(Debug, Parser)]
 #[command(name = "fingervision", version, arg_required_else_help = true)]
 struct Cli {

@@ -1,7 +1,7 @@
 //! `run.toml`: how a run was made.
 
 use fingervision_sink::Field;
-use fingervision_touch::Profile;
+use fingervision_touch::{Profile, TractionGrid};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -11,13 +11,30 @@ struct RunRecord<'a> {
     version: &'a str,
     source: &'a str,
     fields: Vec<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    traction: Option<TractionRecord>,
     profile: &'a Profile,
 }
 
-/// The text of `run.toml`: version, source, fields and the whole profile in force.
-pub(crate) fn run_record(source: &str, fields: &[Field], profile: &Profile) -> Result<String, Failure> {
+/// The grid of `traction.npy`, the surface's centre in its middle.
+#[derive(Debug, Serialize)]
+struct TractionRecord {
+    columns: usize,
+    rows: usize,
+    cell_mm: f64,
+}
+
+/// The text of `run.toml`: version, source, fields, the grid of tractions if there is one, and the whole profile in force.
+pub(crate) fn run_record(
+    source: &str,
+    fields: &[Field],
+    profile: &Profile,
+    traction: Option<&TractionGrid>,
+) -> Result<String, Failure> {
     let fields = fields.iter().map(|field| field.name()).collect();
-    let record = RunRecord { version: env!("CARGO_PKG_VERSION"), source, fields, profile };
+    let traction =
+        traction.map(|&TractionGrid { columns, rows, cell_mm, .. }| TractionRecord { columns, rows, cell_mm });
+    let record = RunRecord { version: env!("CARGO_PKG_VERSION"), source, fields, traction, profile };
     toml::to_string(&record)
         .map_err(|error| Failure::Stated { message: format!("the profile cannot be written: {error}"), hint: None })
 }

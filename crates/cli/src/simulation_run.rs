@@ -42,7 +42,7 @@ pub(crate) struct SimulationSummary {
     drawing_s: f64,
     /// Of the deepest frame; of the last of them where there are several.
     depth_mm: f64,
-    force_n: [f64; 3],
+    pub(crate) force_n: [f64; 3],
     has_images: bool,
 }
 

@@ -14,7 +14,7 @@ use crate::output::OutputArgs;
 use crate::profile_args::ProfileArgs;
 use crate::tracking::Run;
 
-/// Track a recording: flow, density and, with a calibrated profile, depth of every frame
+/// Track a recording: flow, density and, with a profile that knows the sensor, depth, contact and force of every frame
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 MP4 or MOV, motion JPEG AVI) or a simulated scene
@@ -29,6 +29,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     profile: ProfileArgs,
     /// The fields to write; without it flow, density and, where calibrated, depth
+    ///
+    /// With elastic depth, the contact and where both hold (`contact.npy`, `depth_valid.npy`) are written beside it.
     #[arg(long, value_delimiter = ',', value_name = "FIELD,...", value_enum)]
     fields: Option<Vec<FieldName>>,
     /// Nominal rate of an image folder or a simulated scene, frames a second; videos carry their own times
@@ -48,8 +50,17 @@ enum FieldName {
     Flow,
     /// Density feature, dimensionless
     Density,
-    /// Depth, mm; needs a profile with depth.density
+    /// Depth, mm; needs a profile with a camera and a gel, or with depth.density
     Depth,
+    /// Expected error of an elastic depth, mm
+    #[value(name = "depth_deviation", alias = "depth-deviation")]
+    DepthDeviation,
+    /// 1 where the gel is touched; needs elastic depth
+    Contact,
+    /// Displacement x, y, z in gel space, mm; needs elastic depth
+    Displacement,
+    /// Traction x, y, z on a grid over the gel, `MPa`; needs elastic depth and `gel.youngs_modulus_mpa`
+    Traction,
     /// Predicted standard deviation of the flow, px
     Deviation,
 }
@@ -60,6 +71,10 @@ impl From<FieldName> for Field {
             FieldName::Flow => Self::Flow,
             FieldName::Density => Self::Density,
             FieldName::Depth => Self::Depth,
+            FieldName::DepthDeviation => Self::DepthDeviation,
+            FieldName::Contact => Self::Contact,
+            FieldName::Displacement => Self::Displacement,
+            FieldName::Traction => Self::Traction,
             FieldName::Deviation => Self::Deviation,
         }
     }

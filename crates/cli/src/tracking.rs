@@ -7,7 +7,7 @@ use std::time::Instant;
 use fingervision_image::Frame;
 use fingervision_sink::{Field, Preview, PreviewOptions, RunFolder, RunOptions, Sink, SinkError};
 use fingervision_source::Source;
-use fingervision_touch::{Fields, Profile, Reading, Tracker};
+use fingervision_touch::{DepthMethod, Fields, Profile, Reading, Tracker};
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -49,9 +49,11 @@ impl Run {
         let region = self.profile.region(source.size())?;
         let Some(first) = source.next_frame()? else { return Err(SinkError::NoReadings.into()) };
         let mut tracker = self.tracker(&first, source.size())?;
-        let fields = self.fields_to_keep(&tracker);
-        let record = run_record(&source.description(), &fields, &self.profile)?;
-        let options = RunOptions { size: tracker.size(), fields, overwrite: self.overwrite };
+        let fields = self.fields_to_keep(tracker.reading());
+        let traction = tracker.reading().traction.as_ref();
+        let record = run_record(&source.description(), &fields, &self.profile, traction)?;
+        let traction_size = traction.map(|grid| (grid.columns, grid.rows));
+        let options = RunOptions { size: tracker.size(), traction_size, fields, overwrite: self.overwrite };
         let mm_per_px = self.profile.mm_per_px().map(|scale| scale as f32);
         let mut sinks = Sinks {
             folder: RunFolder::create(&self.folder, &options, &record)?,
@@ -63,29 +65,59 @@ impl Run {
     }
 
     fn tracker(&self, first: &Frame, frame_size: (usize, usize)) -> Result<Tracker, Failure> {
-        let asked = |field| self.fields.as_ref().is_none_or(|fields| fields.contains(&field));
-        let fields = Fields { density: asked(Field::Density), depth: asked(Field::Depth) };
+        let is_asked = |field| self.fields.as_ref().is_some_and(|fields| fields.contains(&field));
+        let by_default = self.fields.is_none();
+        let fields = Fields {
+            density: by_default || is_asked(Field::Density),
+            depth: by_default || is_asked(Field::Depth) || is_asked(Field::DepthDeviation) || is_asked(Field::Contact),
+            displacement: is_asked(Field::Displacement),
+            traction: is_asked(Field::Traction),
+        };
         let tracker = Tracker::new(&self.profile, frame_size, first.pixels.is_colour(), fields)?;
-        match &self.fields {
-            Some(fields) if fields.contains(&Field::Depth) && !tracker.has_depth() => Err(Failure::new(
-                format!("depth was asked for, but the profile \"{}\" has no depth line", self.profile.name),
+        let absent = self.fields.iter().flatten().find(|field| !field.is_in(tracker.reading()));
+        if let Some(field) = absent {
+            return Err(self.cannot_be_had(*field));
+        }
+        if by_default && !tracker.has_depth() {
+            let name = &self.profile.name;
+            self.output.note(&format!("no depth is written: the profile \"{name}\" has no depth line"));
+        }
+        Ok(tracker)
+    }
+
+    /// Why a field that was asked for is not to be had with this profile.
+    fn cannot_be_had(&self, field: Field) -> Failure {
+        let (name, profile) = (field.name(), &self.profile.name);
+        match (field, self.profile.depth_method()) {
+            (Field::Depth, DepthMethod::Density) => Failure::new(
+                format!("depth was asked for, but the profile \"{profile}\" has no depth line"),
                 "leave depth out of --fields, or fit one: fingervision calibrate depth PRESSES --profile sensor.toml",
-            )),
-            None if !tracker.has_depth() => {
-                let name = &self.profile.name;
-                self.output.note(&format!("no depth is written: the profile \"{name}\" has no depth line"));
-                Ok(tracker)
-            }
-            _ => Ok(tracker),
+            ),
+            (_, DepthMethod::Density) => Failure::new(
+                format!("{name} was asked for, but the profile \"{profile}\" has no elastic depth"),
+                format!(
+                    "leave {name} out of --fields, or give the profile [camera] and [gel] and no depth.method = \"density\""
+                ),
+            ),
+            (_, DepthMethod::Elastic) => Failure::new(
+                format!("{name} was asked for, but the profile \"{profile}\" has no gel.youngs_modulus_mpa"),
+                format!("leave {name} out of --fields, or tell how stiff the gel is: --set gel.youngs_modulus_mpa=0.6"),
+            ),
         }
     }
 
-    fn fields_to_keep(&self, tracker: &Tracker) -> Vec<Field> {
-        let all = || {
-            let depth = tracker.has_depth().then_some(Field::Depth);
-            [Field::Flow, Field::Density].into_iter().chain(depth).collect()
-        };
-        self.fields.clone().unwrap_or_else(all)
+    /// What is written: all that was asked for, and with elastic depth always contact and where they hold.
+    fn fields_to_keep(&self, reading: &Reading) -> Vec<Field> {
+        let by_default = || [Field::Flow, Field::Density, Field::Depth].to_vec();
+        let mut fields = self.fields.clone().unwrap_or_else(by_default);
+        fields.retain(|field| field.is_in(reading));
+        let is_elastic = [Field::Depth, Field::Displacement, Field::Contact].iter().any(|field| fields.contains(field));
+        for field in [Field::Contact, Field::DepthValid] {
+            if is_elastic && field.is_in(reading) && !fields.contains(&field) {
+                fields.push(field);
+            }
+        }
+        fields
     }
 
     /// Takes frame after frame; returns why it ended early.

@@ -9,6 +9,7 @@ mod claim;
 mod error;
 mod picture;
 mod rows;
+mod run_fields;
 mod run_folder;
 mod simulation_folder;
 mod sink;
@@ -21,7 +22,8 @@ pub use picture::{
     Pair, Preview, PreviewOptions, SimulationPreview, StraightLine, colour_wheel, flow_colours, heat_map, png,
     write_png,
 };
-pub use run_folder::{Field, RunFolder, RunOptions, RunSummary};
+pub use run_fields::Field;
+pub use run_folder::{RunFolder, RunOptions, RunSummary};
 pub use simulation_folder::{SimulatedFrame, SimulationFolder, simulated_profile};
 pub use sink::Sink;
 pub use table::{COLUMNS, Table};

@@ -9,7 +9,7 @@ use crate::SinkError;
 use crate::rows::Rows;
 
 /// The columns of the table, in order.
-pub const COLUMNS: [&str; 12] = [
+pub const COLUMNS: [&str; 13] = [
     "sequence",
     "capture_time_s",
     "reference_id",
@@ -22,6 +22,7 @@ pub const COLUMNS: [&str; 12] = [
     "force_z_n",
     "latency_ms",
     "flags",
+    "torque_z_nmm",
 ];
 
 /// A table with a row for each reading; an absent value is an empty cell.
@@ -78,5 +79,6 @@ fn write_row(row: &mut String, reading: &Reading) -> std::fmt::Result {
         }
         row.push(',');
     }
-    write!(row, "{:.3},{}", reading.latency_ms, reading.flags)
+    write!(row, "{:.3},{},", reading.latency_ms, reading.flags)?;
+    reading.torque_nmm.map_or(Ok(()), |torque| write!(row, "{torque}"))
 }

@@ -63,6 +63,7 @@ impl Press {
             flow_px: Some(Pair { truth: &self.true_flow, estimate: &self.estimated_flow }),
             seen: &self.seen,
             valid: &self.valid,
+            depth_valid: &self.valid,
             contact: Some(&self.contact),
             shown_frame: 20,
             plots: &self.plots,

@@ -49,6 +49,21 @@ fn a_frame_that_lost_track_is_not_shown() {
 }
 
 #[test]
+fn contact_is_outlined_and_the_force_read_out() {
+    let draw = |change: fn(&mut fingervision_touch::Reading)| {
+        let (mut preview, mut reading) = (preview(), PRESS.reading(10));
+        change(&mut reading);
+        preview.write(&reading, &PRESS.frame(10)).unwrap();
+        preview.draw().unwrap()
+    };
+    let whole = draw(|_| {});
+    assert!(panels(&whole) != panels(&draw(|reading| reading.contact = None)), "the outline is drawn");
+    let without_force = draw(|reading| (reading.force_n, reading.torque_nmm) = (None, None));
+    assert!(whole.values()[..130 * 1600] != without_force.values()[..130 * 1600], "the force is read out");
+    assert!(panels(&whole) == panels(&without_force));
+}
+
+#[test]
 fn nothing_seen_is_nothing_drawn() {
     assert!(matches!(preview().draw(), Err(SinkError::NoReadings)));
 }

@@ -10,12 +10,13 @@ use std::process::Command;
 
 use fingervision_sink::{Field, RunFolder, RunOptions, Sink, SinkError};
 use fingervision_touch::Flag;
-use synthetic::Press;
+use synthetic::{Press, TRACTION_SIZE};
 
 const PRESS: Press = Press { width: 24, height: 16, frames: 8 };
 
 fn options(overwrite: bool) -> RunOptions {
-    RunOptions { size: (PRESS.width, PRESS.height), fields: Field::ALL.to_vec(), overwrite }
+    let size = (PRESS.width, PRESS.height);
+    RunOptions { size, traction_size: Some(TRACTION_SIZE), fields: Field::ALL.to_vec(), overwrite }
 }
 
 fn shape(path: &Path) -> Vec<u64> {
@@ -47,10 +48,38 @@ fn what_is_written_is_read_back() {
     for name in ["density.npy", "deviation.npy", "valid.npy"] {
         assert_eq!(shape(&path.join(name)), [3, 16, 24], "{name}");
     }
-    let files = ["flow.npy", "density.npy", "depth.npy", "deviation.npy", "valid.npy", "readings.csv"];
-    let bytes: u64 = files.iter().map(|name| fs::metadata(path.join(name)).unwrap().len()).sum();
+    let files = Field::ALL.iter().map(|field| format!("{}.npy", field.name()));
+    let files = files.chain(["valid.npy".into(), "readings.csv".into()]);
+    let bytes: u64 = files.map(|name| fs::metadata(path.join(name)).unwrap().len()).sum();
     assert_eq!(summary.bytes, bytes);
     assert_eq!(fs::read_to_string(path.join("run.toml")).unwrap(), "version = 1\n");
+}
+
+#[test]
+fn what_elasticity_tells_is_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut run = RunFolder::create(folder.path(), &options(false), "").unwrap();
+    let reading = PRESS.reading(4);
+    run.write(&reading, &PRESS.frame(4)).unwrap();
+    let path = |name: &str| folder.path().join(name);
+    assert_eq!(shape(&path("displacement.npy")), [1, 16, 24, 3]);
+    let [x, y, z] = reading.displacement.as_ref().unwrap();
+    let expected: Vec<f32> = (0..24 * 16).flat_map(|at| [x, y, z].map(|plane| plane.values()[at])).collect();
+    assert_eq!(values(&path("displacement.npy")), expected);
+    assert_eq!(shape(&path("traction.npy")), [1, 3, 5, 3], "a grid of its own");
+    assert_eq!(values(&path("traction.npy")), reading.traction.as_ref().unwrap().traction_mpa.concat());
+    let mask = |name: &str| npyz::NpyFile::new(File::open(path(name)).unwrap()).unwrap().into_vec::<u8>().unwrap();
+    assert_eq!(mask("contact.npy"), reading.contact.as_ref().unwrap().values());
+    assert!(mask("depth_valid.npy").iter().enumerate().all(|(at, &valid)| valid == u8::from(at % 24 > 0)));
+    assert_eq!(shape(&path("depth_deviation.npy")), [1, 16, 24]);
+
+    let mut other = reading.clone();
+    other.traction.as_mut().unwrap().columns = 6;
+    let error = run.write(&other, &PRESS.frame(4)).unwrap_err();
+    assert_eq!(error.to_string(), "traction has 6x3 px, expected 5x3 px");
+    other.traction = None;
+    assert_eq!(run.write(&other, &PRESS.frame(4)).unwrap_err().to_string(), "frame 4 has no traction");
+    assert_eq!(run.finish().unwrap().frames, 1);
 }
 
 #[test]
@@ -60,15 +89,16 @@ fn an_absent_value_is_an_empty_cell() {
     let mut reading = PRESS.reading(0);
     reading.flags.raise(Flag::Lost);
     reading.flags.raise(Flag::DensityGap);
-    (reading.max_depth_mm, reading.force_n) = (None, Some([0.5, -0.25, 2.0]));
+    (reading.max_depth_mm, reading.force_n, reading.torque_nmm) = (None, Some([0.5, -0.25, 2.0]), Some(-1.5));
     run.write(&reading, &PRESS.frame(0)).unwrap();
-    (reading.contact_area_mm2, reading.force_n) = (None, None);
+    (reading.contact_area_mm2, reading.force_n, reading.torque_nmm) = (None, None, None);
     run.write(&reading, &PRESS.frame(0)).unwrap();
     let table = fs::read_to_string(folder.path().join("readings.csv")).unwrap();
     let expected = "sequence,capture_time_s,reference_id,reference_count,photometric_error,max_depth_mm,\
-                    contact_area_mm2,force_x_n,force_y_n,force_z_n,latency_ms,flags\n\
-                    0,1234.5,0,1,2.5,,0,0.5,-0.25,2,7.250,lost+density-gap\n\
-                    0,1234.5,0,1,2.5,,,,,,7.250,lost+density-gap\n";
+                    contact_area_mm2,force_x_n,force_y_n,force_z_n,latency_ms,flags,\
+                    torque_z_nmm\n\
+                    0,1234.5,0,1,2.5,,0,0.5,-0.25,2,7.250,lost+density-gap,-1.5\n\
+                    0,1234.5,0,1,2.5,,,,,,7.250,lost+density-gap,\n";
     assert_eq!(table, expected);
 }
 

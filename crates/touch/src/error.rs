@@ -48,12 +48,12 @@ pub enum TrackError {
         /// Capture time of the frame before, s.
         previous_time_s: f64,
     },
-    /// The depth law needs what the camera does not see.
-    #[error("depth.density.gain: the camera sees the undeformed gel in no pixel of the region")]
+    /// The way to depth needs what the camera does not see.
+    #[error("depth: the camera sees the undeformed gel in no pixel of the region")]
     NoSurface,
-    /// Elastic depth was asked for, which this version does not compute.
-    #[error("depth.method = \"elastic\" is not available in this version")]
-    ElasticDepth,
+    /// The gel's elasticity cannot be had.
+    #[error("gel: {0}")]
+    Gel(#[from] fingervision_elastic::LayerError),
 }
 
 impl TrackError {
@@ -71,8 +71,11 @@ impl TrackError {
             Self::Image { .. } => Some("image.region_of_interest must lie inside the frame".into()),
             Self::SizeChanged { .. } => Some("record with one camera mode, or track the parts on their own".into()),
             Self::OutOfOrder { .. } => Some("hand frames over in the order of capture".into()),
-            Self::NoSurface => Some("correct [camera], or give depth.density a slope_mm and an intercept_mm".into()),
-            Self::ElasticDepth => Some("pass --set depth.method=density".into()),
+            Self::NoSurface => Some(
+                "correct [camera], or set depth.method=density and give depth.density a slope_mm and an intercept_mm"
+                    .into(),
+            ),
+            Self::Gel(_) => Some("correct [gel]".into()),
         }
     }
 }

@@ -1,14 +1,16 @@
 //! The sensor: from a frame to a reading.
 //!
 //! A [`Profile`] describes one sensor. A [`Tracker`] made from it takes [`Frame`](fingervision_image::Frame)s and gives a
-//! [`Reading`] for each: displacement in px, its deviation and validity, the density feature and, where the profile is
-//! calibrated, depth in mm. All fields lie on the reference grid: they belong to points of the gel.
+//! [`Reading`] for each: displacement in px, its deviation and validity, the density feature and, where the profile
+//! knows the sensor, depth in mm: by a law of the density feature, or with camera and gel by the gel's elasticity
+//! ([`ElasticDepth`]), which also tells contact, 3-D displacement and force. All fields lie on the reference grid: they belong to points of the gel.
 //!
 //! The parts can be used on their own: the references and their policies ([`ReferenceParams`]), the Gaussian density
 //! ([`DensityEstimator`]), the guided filter ([`GuidedFilter`]) and the law from the feature to depth ([`DepthLaw`]).
 
 mod density;
 mod depth_law;
+mod elastic_depth;
 mod error;
 mod guided_filter;
 mod profile;
@@ -18,6 +20,7 @@ mod tracker;
 
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams, ParameterError};
 pub use depth_law::{DepthLaw, DepthLine, DepthMap, PerspectiveGain, perspective_slopes_mm};
+pub use elastic_depth::{ElasticDepth, ElasticFields, ElasticMode, ElasticParams, TractionGrid};
 pub use error::TrackError;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
 pub use profile::{DepthMethod, DepthSection, ImageSection, Profile, ProfileError};

@@ -1,7 +1,7 @@
 //! The profile: one file that describes one sensor.
 //!
 //! Every part but the algorithms' parameters may be absent, which switches off what needs it: without `[image]` the
-//! whole frame is used, without a depth law there is no depth. Lengths are in mm, positions in the image in px of the
+//! whole frame is used, without camera and gel or a depth law there is no depth. Lengths are in mm, positions in the image in px of the
 //! region of interest.
 //!
 //! ```
@@ -27,7 +27,7 @@ use fingervision_optics::{Camera, CameraParams};
 use fingervision_settings::Document;
 use serde::{Deserialize, Serialize};
 
-use crate::{DensityParams, DepthLaw, ReferenceParams};
+use crate::{DensityParams, DepthLaw, ElasticParams, ReferenceParams};
 
 pub use error::ProfileError;
 
@@ -56,6 +56,8 @@ pub struct Profile {
     pub references: ReferenceParams,
     /// Parameters of the density and its filter.
     pub density: DensityParams,
+    /// Parameters of the elastic inverse.
+    pub elastic: ElasticParams,
 }
 
 /// The gel's place in the camera image.
@@ -70,22 +72,33 @@ pub struct ImageSection {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DepthSection {
-    /// The method.
-    pub method: DepthMethod,
+    /// The method; absent: the one that [`Profile::depth_method`] chooses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<DepthMethod>,
     /// How depth follows from the density feature; without it the density gives no depth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<DepthLaw>,
 }
 
 /// A way to find depth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DepthMethod {
     /// The fitted law of the density feature, if there is one.
-    #[default]
     Density,
-    /// The gel's elasticity, from the flow.
+    /// The gel's elasticity, from the flow; needs `[camera]` and `[gel]`.
     Elastic,
+}
+
+impl DepthMethod {
+    /// The method's name in a profile.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Density => "density",
+            Self::Elastic => "elastic",
+        }
+    }
 }
 
 impl Default for Profile {
@@ -100,6 +113,7 @@ impl Default for Profile {
             flow: FlowParams::default(),
             references: ReferenceParams::default(),
             density: DensityParams::default(),
+            elastic: ElasticParams::default(),
         }
     }
 }
@@ -183,6 +197,26 @@ impl Profile {
         } else {
             Err(ProfileError::RegionOutside { region, frame_size: (width, height) })
         }
+    }
+
+    /// The method in force: what `depth.method` says; without it elastic where camera and gel are known, density
+    /// elsewhere.
+    #[must_use]
+    pub fn depth_method(&self) -> DepthMethod {
+        let is_known = self.camera.is_some() && self.gel.is_some();
+        self.depth.method.unwrap_or(if is_known { DepthMethod::Elastic } else { DepthMethod::Density })
+    }
+
+    /// Camera and gel, which the elastic inverse stands on.
+    ///
+    /// # Errors
+    ///
+    /// [`ProfileError::ElasticNeeds`] naming the first table that is absent.
+    pub(crate) fn elastic_sensor(&self) -> Result<(Camera, GelBlock), ProfileError> {
+        let absent = |table| ProfileError::ElasticNeeds { table };
+        let params = self.camera.ok_or(absent("camera"))?;
+        let gel = self.gel.ok_or(absent("gel"))?;
+        Ok((Camera::new(&params).map_err(validate::impossible_camera)?, gel))
     }
 
     /// Size of a pixel on the undeformed surface where the optical axis meets it, mm; absent without a camera.

@@ -3,6 +3,8 @@
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
+use crate::TractionGrid;
+
 /// Every quantity computed from one frame. All fields lie on the reference grid.
 #[derive(Debug, Clone)]
 pub struct Reading {
@@ -27,24 +29,36 @@ pub struct Reading {
     pub flow: FlowField,
     /// Predicted standard deviation of the flow, px; infinite where there is no measurement.
     pub deviation: Image<f32>,
-    /// 1 where every field holds, 0 elsewhere.
+    /// 1 where flow and density hold, and so does a depth made from them; 0 elsewhere. Elastic depth fills in what the
+    /// flow leaves open: where it holds, [`Reading::depth_deviation`] is finite.
     pub valid: Image<u8>,
     /// Density feature `1 − density` after the guided filter, dimensionless, 0 at rest, positive where the surface
     /// spreads, 0 where it is not valid; if asked for.
     pub density: Option<Image<f32>>,
     /// Depth, mm, positive pressed in; if asked for and the profile is calibrated.
     pub depth: Option<Image<f32>>,
-    /// Largest valid depth, mm.
+    /// Expected error of an elastic depth (one standard deviation), mm; infinite where it does not hold: beside the gel,
+    /// and everywhere in a frame that is lost or does not fit. Elsewhere it holds, valid flow or not.
+    pub depth_deviation: Option<Image<f32>>,
+    /// 1 where the gel touches something; with elastic depth.
+    pub contact: Option<Image<u8>>,
+    /// Displacement `(x, y, z)` in gel space, mm; if asked for, with elastic depth.
+    pub displacement: Option<[Image<f32>; 3]>,
+    /// Traction on the gel, `MPa`; if asked for, with elastic depth and a known Young's modulus.
+    pub traction: Option<TractionGrid>,
+    /// Largest depth where it holds, mm.
     pub max_depth_mm: Option<f32>,
-    /// Area of contact in the undeformed surface, mm².
+    /// Area of contact in the undeformed surface, mm²; with elastic depth.
     pub contact_area_mm2: Option<f32>,
-    /// Force on the gel `(x, y, z)`, N.
+    /// Force on the gel `(x, y, z)`, N; with elastic depth and a known Young's modulus.
     pub force_n: Option<[f32; 3]>,
+    /// Torque on the gel about the z axis through the centre of contact, N mm; where there is a force.
+    pub torque_nmm: Option<f32>,
 }
 
 impl Reading {
-    /// A reading at rest on a reference grid of this size, with the given planes for density and depth.
-    pub(crate) fn new(width: usize, height: usize, density: Option<Image<f32>>, depth: Option<Image<f32>>) -> Self {
+    /// A reading at rest on a reference grid of this size, without the fields that have to be asked for.
+    pub(crate) fn new(width: usize, height: usize) -> Self {
         Self {
             sequence: 0,
             capture_time_s: 0.0,
@@ -57,11 +71,16 @@ impl Reading {
             flow: FlowField::zero(width, height),
             deviation: Image::filled(width, height, f32::INFINITY),
             valid: Image::filled(width, height, 0),
-            density,
-            depth,
+            density: None,
+            depth: None,
+            depth_deviation: None,
+            contact: None,
+            displacement: None,
+            traction: None,
             max_depth_mm: None,
             contact_area_mm2: None,
             force_n: None,
+            torque_nmm: None,
         }
     }
 }
@@ -82,12 +101,27 @@ pub enum Flag {
     LightChanged,
     /// The density's Gaussians do not overlap somewhere (3σ ≤ M).
     DensityGap,
+    /// The gel is strained beyond the range of linear elasticity, on which depth and force stand.
+    BeyondLinear,
+    /// Contact reaches the border of what the camera sees: area, force and torque are those of the part that is seen.
+    ContactCut,
+    /// The flow cannot be that of this gel before this camera: there is no depth and no force.
+    GelMisfit,
 }
 
 impl Flag {
     /// Every flag, in the order of its bit.
-    pub const ALL: [Self; 6] =
-        [Self::Lost, Self::Dropped, Self::NoTexture, Self::PressedAtStart, Self::LightChanged, Self::DensityGap];
+    pub const ALL: [Self; 9] = [
+        Self::Lost,
+        Self::Dropped,
+        Self::NoTexture,
+        Self::PressedAtStart,
+        Self::LightChanged,
+        Self::DensityGap,
+        Self::BeyondLinear,
+        Self::ContactCut,
+        Self::GelMisfit,
+    ];
 
     /// The flag's name in files.
     #[must_use]
@@ -99,13 +133,16 @@ impl Flag {
             Self::PressedAtStart => "pressed-at-start",
             Self::LightChanged => "light-changed",
             Self::DensityGap => "density-gap",
+            Self::BeyondLinear => "beyond-linear",
+            Self::ContactCut => "contact-cut",
+            Self::GelMisfit => "gel-misfit",
         }
     }
 }
 
 /// A set of [`Flag`]s. Prints as names joined by `+`, empty where all is well.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Flags(u8);
+pub struct Flags(u16);
 
 impl Flags {
     /// Adds a flag.
@@ -146,5 +183,15 @@ mod tests {
         flags.raise(Flag::DensityGap);
         flags.raise(Flag::Lost);
         assert_eq!(flags.to_string(), "lost+density-gap");
+    }
+
+    #[test]
+    fn every_flag_has_a_bit_of_its_own() {
+        for flag in Flag::ALL {
+            let mut flags = Flags::default();
+            flags.raise(flag);
+            assert_eq!(flags.iter().collect::<Vec<_>>(), [flag]);
+            assert_eq!(flags.to_string(), flag.name());
+        }
     }
 }

@@ -1,26 +1,39 @@
 //! From frame to reading: the same object runs live and offline.
 
+mod density_stage;
+mod elastic_stage;
+
 use crate::references::References;
-use crate::{
-    DensityEstimator, DensityField, DepthLaw, DepthMap, DepthMethod, Flag, Flags, GuidedFilter, Profile, Reading,
-    TrackError,
-};
+use crate::{DepthMethod, Flag, Flags, Profile, Reading, TrackError};
+use density_stage::DensityStage;
+use elastic_stage::ElasticStage;
 use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture};
 use fingervision_image::{Frame, Image, Rect};
 use std::time::Instant;
 
 /// Which fields a tracker computes beside the flow and its validity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each field is asked for on its own")]
 pub struct Fields {
     /// The density feature.
     pub density: bool,
-    /// Depth, if the profile is calibrated for it.
+    /// Depth, if the profile is calibrated for it; elastic depth with its contact, area and force.
     pub depth: bool,
+    /// Displacement, with elastic depth.
+    pub displacement: bool,
+    /// Traction, with elastic depth and a known Young's modulus.
+    pub traction: bool,
 }
 
+impl Fields {
+    /// The flow and its validity alone.
+    pub const NONE: Self = Self { density: false, depth: false, displacement: false, traction: false };
+}
+
+/// Density and depth.
 impl Default for Fields {
     fn default() -> Self {
-        Self { density: true, depth: true }
+        Self { density: true, depth: true, ..Self::NONE }
     }
 }
 
@@ -37,18 +50,10 @@ pub struct Tracker {
     references: References,
     estimate: Estimate,
     density: Option<DensityStage>,
+    elastic: Option<ElasticStage>,
     light_at_start: f32,
     previous: Option<(u64, f64)>,
     reading: Reading,
-}
-
-/// Density, filter and depth.
-#[derive(Debug)]
-struct DensityStage {
-    estimator: DensityEstimator,
-    filter: GuidedFilter,
-    field: DensityField,
-    to_depth: Option<DepthMap>,
 }
 
 /// A stream is lost where less than this part of the textured patches match.
@@ -71,17 +76,17 @@ impl Tracker {
         fields: Fields,
     ) -> Result<Self, TrackError> {
         profile.validate()?;
-        if fields.depth && profile.depth.method == DepthMethod::Elastic {
-            return Err(TrackError::ElasticDepth);
-        }
         let region = profile.region(frame_size)?;
         let (width, height) = (region.width, region.height);
         let flow = FlowParams { colour: profile.flow.colour && is_colour, ..profile.flow };
         let estimator = FlowEstimator::new(width, height, &flow)?;
-        let law = profile.depth.density.filter(|_| fields.depth);
+        let mut reading = Reading::new(width, height);
+        let is_elastic = profile.depth_method() == DepthMethod::Elastic;
+        let law = profile.depth.density.filter(|_| fields.depth && !is_elastic);
         let has_density = fields.density || law.is_some();
-        let density = has_density.then(|| DensityStage::new(width, height, profile, law)).transpose()?;
-        let plane = |is_asked: bool| is_asked.then(|| Image::filled(width, height, 0.0));
+        let density = has_density.then(|| DensityStage::new(profile, law, &mut reading)).transpose()?;
+        let has_elastic = is_elastic && (fields.depth || fields.displacement || fields.traction);
+        let elastic = has_elastic.then(|| ElasticStage::new(profile, fields, &mut reading)).transpose()?;
         Ok(Self {
             region,
             frame_size,
@@ -91,8 +96,9 @@ impl Tracker {
             estimate: Estimate::new(width, height),
             light_at_start: 0.0,
             previous: None,
-            reading: Reading::new(width, height, plane(has_density), plane(law.is_some())),
+            reading,
             density,
+            elastic,
         })
     }
 
@@ -106,6 +112,12 @@ impl Tracker {
     #[must_use]
     pub fn has_depth(&self) -> bool {
         self.reading.depth.is_some()
+    }
+
+    /// The last reading; before the first frame one at rest, whose fields are those that every reading will have.
+    #[must_use]
+    pub fn reading(&self) -> &Reading {
+        &self.reading
     }
 
     /// The reading of a frame. It stays valid until the next frame.
@@ -138,6 +150,10 @@ impl Tracker {
         std::mem::swap(&mut reading.deviation, &mut self.estimate.deviation);
         std::mem::swap(&mut reading.valid, &mut self.estimate.valid);
         reading.flags = flags;
+        // The inverse judges the flow alone: first, before the density's own gaps count as not valid.
+        if let Some(stage) = &mut self.elastic {
+            stage.run(&mut self.reading);
+        }
         if let Some(stage) = &mut self.density {
             stage.run(&mut self.reading);
         }
@@ -178,36 +194,6 @@ impl Tracker {
         let (light, start) = (self.picture.mean_level().max(1.0), self.light_at_start.max(1.0));
         raise_if(Flag::LightChanged, light > start * LIGHT_FACTOR || start > light * LIGHT_FACTOR);
         flags
-    }
-}
-
-impl DensityStage {
-    fn new(width: usize, height: usize, profile: &Profile, law: Option<DepthLaw>) -> Result<Self, TrackError> {
-        let to_depth = law
-            .map(|law| DepthMap::new(&law, profile.camera.as_ref(), (width, height)).ok_or(TrackError::NoSurface))
-            .transpose()?;
-        Ok(Self {
-            estimator: DensityEstimator::new(width, height, &profile.density)?,
-            filter: GuidedFilter::new(width, height, &profile.density.filter)?,
-            field: DensityField::at_rest(width, height),
-            to_depth,
-        })
-    }
-
-    fn run(&mut self, reading: &mut Reading) {
-        self.estimator.estimate_into(&reading.flow, &mut self.field);
-        if self.field.has_gap {
-            reading.flags.raise(Flag::DensityGap);
-        }
-        for (valid, field) in reading.valid.values_mut().iter_mut().zip(self.field.valid.values()) {
-            *valid &= field;
-        }
-        let Some(feature) = &mut reading.density else { return };
-        self.filter.filter_into(&self.field.feature, &reading.valid, feature);
-        if let (Some(to_depth), Some(depth)) = (&self.to_depth, &mut reading.depth) {
-            to_depth.depth_into(feature, &mut reading.valid, depth);
-            reading.max_depth_mm = largest_valid(depth, &reading.valid);
-        }
     }
 }
 

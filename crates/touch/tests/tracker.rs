@@ -229,7 +229,7 @@ fn a_slope_per_position_is_that_of_the_camera() {
 #[test]
 fn fields_that_were_not_asked_for_are_absent() {
     let mut stage = Stage::new(1);
-    let fields = Fields { density: false, depth: false };
+    let fields = Fields::NONE;
     let mut tracker = Tracker::new(&calibrated(), SIZE, true, fields).unwrap();
     let frame = stage.frame(&Motion::STILL, Light::EVEN);
     let reading = tracker.track(&frame).unwrap();

@@ -50,7 +50,7 @@ impl PressCheck {
         check_depths(&folder.name, &folder.depths_mm).map_err(|error| Fault::from(&error))?;
         let unfit = |error: ProfileError| Fault::unreadable(&error, error.hint());
         let region = profile.region(frame_size).map_err(unfit)?;
-        let fields = Fields { density: false, depth: false };
+        let fields = Fields::NONE;
         let tracker = Tracker::new(profile, frame_size, is_colour, fields)
             .map_err(|error| Fault::unreadable(&error, error.hint()))?;
         Ok(Self {

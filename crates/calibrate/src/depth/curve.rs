@@ -84,7 +84,7 @@ impl PressRecorder {
         let mut profile = profile.clone();
         // What is about to be fitted has no say.
         profile.depth.density = None;
-        let fields = Fields { density: true, depth: false };
+        let fields = Fields { density: true, ..Fields::NONE };
         let tracker = Tracker::new(&profile, frame_size, is_colour, fields).map_err(tracking(press))?;
         let size = tracker.size();
         check_camera(press, &profile, size)?;

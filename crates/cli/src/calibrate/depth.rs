@@ -12,7 +12,7 @@ use fingervision_calibrate::update_profile;
 use fingervision_gel::{PressCache, ReadyMade};
 use fingervision_sink::write_png;
 use fingervision_source::{Options, SimulatedLocation, SimulatedSource, Source, open};
-use fingervision_touch::{DepthLaw, Profile};
+use fingervision_touch::{DepthLaw, DepthMethod, Profile};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -118,9 +118,14 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let fit = fit(args, &profile)?;
     let (written, picture) = write(args, &fit, method)?;
     let mut text = fit.to_string();
-    let (profile, shown) = (args.profile.display(), picture.display());
-    let _ =
-        writeln!(text, "picture      {shown}\nprofile      {profile}: depth.density is the {} law", law_name(method));
+    let (file, shown) = (args.profile.display(), picture.display());
+    let _ = writeln!(text, "picture      {shown}\nprofile      {file}: depth.density is the {} law", law_name(method));
+    if profile.depth_method() == DepthMethod::Elastic {
+        let _ = writeln!(
+            text,
+            "note         [camera] and [gel] are known: depth is elastic unless depth.method is \"density\""
+        );
+    }
     if fit.best != method {
         let best = fit.best.name();
         let _ = writeln!(text, "choice       --method {best} errs less over these presses");

@@ -21,7 +21,7 @@ pub(crate) const FOLDER: &str = "evaluation";
 
 /// Compare a run with its truth: errors of flow, depth and force, as a table and a picture
 ///
-/// Depth and flow are compared where the truth is seen and the run is valid, everywhere and in three regions: inside the true contact, within 1 mm of its border on both sides (its inner half lies inside as well), and outside of both. Distances are measured on the undeformed gel. Any program that writes flow.npy [frames, rows, columns, 2], in px, or depth.npy [frames, rows, columns], in mm, can be compared; valid.npy, run.toml and readings.csv may be absent.
+/// Depth and flow are compared where the truth is seen and the run is valid, everywhere and in three regions: inside the true contact, within 1 mm of its border on both sides (its inner half lies inside as well), and outside of both. Distances are measured on the undeformed gel. Where a run says on its own where depth holds (`depth_valid.npy`, from elasticity), depth, displacement and contact are compared there, and depth once more where the flow is valid too. Any program that writes flow.npy [frames, rows, columns, 2], in px, or depth.npy [frames, rows, columns], in mm, can be compared; valid.npy, run.toml and readings.csv may be absent.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The folder that `track --out` wrote, or any other with such arrays

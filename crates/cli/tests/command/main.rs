@@ -6,6 +6,7 @@ mod calibrate_camera;
 mod calibrate_depth;
 mod calibrate_guide;
 mod damage;
+mod elastic;
 mod evaluate;
 mod output;
 mod pattern;

@@ -53,9 +53,9 @@ fn the_quick_benchmark_scores_every_method_and_another_program() {
     for case in cases {
         let names: Vec<&str> =
             case["scores"].as_array().unwrap().iter().map(|score| score["method"].as_str().unwrap()).collect();
-        let own = ["nothing", "density", "density-origin", "density-perspective", "density-clipped", "dots"];
-        assert_eq!(names[..6], own, "{case}");
-        assert_eq!(names.len(), if case["case"] == "circle--default" { 7 } else { 6 }, "{case}");
+        let own = ["nothing", "density", "density-origin", "density-perspective", "density-clipped", "dots", "elastic"];
+        assert_eq!(names[..7], own, "{case}");
+        assert_eq!(names.len(), if case["case"] == "circle--default" { 8 } else { 7 }, "{case}");
     }
     let circle = cases.iter().find(|found| found["case"] == case).unwrap();
     let [mine, nothing] = ["mine", "nothing"].map(|name| {

@@ -95,11 +95,11 @@ fn depth_asked_for_but_not_calibrated_is_an_error() {
 }
 
 #[test]
-fn elastic_depth_is_said_to_be_missing() {
+fn elastic_depth_says_what_it_lacks() {
     let bench = Workbench::new();
     bench.press(2);
     let ended = bench.run("track press --out run --set depth.method=elastic");
-    ended.expect_failure("depth.method = \"elastic\" is not available", "--set depth.method=density");
+    ended.expect_failure("depth.method = \"elastic\" needs [camera]", "set depth.method=density");
     bench.run("track press --out run --set depth.method=elastic --fields flow").expect_done();
 }
 

@@ -22,12 +22,21 @@ pub enum Method {
     DensityClipped,
     /// The published line on 15×15 dots instead of the dense pattern.
     Dots,
+    /// The gel's elasticity, from the flow.
+    Elastic,
 }
 
 impl Method {
     /// Every way, the simplest first.
-    pub const ALL: [Self; 6] =
-        [Self::Nothing, Self::Density, Self::DensityOrigin, Self::DensityPerspective, Self::DensityClipped, Self::Dots];
+    pub const ALL: [Self; 7] = [
+        Self::Nothing,
+        Self::Density,
+        Self::DensityOrigin,
+        Self::DensityPerspective,
+        Self::DensityClipped,
+        Self::Dots,
+        Self::Elastic,
+    ];
 
     /// Its name in tables and files.
     #[must_use]
@@ -39,6 +48,7 @@ impl Method {
             Self::DensityPerspective => "density-perspective",
             Self::DensityClipped => "density-clipped",
             Self::Dots => "dots",
+            Self::Elastic => "elastic",
         }
     }
 
@@ -52,6 +62,9 @@ impl Method {
             Self::DensityPerspective => "through the origin, its slope at every pixel that of the camera's perspective",
             Self::DensityClipped => "the same, with nothing below 0 mm",
             Self::Dots => "15×15 dots, interpolated, and the published line",
+            Self::Elastic => {
+                "from the flow by the gel's elasticity and the camera's perspective, without calibration presses"
+            }
         }
     }
 
@@ -60,9 +73,10 @@ impl Method {
         if self == Self::Dots { Following::Dots } else { Following::Dense }
     }
 
-    /// Depth of a feature by what was calibrated; none where the law cannot be had.
+    /// Depth of a feature by what was calibrated; none where the law cannot be had, or depth follows from no feature.
     pub(super) fn depth(self, feature: &Image<f32>, fit: &DepthFit, recording: &Recording) -> Option<Image<f32>> {
         let method = match self {
+            Self::Elastic => return None,
             Self::Nothing => return Some(Image::filled(feature.width(), feature.height(), 0.0)),
             Self::Density | Self::Dots => depth::Method::Line,
             Self::DensityOrigin => depth::Method::Origin,

@@ -3,11 +3,13 @@
 //! Every [`Case`] is a ready-made scene under one [`Variation`] of the default sensor. Its images are rendered, tracked, and
 //! every [`Method`] makes a depth map of the last frame, which is scored by region ([`DepthScore`]). A method that needs
 //! calibration gets what a user would have: the nine calibration presses on the same sensor, tracked from images, held
-//! by sticking contact. Friction is the object's and not the sensor's: there is no calibration of its own for it.
+//! by sticking contact. Friction is the object's and not the sensor's: there is no calibration of its own for it. The
+//! elastic inverse needs no press: camera and gel are the scene's own. It alone tells contact and force, which are scored too.
 //!
 //! Any other program takes part by its files: see [`Entry`].
 
 mod cases;
+mod elastic;
 mod entry;
 mod methods;
 mod page;

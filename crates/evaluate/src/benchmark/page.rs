@@ -1,5 +1,6 @@
 //! The benchmark as a page.
 
+use super::report::percent;
 use super::{BenchmarkReport, Method, MethodMeans, MethodScore};
 use crate::page::{Cell, HtmlTable, Page, Section};
 
@@ -13,6 +14,7 @@ impl BenchmarkReport {
         for variation in &self.variations {
             let mut section = Section::new(variation.name, format!("{}: {}", variation.name, variation.about));
             section.table(self.means_table(variation.name));
+            section.table(self.contact_table(variation.name));
             section.table(self.cases_table(variation.name, "Mean absolute error over the whole image, mm", |score| {
                 score.score.everywhere_mm
             }));
@@ -68,6 +70,19 @@ impl BenchmarkReport {
                 .map(|(column, figure)| Cell { is_best: figure <= least(column), ..Cell::figure(figure, DECIMALS) });
             let worse = Cell::text(format!("{} of {}", means.worse_than_nothing, means.cases));
             table.row(means.method.as_str(), cells.chain([worse]));
+        }
+        table
+    }
+
+    /// Contact and force of the methods that tell them.
+    fn contact_table(&self, variation: &str) -> HtmlTable {
+        let mut table = HtmlTable::new(
+            "Contact and force, means over the scenes: overlap of contact, and errors as parts of the true value",
+            ["method", "contact overlap", "normal force", "shear force", "torque"],
+        );
+        let means = self.means.iter().filter(|means| means.variation == variation && means.contact_overlap.is_some());
+        for means in means {
+            table.row(means.method.as_str(), means.contact_and_force().map(|part| Cell::text(percent(part))));
         }
         table
     }

@@ -15,6 +15,22 @@ pub struct MethodScore {
     /// Its errors in the last frame, mm.
     #[serde(flatten)]
     pub score: DepthScore,
+    /// Pixels that both it and the truth call contact over those that either does, 0 to 1; none if it tells no contact.
+    pub contact_overlap: Option<f64>,
+    /// Error of the normal force over the true one, dimensionless; none if it tells no force.
+    pub normal_force: Option<f64>,
+    /// Distance of the shear force from the true one over its size; none where that is below 5 % of the normal force.
+    pub shear_force: Option<f64>,
+    /// Error of the torque about z over the true one; none where that is below the normal force on an arm of 0.1 mm.
+    pub torque: Option<f64>,
+}
+
+impl MethodScore {
+    /// The score of a method that tells depth alone.
+    pub(super) fn new(method: &str, score: DepthScore) -> Self {
+        let (contact_overlap, normal_force, shear_force, torque) = (None, None, None, None);
+        Self { method: method.into(), score, contact_overlap, normal_force, shear_force, torque }
+    }
 }
 
 /// All methods on a case.
@@ -55,6 +71,14 @@ pub struct MethodMeans {
     pub worst_inside_mm: f64,
     /// On how many cases it is worse over the whole image than predicting nothing.
     pub worse_than_nothing: usize,
+    /// Mean over the cases of [`MethodScore::contact_overlap`].
+    pub contact_overlap: Option<f64>,
+    /// Of [`MethodScore::normal_force`].
+    pub normal_force: Option<f64>,
+    /// Of [`MethodScore::shear_force`].
+    pub shear_force: Option<f64>,
+    /// Of [`MethodScore::torque`].
+    pub torque: Option<f64>,
 }
 
 /// The whole table.
@@ -98,16 +122,20 @@ impl BenchmarkReport {
 }
 
 impl MethodMeans {
-    fn of(method: &str, variation: &'static str, cases: &[CaseReport]) -> Option<Self> {
-        let score = |case: &CaseReport, name: &str| {
-            case.scores.iter().find(|score| score.method == name).map(|score| score.score)
-        };
-        let of_variation = cases.iter().filter(|case| case.variation == variation);
-        let scores: Vec<(DepthScore, Option<DepthScore>)> =
-            of_variation.filter_map(|case| Some((score(case, method)?, score(case, Method::Nothing.name())))).collect();
+    fn of<'a>(method: &str, variation: &'static str, cases: &'a [CaseReport]) -> Option<Self> {
+        let own = |case: &'a CaseReport, name: &str| case.scores.iter().find(|score| score.method == name);
+        let score = |case, name: &str| own(case, name).map(|score| score.score);
+        let of_variation = || cases.iter().filter(|case| case.variation == variation);
+        let scores: Vec<(DepthScore, Option<DepthScore>)> = of_variation()
+            .filter_map(|case| Some((score(case, method)?, score(case, Method::Nothing.name()))))
+            .collect();
         let mean = |figure: fn(&DepthScore) -> f64| {
             let figures: Vec<f64> = scores.iter().map(|(score, _)| figure(score)).filter(|f| f.is_finite()).collect();
             figures.iter().sum::<f64>() / figures.len() as f64
+        };
+        let part = |figure: fn(&MethodScore) -> Option<f64>| {
+            let parts: Vec<f64> = of_variation().filter_map(|case| figure(own(case, method)?)).collect();
+            (!parts.is_empty()).then(|| parts.iter().sum::<f64>() / parts.len() as f64)
         };
         let is_worse = |(score, nothing): &&(DepthScore, Option<DepthScore>)| {
             nothing.is_some_and(|nothing| score.everywhere_mm > nothing.everywhere_mm)
@@ -122,8 +150,24 @@ impl MethodMeans {
             outside_mm: mean(|score| score.outside_mm),
             worst_inside_mm: scores.iter().map(|(score, _)| score.inside_mm).fold(f64::NAN, f64::max),
             worse_than_nothing: scores.iter().filter(is_worse).count(),
+            contact_overlap: part(|score| score.contact_overlap),
+            normal_force: part(|score| score.normal_force),
+            shear_force: part(|score| score.shear_force),
+            torque: part(|score| score.torque),
         })
     }
+}
+
+impl MethodMeans {
+    /// Overlap of contact, and errors of normal force, shear force and torque.
+    pub(super) fn contact_and_force(&self) -> [Option<f64>; 4] {
+        [self.contact_overlap, self.normal_force, self.shear_force, self.torque]
+    }
+}
+
+/// A part in percent, a dash where there is none.
+pub(super) fn percent(part: Option<f64>) -> String {
+    part.map_or_else(|| "—".into(), |part| format!("{:.1} %", 100.0 * part))
 }
 
 /// The means, a table a variation.
@@ -140,6 +184,15 @@ impl fmt::Display for BenchmarkReport {
                     write!(f, "{figure:14.3}")?;
                 }
                 writeln!(f, "{:>14}", format!("{} of {}", means.worse_than_nothing, means.cases))?;
+            }
+            let of_variation = self.means.iter().filter(|means| means.variation == variation.name);
+            for means in of_variation.filter(|means| means.contact_overlap.is_some()) {
+                let [overlap, normal, shear, torque] = means.contact_and_force().map(percent);
+                let method = &means.method;
+                writeln!(
+                    f,
+                    "  {method}: contact overlaps by {overlap}; off by {normal} of normal force, {shear} of shear, {torque} of torque"
+                )?;
             }
         }
         Ok(())
@@ -172,7 +225,12 @@ mod tests {
             flow_error_px: 0.01,
             scores: [("nothing", Some(1.0)), ("mine", own)]
                 .into_iter()
-                .filter_map(|(name, mean)| Some(MethodScore { method: name.into(), score: score(mean?, 2.0 * mean?) }))
+                .filter_map(|(name, mean)| {
+                    Some(MethodScore {
+                        contact_overlap: mean.filter(|_| name == "mine"),
+                        ..MethodScore::new(name, score(mean?, 2.0 * mean?))
+                    })
+                })
                 .collect(),
         };
         let cases = vec![case("a".into(), Some(0.5)), case("b".into(), Some(1.5)), case("c".into(), None)];
@@ -181,6 +239,8 @@ mod tests {
         let mine = &report.means[1];
         assert_eq!((mine.cases, mine.everywhere_mm, mine.worst_inside_mm), (2, 1.0, 3.0));
         assert_eq!(mine.worse_than_nothing, 1);
+        assert_eq!((mine.contact_overlap, mine.torque, report.means[0].contact_overlap), (Some(1.0), None, None));
+        assert!(report.to_string().contains("mine: contact overlaps by 100.0 %; off by — of"), "{report}");
         assert!(mine.border_mm.is_nan(), "no case has a border");
     }
 }

@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use fingervision_calibrate::depth::DepthFit;
+use fingervision_flow::FlowField;
 use fingervision_gel::{PressCache, Truth};
 use fingervision_image::Image;
 use rayon::prelude::*;
 
 use super::cases::adapt;
+use super::elastic;
 use super::{BenchmarkReport, Case, CaseReport, Entry, Extent, Method, MethodScore, Variation};
 use crate::experiment::{ExperimentError, Following, Recording, calibrate, follow_last};
 
@@ -87,6 +89,7 @@ pub(crate) fn with_dots(
 
 /// What a way of following came to in the last frame.
 struct Last {
+    flow: FlowField,
     feature: Image<f32>,
     valid: Image<u8>,
     flow_error_px: f64,
@@ -94,6 +97,7 @@ struct Last {
 
 fn last(recording: &Recording, following: Following) -> Result<Last, ExperimentError> {
     follow_last(recording, &recording.profile, following, |found| Last {
+        flow: found.flow.clone(),
         feature: found.feature.clone(),
         valid: found.valid.clone(),
         flow_error_px: flow_error_px(found.flow, found.valid, &recording.truth),
@@ -101,7 +105,7 @@ fn last(recording: &Recording, following: Following) -> Result<Last, ExperimentE
 }
 
 /// Mean distance between the places that flow and truth lead to, over what is trusted and seen, px.
-pub(crate) fn flow_error_px(flow: &fingervision_flow::FlowField, valid: &Image<u8>, truth: &Truth) -> f64 {
+pub(crate) fn flow_error_px(flow: &FlowField, valid: &Image<u8>, truth: &Truth) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for pixel in 0..valid.values().len() {
         let [u, v] = truth.flow.values()[pixel].map(f64::from);
@@ -133,13 +137,14 @@ fn report(case: &Case, fits: &Fits, benchmark: &Benchmark) -> Result<CaseReport,
             continue;
         };
         if let Some(depth) = method.depth(&found.feature, fit, &recording) {
-            scores.push(MethodScore { method: method.name().into(), score: scorer.score(&depth, &found.valid) });
+            scores.push(MethodScore::new(method.name(), scorer.score(&depth, &found.valid)));
         }
     }
+    scores.push(elastic::score(case, &recording, (&dense.flow, &dense.valid), &scorer)?);
     for entry in benchmark.entries {
         if let Some([depth, valid]) = entry.read(case)? {
             let score = scorer.score(&depth.values, &valid.mask());
-            scores.push(MethodScore { method: entry.name.clone(), score });
+            scores.push(MethodScore::new(&entry.name, score));
         }
     }
     Ok(CaseReport {

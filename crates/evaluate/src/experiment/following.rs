@@ -98,7 +98,7 @@ fn by_tracker(
 fn new_tracker(recording: &Recording, profile: &Profile, first: &Frame) -> Result<Tracker, ExperimentError> {
     let mut profile = profile.clone();
     profile.depth.density = None;
-    let fields = Fields { density: false, depth: false };
+    let fields = Fields::NONE;
     Ok(Tracker::new(&profile, recording.size(), first.pixels.is_colour(), fields)?)
 }
 

@@ -25,6 +25,8 @@ pub struct Recording {
     pub truth: Truth,
     /// Force of the indenter on the gel in the last frame, N.
     pub force_n: [f64; 3],
+    /// Torque of the indenter on the gel about z through its origin in the last frame, N mm.
+    pub torque_z_nmm: f64,
     camera: Camera,
     images: Vec<Pixels>,
 }
@@ -48,6 +50,7 @@ impl Recording {
             name: scene.name.clone(),
             profile: simulated_profile(scene),
             depths_mm: simulation.poses().iter().map(|pose| pose.depth_mm).collect(),
+            torque_z_nmm: simulation.states().last().map_or(0.0, |state| state.torque_nmm[2]),
             force_n: simulation.states().last().map_or([0.0; 3], |state| state.force_n),
             truth,
             camera: Camera::new(&scene.camera())?,
@@ -59,6 +62,12 @@ impl Recording {
     #[must_use]
     pub fn size(&self) -> (usize, usize) {
         self.truth.depth.size()
+    }
+
+    /// The camera that took the images.
+    #[must_use]
+    pub fn camera(&self) -> &Camera {
+        &self.camera
     }
 
     /// Scores depth maps by the truth of the last frame.

@@ -61,7 +61,7 @@ impl PressEvidence {
     /// does not fit the recording.
     pub fn measure(punyo: &Punyo<'_>) -> Result<Self, EvaluateError> {
         let size = punyo.mask.size();
-        let mut tracker = Tracker::new(&Profile::default(), size, false, Fields { density: false, depth: false })?;
+        let mut tracker = Tracker::new(&Profile::default(), size, false, Fields::NONE)?;
         let first = punyo.frame(0)?;
         let mut searched = Matcher::new(&first, &FlowParams::default())?;
         let mut medium = Matcher::new(&first, &FlowParams { preset: Preset::Medium, ..FlowParams::default() })?;

@@ -4,8 +4,9 @@ use fingervision_image::Rect;
 
 use super::array::FrameArray;
 use super::correlation::Correlation;
-use super::fields::Fields;
+use super::fields::{DEPTH_MASK, Fields};
 use super::inputs::Inputs;
+use super::judgement::{Judged, Judgement, bit, is_finite};
 use super::tally::Tally;
 use super::{Components, Errors, FieldErrors, PixelCounts, Region, Regions, RunError};
 
@@ -14,16 +15,16 @@ use super::{Components, Errors, FieldErrors, PixelCounts, Region, Regions, RunEr
 pub(super) struct Comparer {
     /// For each pixel of the run, its place in the truth's arrays.
     on_truth: Vec<usize>,
-    /// For each pixel of the run, a bit for each region that it lies in; 0 where it is not compared.
-    regions: Vec<u8>,
     /// 1 where the truth is seen, on the run's grid.
     seen: Vec<u8>,
-    /// 1 where the estimate holds.
-    valid: Vec<u8>,
+    /// Where the flow is compared, and all else that has no mask of its own.
+    judged: Judgement,
+    /// Where depth, displacement and contact are compared, if the run says on its own where these hold.
+    depth_judged: Option<Judgement>,
     flow: Option<[Tally; 4]>,
     depth: Option<[Tally; 4]>,
+    depth_where_valid: Option<[Tally; 4]>,
     displacement: Option<[Tally; 3]>,
-    pixels: [PixelCounts; 4],
     overlap: Overlap,
     peaks: Correlation,
 }
@@ -41,25 +42,22 @@ impl Overlap {
     }
 }
 
-fn bit(region: Region) -> u8 {
-    1 << region as u8
-}
-
 impl Comparer {
     pub(super) fn new(inputs: &Inputs) -> Self {
         let Rect { x, y, width, height } = inputs.place;
         let columns = inputs.truth.size().0;
         let on_truth: Vec<_> = (y..y + height).flat_map(|y| (x..x + width).map(move |x| y * columns + x)).collect();
         let tallies = || [(); 4].map(|()| Tally::new());
+        let has_own = inputs.run.depth_mask.is_some();
         Self {
-            regions: vec![0; on_truth.len()],
             seen: vec![0; on_truth.len()],
-            valid: vec![0; on_truth.len()],
+            judged: Judgement::new(on_truth.len()),
+            depth_judged: has_own.then(|| Judgement::new(on_truth.len())),
+            depth_where_valid: (has_own && inputs.run.depth.is_some()).then(tallies),
             on_truth,
             flow: inputs.run.flow.is_some().then(tallies),
             depth: inputs.run.depth.is_some().then(tallies),
             displacement: inputs.run.displacement.is_some().then(|| [(); 3].map(|()| Tally::new())),
-            pixels: [PixelCounts::default(); 4],
             overlap: Overlap::default(),
             peaks: Correlation::default(),
         }
@@ -70,9 +68,14 @@ impl Comparer {
         &self.seen
     }
 
-    /// 1 where the estimate of the last frame holds.
+    /// 1 where the flow of the last frame holds.
     pub(super) fn valid(&self) -> &[u8] {
-        &self.valid
+        &self.judged.valid
+    }
+
+    /// 1 where the depth of the last frame holds.
+    pub(super) fn depth_valid(&self) -> &[u8] {
+        &self.depth_judged.as_ref().unwrap_or(&self.judged).valid
     }
 
     /// For each pixel of the run, its place in the truth's arrays.
@@ -84,25 +87,36 @@ impl Comparer {
     pub(super) fn compare(&mut self, inputs: &mut Inputs, frame: u64) -> Result<FieldErrors, RunError> {
         self.judge_truth(&inputs.truth);
         self.judge_estimate(&inputs.run, frame)?;
-        let pixels = self.assign_regions(inputs);
+        let (pixels, depth_pixels) = self.assign_regions(inputs);
         let Inputs { run, truth, .. } = inputs;
         let overlap = self.measure_overlap(run, truth);
         let flow_px = self.compare_flow(run, truth);
-        let depth_mm = self.compare_depth(run, truth);
+        let (depth_mm, depth_where_valid_mm) = self.compare_depth(run, truth);
         let displacement_mm = self.compare_displacement(run, truth);
         if let Some(Errors { estimated_peak, true_peak, .. }) = depth_mm.and_then(|depth| depth.everywhere) {
             self.peaks.push(estimated_peak, true_peak);
         }
-        Ok(FieldErrors { pixels, flow_px, depth_mm, displacement_mm, contact_overlap: overlap.part() })
+        let contact_overlap = overlap.part();
+        Ok(FieldErrors {
+            pixels,
+            flow_px,
+            depth_pixels,
+            depth_mm,
+            depth_where_valid_mm,
+            displacement_mm,
+            contact_overlap,
+        })
     }
 
     /// The errors over all pixels of all frames.
     pub(super) fn pooled(&self) -> FieldErrors {
         let pooled = |tallies: &[Tally; 4]| Regions::from_fn(|region| tallies[region as usize].pooled());
         FieldErrors {
-            pixels: by_region(&self.pixels),
+            pixels: self.judged.pixels(),
             flow_px: self.flow.as_ref().map(pooled),
+            depth_pixels: self.depth_judged.as_ref().map(Judgement::pixels),
             depth_mm: self.depth.as_ref().map(pooled),
+            depth_where_valid_mm: self.depth_where_valid.as_ref().map(pooled),
             displacement_mm: self.displacement.as_ref().map(|tallies| {
                 let [x, y, z] = [0, 1, 2].map(|axis: usize| tallies[axis].pooled());
                 Components { x, y, z }
@@ -130,56 +144,47 @@ impl Comparer {
     }
 
     fn judge_estimate(&mut self, run: &Fields, frame: u64) -> Result<(), RunError> {
-        match &run.mask {
-            Some(mask) => self.valid.copy_from_slice(mask.values()),
-            None => self.valid.fill(1),
-        }
-        for (array, channels) in [(&run.flow, 2), (&run.depth, 1), (&run.displacement, 3)] {
-            let Some(array) = array else { continue };
-            for (at, valid) in self.valid.iter_mut().enumerate().filter(|(_, valid)| **valid != 0) {
-                if is_finite(Some(array.values()), channels, at) {
-                    continue;
-                }
-                if run.mask.is_some() {
-                    let (file, width) = (array.path().to_owned(), array.size().0);
-                    return Err(RunError::NotFinite { file, frame, x: at % width, y: at / width });
-                }
-                *valid = 0;
-            }
-        }
-        Ok(())
+        let (flow, depth) = ((run.flow.as_ref(), 2), [(run.depth.as_ref(), 1), (run.displacement.as_ref(), 3)]);
+        let (mask, mask_name) = (run.mask.as_ref(), "valid.npy");
+        let Some(depth_judged) = &mut self.depth_judged else {
+            let [depth, displacement] = depth;
+            return self.judged.judge(&Judged { mask, mask_name, arrays: &[flow, depth, displacement] }, frame);
+        };
+        self.judged.judge(&Judged { mask, mask_name, arrays: &[flow] }, frame)?;
+        let (mask, mask_name) = (run.depth_mask.as_ref(), DEPTH_MASK);
+        depth_judged.judge(&Judged { mask, mask_name, arrays: &depth }, frame)
     }
 
-    /// Says of each pixel that is compared in which regions it lies, and counts the others.
-    fn assign_regions(&mut self, inputs: &mut Inputs) -> Regions<PixelCounts> {
+    /// Says of each pixel that is compared in which regions it lies, and counts the others: by where the flow holds, and by
+    /// where depth holds if that is known on its own.
+    fn assign_regions(&mut self, inputs: &mut Inputs) -> (Regions<PixelCounts>, Option<Regions<PixelCounts>>) {
         let Inputs { truth, band, .. } = inputs;
         let contact = truth.contact.as_ref().map(FrameArray::values);
         let (flow, depth) = (truth.flow.as_ref().map(FrameArray::values), truth.depth.as_ref().map(FrameArray::values));
         let is_gel = |at| is_finite(flow, 2, at) && is_finite(depth, 1, at);
         let near = contact.zip(band.as_mut()).map(|(contact, band)| band.find(contact, is_gel));
-        let mut pixels = [PixelCounts::default(); 4];
-        for (i, (regions, &at)) in self.regions.iter_mut().zip(&self.on_truth).enumerate() {
-            let (contact, near) = (contact.map(|contact| contact[at] != 0), near.map(|near| near[at]));
-            let all = regions_of(contact, near);
-            for region in Region::ALL.into_iter().filter(|region| all & bit(*region) != 0) {
-                let PixelCounts { compared, hidden, not_valid } = &mut pixels[region as usize];
-                match (self.seen[i], self.valid[i]) {
-                    (0, _) => *hidden += 1,
-                    (_, 0) => *not_valid += 1,
-                    _ => *compared += 1,
-                }
-            }
-            *regions = if self.seen[i] != 0 && self.valid[i] != 0 { all } else { 0 };
-        }
-        self.pixels.iter_mut().zip(&pixels).for_each(|(sum, pixels)| sum.add(pixels));
-        by_region(&pixels)
+        let Self { on_truth, seen, judged, depth_judged, .. } = self;
+        let regions = |i: usize| {
+            let at = on_truth[i];
+            regions_of(contact.map(|contact| contact[at] != 0), near.map(|near| near[at]))
+        };
+        (judged.assign(seen, regions), depth_judged.as_mut().map(|judged| judged.assign(seen, regions)))
+    }
+
+    /// The regions of the pixels where depth, displacement and contact are compared.
+    fn depth_regions(&self) -> &[u8] {
+        &self.depth_judged.as_ref().unwrap_or(&self.judged).regions
     }
 
     fn measure_overlap(&mut self, run: &Fields, truth: &Fields) -> Overlap {
         let mut overlap = Overlap::default();
         if let (Some(run), Some(truth)) = (&run.contact, &truth.contact) {
-            let compared =
-                self.regions.iter().zip(&self.on_truth).zip(run.values()).filter(|((region, _), _)| **region != 0);
+            let compared = self
+                .depth_regions()
+                .iter()
+                .zip(&self.on_truth)
+                .zip(run.values())
+                .filter(|((region, _), _)| **region != 0);
             for ((_, &at), &estimate) in compared {
                 let (estimate, truth) = (estimate != 0, truth.values()[at] != 0);
                 overlap.both += u64::from(estimate && truth);
@@ -195,7 +200,7 @@ impl Comparer {
         let (run, truth) = (run.flow.as_ref()?.values(), truth.flow.as_ref()?.values());
         let tallies = self.flow.as_mut()?;
         let vector = |values: &[f32], at: usize| [f64::from(values[2 * at]), f64::from(values[2 * at + 1])];
-        for (i, (&regions, &at)) in self.regions.iter().zip(&self.on_truth).enumerate() {
+        for (i, (&regions, &at)) in self.judged.regions.iter().zip(&self.on_truth).enumerate() {
             if regions != 0 {
                 let ([u, v], [true_u, true_v]) = (vector(run, i), vector(truth, at));
                 push(tallies, regions, u.hypot(v), true_u.hypot(true_v), (u - true_u).hypot(v - true_v));
@@ -204,22 +209,31 @@ impl Comparer {
         Some(end_frame(tallies))
     }
 
-    fn compare_depth(&mut self, run: &Fields, truth: &Fields) -> Option<Regions> {
-        let (run, truth) = (run.depth.as_ref()?.values(), truth.depth.as_ref()?.values());
-        let tallies = self.depth.as_mut()?;
-        for (i, (&regions, &at)) in self.regions.iter().zip(&self.on_truth).enumerate() {
-            if regions != 0 {
-                let (depth, true_depth) = (f64::from(run[i]), f64::from(truth[at]));
+    /// The errors over all pixels where depth holds, and over those of them where the flow does too.
+    fn compare_depth(&mut self, run: &Fields, truth: &Fields) -> (Option<Regions>, Option<Regions>) {
+        let (Some(run), Some(truth), Some(tallies)) = (&run.depth, &truth.depth, &mut self.depth) else {
+            return (None, None);
+        };
+        let (run, truth) = (run.values(), truth.values());
+        let judged = self.depth_judged.as_ref().unwrap_or(&self.judged);
+        for (i, (&regions, &at)) in judged.regions.iter().zip(&self.on_truth).enumerate() {
+            if regions == 0 {
+                continue;
+            }
+            let (depth, true_depth) = (f64::from(run[i]), f64::from(truth[at]));
+            push(tallies, regions, depth, true_depth, (depth - true_depth).abs());
+            if let Some(tallies) = self.depth_where_valid.as_mut().filter(|_| self.judged.valid[i] != 0) {
                 push(tallies, regions, depth, true_depth, (depth - true_depth).abs());
             }
         }
-        Some(end_frame(tallies))
+        (Some(end_frame(tallies)), self.depth_where_valid.as_mut().map(end_frame))
     }
 
     fn compare_displacement(&mut self, run: &Fields, truth: &Fields) -> Option<Components> {
         let (run, truth) = (run.displacement.as_ref()?.values(), truth.displacement.as_ref()?.values());
         let tallies = self.displacement.as_mut()?;
-        for (i, (&regions, &at)) in self.regions.iter().zip(&self.on_truth).enumerate() {
+        let judged = self.depth_judged.as_ref().unwrap_or(&self.judged);
+        for (i, (&regions, &at)) in judged.regions.iter().zip(&self.on_truth).enumerate() {
             if regions != 0 {
                 for (axis, tally) in tallies.iter_mut().enumerate() {
                     let (value, true_value) = (f64::from(run[3 * i + axis]), f64::from(truth[3 * at + axis]));
@@ -241,10 +255,6 @@ fn regions_of(contact: Option<bool>, near: Option<bool>) -> u8 {
         | region(Region::Outside, contact == Some(false) && near == Some(false))
 }
 
-fn by_region(pixels: &[PixelCounts; 4]) -> Regions<PixelCounts> {
-    Regions::from_fn(|region| Some(pixels[region as usize]).filter(|pixels| pixels.all() > 0))
-}
-
 /// Takes a pixel into the tallies of its regions.
 fn push(tallies: &mut [Tally; 4], regions: u8, estimate: f64, truth: f64, error: f64) {
     for (region, tally) in Region::ALL.into_iter().zip(tallies) {
@@ -257,9 +267,4 @@ fn push(tallies: &mut [Tally; 4], regions: u8, estimate: f64, truth: f64, error:
 fn end_frame(tallies: &mut [Tally; 4]) -> Regions {
     let mut tallies = tallies.iter_mut();
     Regions::from_fn(|_| tallies.next()?.end_frame())
-}
-
-/// Whether an array that is there holds numbers at a pixel.
-fn is_finite(values: Option<&[f32]>, channels: usize, at: usize) -> bool {
-    values.is_none_or(|values| values[channels * at..][..channels].iter().all(|value| value.is_finite()))
 }

@@ -96,10 +96,12 @@ pub enum RunError {
         truth_holds: String,
     },
     /// A pixel that counts as valid, but has no number.
-    #[error("{}: frame {frame}, pixel ({x}, {y}) is not finite, but valid.npy says that it holds", .file.display())]
+    #[error("{}: frame {frame}, pixel ({x}, {y}) is not finite, but {mask} says that it holds", .file.display())]
     NotFinite {
         /// The array.
         file: PathBuf,
+        /// The name of the mask.
+        mask: &'static str,
         /// The frame, counted from 0.
         frame: u64,
         /// The pixel's column.
@@ -133,7 +135,9 @@ impl RunError {
             Self::NothingInCommon { .. } => {
                 Some("track with --fields flow,depth, or give the truth of what the run holds".into())
             }
-            Self::NotFinite { .. } => Some("set valid.npy to 0 where nothing was measured, or leave it out".into()),
+            Self::NotFinite { mask, .. } => {
+                Some(format!("set {mask} to 0 where nothing was measured, or leave it out"))
+            }
         }
     }
 

@@ -8,6 +8,9 @@ use super::array::FrameArray;
 /// The names of the fields that can be compared.
 const NAMES: [&str; 4] = ["flow", "depth", "displacement", "contact"];
 
+/// The file of [`Fields::depth_mask`].
+pub(super) const DEPTH_MASK: &str = "depth_valid.npy";
+
 /// The arrays of a run or of a truth. What a folder lacks is absent.
 #[derive(Debug)]
 pub(super) struct Fields {
@@ -21,6 +24,8 @@ pub(super) struct Fields {
     pub(super) contact: Option<FrameArray<u8>>,
     /// 1 where the fields hold: `valid.npy` of a run, `visible.npy` of a truth.
     pub(super) mask: Option<FrameArray<u8>>,
+    /// 1 where depth, displacement and contact hold, where that is not where the flow does: `depth_valid.npy` of a run.
+    pub(super) depth_mask: Option<FrameArray<u8>>,
 }
 
 impl Fields {
@@ -32,6 +37,7 @@ impl Fields {
             displacement: FrameArray::open(&folder.join("displacement.npy"), 3)?,
             contact: FrameArray::open(&folder.join("contact.npy"), 1)?,
             mask: FrameArray::open(&folder.join(mask), 1)?,
+            depth_mask: FrameArray::open(&folder.join(DEPTH_MASK), 1)?,
         };
         let sizes = fields.sizes();
         if let [(first, (columns, rows)), ..] = sizes[..]
@@ -70,7 +76,10 @@ impl Fields {
     pub(super) fn advance(&mut self) -> Result<(), RunError> {
         let numbers = [&mut self.flow, &mut self.depth, &mut self.displacement];
         numbers.into_iter().flatten().try_for_each(FrameArray::advance)?;
-        [&mut self.contact, &mut self.mask].into_iter().flatten().try_for_each(FrameArray::advance)
+        [&mut self.contact, &mut self.mask, &mut self.depth_mask]
+            .into_iter()
+            .flatten()
+            .try_for_each(FrameArray::advance)
     }
 
     fn sizes(&self) -> Vec<(&Path, (usize, usize))> {
@@ -83,6 +92,6 @@ impl Fields {
     }
 
     fn masks(&self) -> impl Iterator<Item = &FrameArray<u8>> {
-        [&self.contact, &self.mask].into_iter().flatten()
+        [&self.contact, &self.mask, &self.depth_mask].into_iter().flatten()
     }
 }

@@ -10,6 +10,10 @@
 //! (`valid.npy`; where that is absent, wherever the estimate is a number). Fields that only one side has are left out,
 //! and the report says so. A run on a part of the image names it in its `run.toml`, and the truth is cropped.
 //!
+//! Depth from elasticity fills in what the flow leaves open. A run says so by a `depth_valid.npy`: depth, displacement and
+//! contact are then compared where that holds, whatever `valid.npy` says of the flow, and depth once more over the pixels
+//! where both hold.
+//!
 //! What is not compared is counted by region ([`PixelCounts`]): the errors near the contact's border mean little where
 //! a run trusts few of its pixels.
 //!
@@ -52,6 +56,7 @@ mod force;
 mod grid;
 mod histogram;
 mod inputs;
+mod judgement;
 mod last_frame;
 mod picture;
 mod report;
@@ -63,9 +68,11 @@ pub(crate) use border::BorderBand;
 pub(crate) use correlation::Correlation;
 pub use error::RunError;
 pub use evaluation::{Evaluation, Options, Outcome};
+pub(crate) use force::{LEAST_ARM_MM, LEAST_SHEAR};
 pub(crate) use last_frame::LastFrame;
 pub use report::{
-    Components, Errors, FieldErrors, ForceErrors, ForceReport, FrameReport, PixelCounts, Region, Regions, Report,
+    Components, Errors, FieldErrors, ForceErrors, ForceReport, FrameReport, LoadErrors, PixelCounts, Region, Regions,
+    Report,
 };
 
 /// How far the region near the contact's border reaches to either side, mm on the undeformed gel.

@@ -16,6 +16,7 @@ pub(super) struct Shown {
     depth: Option<Compared<Image<f32>>>,
     seen: Image<u8>,
     valid: Image<u8>,
+    depth_valid: Image<u8>,
     contact: Option<Image<u8>>,
 }
 
@@ -44,6 +45,7 @@ impl Shown {
             depth: run.depth.is_some().then(|| Compared { truth: depth(), estimate: depth() }),
             seen: mask(),
             valid: mask(),
+            depth_valid: mask(),
             contact: truth.contact.is_some().then(mask),
         }
     }
@@ -65,6 +67,7 @@ impl Shown {
         }
         self.seen.values_mut().copy_from_slice(comparer.seen());
         self.valid.values_mut().copy_from_slice(comparer.valid());
+        self.depth_valid.values_mut().copy_from_slice(comparer.depth_valid());
     }
 
     pub(super) fn draw(&self, report: &Report) -> Image<[u8; 3]> {
@@ -75,6 +78,7 @@ impl Shown {
             flow_px: self.flow.as_ref().map(Compared::pair),
             seen: &self.seen,
             valid: &self.valid,
+            depth_valid: &self.depth_valid,
             contact: self.contact.as_ref(),
             shown_frame: report.deepest_frame as usize,
             plots: &plots(report),
@@ -109,7 +113,8 @@ fn title(report: &Report) -> String {
 /// The deepest frame's figures in a line.
 fn facts(report: &Report) -> String {
     let Some(deepest) = report.deepest() else { return String::new() };
-    let FieldErrors { pixels, flow_px, depth_mm, .. } = deepest.errors;
+    let FieldErrors { pixels, depth_pixels, flow_px, depth_mm, .. } = deepest.errors;
+    let pixels = depth_pixels.unwrap_or(pixels);
     let by_region = Region::ALL.into_iter().filter_map(|region| {
         let error = depth_mm.as_ref()?.get(region)?.mean;
         let name = if region == Region::Everywhere { "of depth".into() } else { region_name(region, report.border_mm) };

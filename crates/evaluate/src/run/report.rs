@@ -150,8 +150,13 @@ pub struct FieldErrors {
     pub pixels: Regions<PixelCounts>,
     /// Errors of the flow, px.
     pub flow_px: Option<Regions>,
+    /// What of depth, displacement and contact was compared, where the run says on its own where these hold
+    /// (`depth_valid.npy`); otherwise they are compared where the flow is.
+    pub depth_pixels: Option<Regions<PixelCounts>>,
     /// Errors of the depth, mm.
     pub depth_mm: Option<Regions>,
+    /// Errors of the depth over those pixels alone where the flow is valid too, mm; with `depth_pixels`.
+    pub depth_where_valid_mm: Option<Regions>,
     /// Errors of the displacement, mm.
     pub displacement_mm: Option<Components>,
     /// Pixels that both call contact over those that either does, 0 to 1; none where neither does anywhere.
@@ -174,16 +179,23 @@ impl FieldErrors {
             let errors = frames.iter().filter_map(|frame| component(frame.errors.displacement_mm.as_ref()?));
             Errors::mean_of(&errors.collect::<Vec<_>>())
         };
-        let overlaps: Vec<f64> = frames.iter().filter_map(|frame| frame.errors.contact_overlap).collect();
-        Self {
-            pixels: Regions::from_fn(|region| {
-                frames.iter().filter_map(|frame| frame.errors.pixels.get(region).copied()).reduce(|mut sum, pixels| {
+        let pixels = |counts: fn(&Self) -> Option<&Regions<PixelCounts>>| {
+            Regions::from_fn(|region| {
+                let counts = frames.iter().filter_map(|frame| counts(&frame.errors)?.get(region).copied());
+                counts.reduce(|mut sum, pixels| {
                     sum.add(&pixels);
                     sum
                 })
-            }),
+            })
+        };
+        let has_depth_pixels = frames.iter().any(|frame| frame.errors.depth_pixels.is_some());
+        let overlaps: Vec<f64> = frames.iter().filter_map(|frame| frame.errors.contact_overlap).collect();
+        Self {
+            pixels: pixels(|errors| Some(&errors.pixels)),
+            depth_pixels: has_depth_pixels.then(|| pixels(|errors| errors.depth_pixels.as_ref())),
             flow_px: regions(|errors| errors.flow_px.as_ref()),
             depth_mm: regions(|errors| errors.depth_mm.as_ref()),
+            depth_where_valid_mm: regions(|errors| errors.depth_where_valid_mm.as_ref()),
             displacement_mm: frames.iter().any(|frame| frame.errors.displacement_mm.is_some()).then(|| Components {
                 x: component(|errors| errors.x.as_ref()),
                 y: component(|errors| errors.y.as_ref()),
@@ -221,6 +233,27 @@ pub struct ForceErrors {
     pub error_n: [Option<f64>; 3],
     /// The error over the length of the largest true force of all frames, dimensionless.
     pub of_peak: [Option<f64>; 3],
+    /// The true torque about z, N mm.
+    pub true_torque_nmm: Option<f64>,
+    /// The estimated torque about z, N mm.
+    pub estimated_torque_nmm: Option<f64>,
+}
+
+/// The errors of one part of what an object does to the gel: normal force or shear force, N, or torque about z, N mm. A
+/// shear force's error is the distance between both vectors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LoadErrors {
+    /// The largest true size of all frames.
+    pub true_peak: f64,
+    /// Mean error.
+    pub mean: f64,
+    /// The largest error.
+    pub largest: f64,
+    /// The mean error over the largest true size, dimensionless; none where that is 0, for a shear force below 5 % of the
+    /// largest force, for a torque below that of the largest force on an arm of 0.1 mm.
+    pub mean_of_peak: Option<f64>,
+    /// The error in the frame of the largest true size, the last of them, over that size, dimensionless; none as above.
+    pub at_peak: Option<f64>,
 }
 
 /// The forces of all frames, each array in the order x, y, z.
@@ -234,6 +267,12 @@ pub struct ForceReport {
     pub largest_n: [Option<f64>; 3],
     /// The mean absolute error over the largest true force, dimensionless.
     pub mean_of_peak: [Option<f64>; 3],
+    /// Errors along z.
+    pub normal: Option<LoadErrors>,
+    /// Errors across z.
+    pub shear: Option<LoadErrors>,
+    /// Errors about z.
+    pub torque: Option<LoadErrors>,
 }
 
 /// What a comparison came to. Prints as a table of the deepest frame and of the mean over frames.

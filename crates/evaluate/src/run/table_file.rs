@@ -6,10 +6,12 @@ use std::path::Path;
 
 use super::RunError;
 
-/// The force on the gel in every frame, `(x, y, z)`, N; absent where a cell is empty or not finite.
-pub(super) type Forces = Vec<[Option<f64>; 3]>;
+/// The force on the gel in every frame, `(x, y, z)`, N, and the torque about z, N mm; absent where a cell is empty or not
+/// finite, or where there is no such column.
+pub(super) type Forces = Vec<[Option<f64>; 4]>;
 
 const FORCE: [&str; 3] = ["force_x_n", "force_y_n", "force_z_n"];
+const TORQUE: &str = "torque_z_nmm";
 
 /// The forces in a table's rows; none if there is no such file.
 pub(super) fn read_forces(path: &Path) -> Result<Option<Forces>, RunError> {
@@ -21,9 +23,9 @@ pub(super) fn read_forces(path: &Path) -> Result<Option<Forces>, RunError> {
     let mut lines = text.lines().map(|line| line.trim_end_matches('\r').split(',').map(str::trim));
     let columns: Vec<&str> = lines.next().into_iter().flatten().collect();
     let place = |name: &str| columns.iter().position(|column| *column == name);
-    let mut places = [0; 3];
+    let mut places = [None, None, None, place(TORQUE)];
     for (at, name) in places.iter_mut().zip(FORCE) {
-        *at = place(name).ok_or_else(|| fault(0, format!("there is no column {name}")))?;
+        *at = Some(place(name).ok_or_else(|| fault(0, format!("there is no column {name}")))?);
     }
     let frame_place = place("frame");
     let mut forces = Vec::new();
@@ -41,8 +43,9 @@ pub(super) fn read_forces(path: &Path) -> Result<Option<Forces>, RunError> {
             "" => Ok(None),
             cell => cell.parse::<f64>().map(|value| value.is_finite().then_some(value)),
         };
-        let mut force = [None; 3];
+        let mut force = [None; 4];
         for (value, place) in force.iter_mut().zip(places) {
+            let Some(place) = place else { continue };
             let no_number = |_| fault(row + 1, format!("{} = {} is no number", columns[place], cells[place]));
             *value = number(place).map_err(no_number)?;
         }
@@ -65,7 +68,9 @@ mod tests {
     #[test]
     fn empty_cells_and_what_is_not_finite_are_absent() {
         let forces = read("frame,force_z_n,force_x_n,force_y_n\n0,,1.5,NaN\r\n1,-2,3,4\n").unwrap().unwrap();
-        assert_eq!(forces, [[Some(1.5), None, None], [Some(3.0), Some(4.0), Some(-2.0)]]);
+        assert_eq!(forces, [[Some(1.5), None, None, None], [Some(3.0), Some(4.0), Some(-2.0), None]]);
+        let forces = read("force_x_n,force_y_n,force_z_n,torque_z_nmm\n1,2,3,\n1,2,3,-4\n").unwrap().unwrap();
+        assert_eq!([forces[0][3], forces[1][3]], [None, Some(-4.0)]);
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use super::report::{Components, Errors, FieldErrors, ForceReport, FrameReport, Region, Regions, Report};
+use super::report::{
+    Components, Errors, FieldErrors, ForceReport, FrameReport, LoadErrors, PixelCounts, Region, Regions, Report,
+};
 
 /// Width of the names of rows.
 const NAME: usize = 26;
@@ -41,14 +43,17 @@ impl fmt::Display for Report {
         }
         let Some(deepest) = self.deepest() else { return Ok(()) };
         let shown = [(self.deepest_title(), &deepest.errors), (self.mean_title(), &self.mean)];
-        self.write_pixels(f, &shown)?;
+        self.write_pixels(f, "Pixels", &shown, |errors| Some(&errors.pixels))?;
         self.write_regions(f, "Flow error, px", &shown, |errors| errors.flow_px.as_ref())?;
+        self.write_pixels(f, "Pixels of depth", &shown, |errors| errors.depth_pixels.as_ref())?;
         self.write_regions(f, "Depth error, mm", &shown, |errors| errors.depth_mm.as_ref())?;
         if let Some(Errors { correlation, .. }) = self.pooled.depth_mm.and_then(|depth| depth.everywhere) {
             let all = figure(correlation, 4);
             let peaks = figure(self.peak_depth_correlation, 4);
             writeln!(f, "  correlation over all frames {all}, of the peaks over the frames {peaks}")?;
         }
+        let heading = "Depth where flow valid, mm";
+        self.write_regions(f, heading, &shown, |errors| errors.depth_where_valid_mm.as_ref())?;
         write_components(f, &shown)?;
         write_overlap(f, &shown)?;
         self.write_force(f)?;
@@ -75,12 +80,21 @@ impl Report {
         format!("mean of {} frames", self.frames)
     }
 
-    fn write_pixels(&self, f: &mut fmt::Formatter<'_>, shown: &Shown) -> fmt::Result {
-        write_heading(f, "Pixels", &["compared", "hidden", "not valid"])?;
+    fn write_pixels(
+        &self,
+        f: &mut fmt::Formatter<'_>,
+        heading: &str,
+        shown: &Shown,
+        counts: impl Fn(&FieldErrors) -> Option<&Regions<PixelCounts>>,
+    ) -> fmt::Result {
+        if shown.iter().all(|(_, errors)| counts(errors).is_none()) {
+            return Ok(());
+        }
+        write_heading(f, heading, &["compared", "hidden", "not valid"])?;
         for (title, errors) in shown {
             writeln!(f, "  {title}")?;
             for region in Region::ALL {
-                let pixels = errors.pixels.get(region).copied().unwrap_or_default();
+                let pixels = counts(errors).and_then(|counts| counts.get(region)).copied().unwrap_or_default();
                 let parts = [pixels.compared, pixels.hidden, pixels.not_valid].map(|part| percent(part, pixels.all()));
                 write_row(f, 4, &region_name(region, self.border_mm), &parts)?;
             }
@@ -110,7 +124,10 @@ impl Report {
     }
 
     fn write_force(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(ForceReport { true_peak_n, mean_n, largest_n, mean_of_peak }) = &self.force else { return Ok(()) };
+        let Some(ForceReport { true_peak_n, mean_n, largest_n, mean_of_peak, normal, shear, torque }) = &self.force
+        else {
+            return Ok(());
+        };
         write_heading(f, "Force error, N", &["x", "y", "z"])?;
         if let Some(force) = self.deepest().and_then(|deepest| deepest.force) {
             writeln!(f, "  {}", self.deepest_title())?;
@@ -122,8 +139,19 @@ impl Report {
         write_row(f, 4, "mean", &mean_n.map(|value| figure(value, 3)))?;
         write_row(f, 4, "largest", &largest_n.map(|value| figure(value, 3)))?;
         let of_peak = mean_of_peak.map(|part| part.map_or(NONE.into(), |part| format!("{:.1} %", 100.0 * part)));
-        write_row(f, 4, &format!("mean, of {true_peak_n:.2} N"), &of_peak)
+        write_row(f, 4, &format!("mean, of {true_peak_n:.2} N"), &of_peak)?;
+        write_heading(f, "Force and torque", &["true peak", "mean error", "of peak", "at peak"])?;
+        let parts = [("normal force, N", normal), ("shear force, N", shear), ("torque, N mm", torque)];
+        parts.iter().try_for_each(|(name, errors)| errors.as_ref().map_or(Ok(()), |errors| write_load(f, name, errors)))
     }
+}
+
+/// The errors of a part of the load, in its unit and in percent of its peak.
+fn write_load(f: &mut fmt::Formatter<'_>, name: &str, errors: &LoadErrors) -> fmt::Result {
+    let of_peak = |part: Option<f64>| part.map_or(NONE.into(), |part| format!("{:.1} %", 100.0 * part));
+    let LoadErrors { true_peak, mean, mean_of_peak, at_peak, .. } = errors;
+    let cells = [figure(Some(*true_peak), 3), figure(Some(*mean), 3), of_peak(*mean_of_peak), of_peak(*at_peak)];
+    write_row(f, 2, name, &cells)
 }
 
 const FIGURES: [&str; 7] = ["mean", "rms", "95 %", "largest", "bias", "peak", "correlation"];

@@ -77,7 +77,7 @@ pub fn follow(script: &Script, frames: &[Frame], policy: Policy) -> Result<Outco
     let mut profile = Profile::default();
     profile.references.policy = policy;
     let size = (script.sheet.width, script.sheet.height);
-    let mut tracker = Tracker::new(&profile, size, true, Fields { density: false, depth: false })?;
+    let mut tracker = Tracker::new(&profile, size, true, Fields::NONE)?;
     let region = without_border(size, BORDER_PX);
     let mut reference = script.steps[0].motion;
     let mut was_pressed = false;

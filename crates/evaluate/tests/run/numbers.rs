@@ -2,7 +2,7 @@
 
 use fingervision_evaluate::run::{Errors, PixelCounts, Regions};
 
-use crate::made_up::{HEIGHT, MadeUp, WIDTH, is_hidden, is_invalid};
+use crate::made_up::{HEIGHT, MadeUp, WIDTH, depth_error, is_hidden, is_invalid, true_depth};
 
 /// Pixels by zone: in contact and far from its border, in contact near it, outside near it, elsewhere. Of the last
 /// kind 1200 − 400 − 364 less row 0, which is hidden, and column 0 below, which is not valid.
@@ -164,6 +164,25 @@ fn displacement_and_contact_are_compared_where_the_run_has_them() {
     assert_eq!(report.per_frame[0].errors.contact_overlap, None, "nothing is touched in the first frame");
     close(report.pooled.contact_overlap.unwrap(), 19.0 / 22.0, "overlap of all frames");
     close(report.mean.displacement_mm.unwrap().x.unwrap().mean, 0.25, "mean over frames");
+}
+
+#[test]
+fn depth_with_a_mask_of_its_own_is_compared_where_that_holds() {
+    let made_up = MadeUp::new();
+    made_up.array("run/depth.npy", |s, x, y| s * (true_depth(x, y) + depth_error(x, y)));
+    // Not trusted as flow, in contact; depth holds everywhere but in the last column.
+    made_up.array("run/valid.npy", |_, x, y| u8::from(!(is_invalid(x, y) || y == 6 && (10..30).contains(&x))));
+    made_up.array("run/depth_valid.npy", |_, x, _| u8::from(x + 1 < WIDTH));
+    let errors = made_up.evaluate().report.deepest().unwrap().errors;
+    let counts = |compared, hidden, not_valid| Some(PixelCounts { compared, hidden, not_valid });
+    assert_eq!(errors.pixels.everywhere, counts(1200 - 89, 40, 49));
+    assert_eq!(errors.depth_pixels.unwrap().everywhere, counts(1200 - 69, 40, 29));
+    assert_eq!(errors.flow_px.unwrap().inside.unwrap().pixels, 380);
+    assert_eq!(errors.depth_mm.unwrap().inside.unwrap().pixels, 400);
+    let where_valid = errors.depth_where_valid_mm.unwrap();
+    assert_eq!(where_valid.inside.unwrap().pixels, 380);
+    close(where_valid.inside.unwrap().largest, 0.5, "largest");
+    assert_eq!(where_valid.everywhere.unwrap().pixels, 1200 - 89 - 29);
 }
 
 #[test]

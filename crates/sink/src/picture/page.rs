@@ -79,6 +79,7 @@ fn draw_title(canvas: &mut Canvas, strongest: &Strongest, trend: &Trend) {
         let [x, y, z] = force.map(number);
         format!("force ({x}, {y}, {z}) N")
     }));
+    facts.extend(strongest.torque_nmm.map(|torque| format!("torque {} N mm", number(torque))));
     canvas.text(&facts.join("  ·  "), (MARGIN, 90.0), NOTE);
     if strongest.flags.iter().next().is_some() {
         let style = Style { is_bold: true, colour: WARNING_INK, anchor: Anchor::Right, ..BODY };

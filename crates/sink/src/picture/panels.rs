@@ -3,6 +3,7 @@
 use fingervision_image::Image;
 
 use super::canvas::{Area, Canvas, Point, resized};
+use super::outline::{self, Outline};
 use super::page::{BACKGROUND, BODY, HEADING, NOTE};
 use super::strongest::{Quantity, Strongest};
 use super::text::Anchor;
@@ -164,10 +165,16 @@ pub(super) fn draw_heat(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
         }
         Quantity::FlowLength => ("Length of the flow, px", HeatScale::from_zero(limit), "No depth was computed."),
     };
-    panel.put(canvas, heading, &panel.fit(&heat_map(&shown.values, &shown.valid, scale)));
+    panel.put(canvas, heading, &panel.fit(&heat_map(&shown.values, &shown.values_valid, scale)));
     draw_colour_bar(canvas, Area { height: 16.0, ..panel.legend }, scale);
     canvas.text(note, (panel.legend.x, panel.line(2.2)), NOTE);
     draw_invalid_key(canvas, (panel.legend.x, panel.line(3.4)), "not valid");
+    if let Some(contact) = &shown.contact {
+        Outline::of(contact).draw(canvas, panel);
+        let key = (panel.legend.x + 150.0, panel.line(3.4));
+        let text = outline::draw_key(canvas, key);
+        canvas.text("contact", (text, key.1), NOTE);
+    }
 }
 
 pub(super) fn draw_colour_bar(canvas: &mut Canvas, bar: Area, scale: HeatScale) {

@@ -23,7 +23,8 @@ pub struct PreviewOptions {
 /// Keeps the frame with the largest mean flow and draws it, 1600 px wide.
 ///
 /// Left, the camera image with flow arrows; in the middle, the flow as colour with its wheel; right, depth, or the
-/// density feature, or the flow's length, whichever of these is first in the reading. Below, the mean flow over time.
+/// density feature, or the flow's length, whichever of these is first in the reading, with the outline of the contact
+/// where that is known. Below, the mean flow over time.
 /// Frames that lost track are not candidates. Memory does not grow with the run.
 #[derive(Debug)]
 pub struct Preview {

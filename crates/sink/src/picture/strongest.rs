@@ -58,6 +58,7 @@ pub(super) struct Strongest {
     pub(super) max_depth_mm: Option<f32>,
     pub(super) contact_area_mm2: Option<f32>,
     pub(super) force_n: Option<[f32; 3]>,
+    pub(super) torque_nmm: Option<f32>,
     pub(super) flow: FlowField,
     pub(super) valid: Image<u8>,
     /// The camera image in the region of interest, grey levels.
@@ -65,6 +66,10 @@ pub(super) struct Strongest {
     pub(super) quantity: Quantity,
     /// The third panel's values, in the quantity's unit.
     pub(super) values: Image<f32>,
+    /// 1 where these hold.
+    pub(super) values_valid: Image<u8>,
+    /// 1 where the gel touches something, if that is known.
+    pub(super) contact: Option<Image<u8>>,
 }
 
 impl Strongest {
@@ -79,11 +84,14 @@ impl Strongest {
             max_depth_mm: None,
             contact_area_mm2: None,
             force_n: None,
+            torque_nmm: None,
             flow: FlowField::zero(0, 0),
             valid: Image::filled(0, 0, 0),
             grey: Image::filled(0, 0, 0.0),
             quantity: Quantity::FlowLength,
             values: Image::filled(0, 0, 0.0),
+            values_valid: Image::filled(0, 0, 0),
+            contact: None,
         }
     }
 
@@ -99,7 +107,7 @@ impl Strongest {
         }
         grey_into(&frame.pixels, region, &mut self.grey).map_err(|error| outside(&error, region, frame))?;
         (self.sequence, self.capture_time_s) = (reading.sequence, reading.capture_time_s);
-        (self.flags, self.force_n) = (reading.flags, reading.force_n);
+        (self.flags, self.force_n, self.torque_nmm) = (reading.flags, reading.force_n, reading.torque_nmm);
         (self.max_depth_mm, self.contact_area_mm2) = (reading.max_depth_mm, reading.contact_area_mm2);
         self.flow.copy_from(&reading.flow);
         self.valid.copy_from(&reading.valid);
@@ -108,7 +116,22 @@ impl Strongest {
             (None, Some(density)) => self.show(Quantity::Density, density),
             (None, None) => self.show_flow_length(),
         }
+        self.copy_masks(reading);
         Ok(())
+    }
+
+    /// Where the third panel's values hold, and where the gel is touched. Elastic depth holds where its deviation is finite.
+    fn copy_masks(&mut self, reading: &Reading) {
+        self.values_valid.copy_from(&reading.valid);
+        if let (Some(deviation), Some(_)) = (&reading.depth_deviation, &reading.depth) {
+            for (valid, deviation) in self.values_valid.values_mut().iter_mut().zip(deviation.values()) {
+                *valid = u8::from(deviation.is_finite());
+            }
+        }
+        match (&mut self.contact, &reading.contact) {
+            (Some(contact), Some(found)) => contact.copy_from(found),
+            (contact, found) => contact.clone_from(found),
+        }
     }
 
     fn show(&mut self, quantity: Quantity, values: &Image<f32>) {
@@ -127,23 +150,23 @@ impl Strongest {
     /// The length that 999 of 1000 valid flows do not exceed, px: what scales are made for, blind to a few outliers.
     pub(super) fn typical_flow_px(&self) -> f32 {
         let flow = self.flow.u.values().iter().zip(self.flow.v.values());
-        self.typical(flow.map(|(u, v)| u.hypot(*v)))
+        typical(flow.map(|(u, v)| u.hypot(*v)), &self.valid)
     }
 
     /// The size that 999 of 1000 valid values of the third panel do not exceed, in the quantity's unit.
     pub(super) fn typical_value(&self) -> f32 {
-        self.typical(self.values.values().iter().map(|value| value.abs()))
+        typical(self.values.values().iter().map(|value| value.abs()), &self.values_valid)
     }
+}
 
-    fn typical(&self, sizes: impl Iterator<Item = f32>) -> f32 {
-        let valid = sizes.zip(self.valid.values()).filter(|&(size, &valid)| valid != 0 && size.is_finite());
-        let mut sizes: Vec<f32> = valid.map(|(size, _)| size).collect();
-        if sizes.is_empty() {
-            return 0.0;
-        }
-        let place = (sizes.len() - 1) * 999 / 1000;
-        *sizes.select_nth_unstable_by(place, f32::total_cmp).1
+fn typical(sizes: impl Iterator<Item = f32>, valid: &Image<u8>) -> f32 {
+    let valid = sizes.zip(valid.values()).filter(|&(size, &valid)| valid != 0 && size.is_finite());
+    let mut sizes: Vec<f32> = valid.map(|(size, _)| size).collect();
+    if sizes.is_empty() {
+        return 0.0;
     }
+    let place = (sizes.len() - 1) * 999 / 1000;
+    *sizes.select_nth_unstable_by(place, f32::total_cmp).1
 }
 
 fn outside(error: &ImageError, region: Rect, frame: &Frame) -> SinkError {

@@ -2,7 +2,10 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Frame, Image, Pixels};
-use fingervision_touch::{Flags, Reading};
+use fingervision_touch::{Flags, Reading, TractionGrid};
+
+/// Columns and rows of the grid of tractions.
+pub(crate) const TRACTION_SIZE: (usize, usize) = (5, 3);
 
 /// One press of `frames` frames, seen on a region of `width` by `height` px in a camera image 15 px larger all round.
 pub(crate) struct Press {
@@ -54,12 +57,26 @@ impl Press {
             flow,
             deviation: Image::filled(width, height, 0.05),
             density: Some(Image::from_fn(width, height, |x, y| 0.1 * depth.at(x, y))),
+            depth_deviation: Some(Image::from_fn(width, height, |x, _| if x == 0 { f32::INFINITY } else { 0.02 })),
+            contact: Some(Image::from_fn(width, height, |x, y| u8::from(strength > 0.0 && height_of(x, y) > 0.6))),
+            displacement: Some(
+                [0.1, -0.2, 1.0].map(|part| Image::from_fn(width, height, |x, y| part * depth.at(x, y))),
+            ),
+            traction: Some(Self::traction(strength)),
             depth: Some(depth),
             valid,
             max_depth_mm: Some(1.83 * strength),
             contact_area_mm2: Some(41.0 * strength),
             force_n: Some([0.31 * strength, -0.04 * strength, 2.7 * strength]),
+            torque_nmm: Some(-1.5 * strength),
         }
+    }
+
+    /// A grid of 5 by 3 cells, pressed in the middle.
+    fn traction(strength: f32) -> TractionGrid {
+        let part = |cell| if cell == 7 { [0.0, 0.01, 0.2 * strength] } else { [0.0; 3] };
+        let (columns, rows) = TRACTION_SIZE;
+        TractionGrid { columns, rows, cell_mm: 2.0, traction_mpa: (0..columns * rows).map(part).collect() }
     }
 
     /// Everything but a band on the left and a dark corner.

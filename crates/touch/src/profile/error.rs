@@ -23,6 +23,12 @@ pub enum ProfileError {
         /// Columns and rows of the frames, px.
         frame_size: (usize, usize),
     },
+    /// Elastic depth without the table that says where the camera is or what the gel is.
+    #[error("depth.method = \"elastic\" needs [{table}], which the profile lacks")]
+    ElasticNeeds {
+        /// The table.
+        table: &'static str,
+    },
 }
 
 impl ProfileError {
@@ -37,6 +43,12 @@ impl ProfileError {
             Self::RegionOutside { frame_size: (width, height), .. } => {
                 Some(format!("the region is [x, y, width, height]; the whole frame is [0, 0, {width}, {height}]"))
             }
+            Self::ElasticNeeds { table: "camera" } => {
+                Some("fit [camera] with `fingervision calibrate camera`, or set depth.method=density".into())
+            }
+            Self::ElasticNeeds { table } => Some(format!(
+                "describe [{table}] by size_mm, thickness_mm and poissons_ratio, or set depth.method=density"
+            )),
         }
     }
 
@@ -53,7 +65,7 @@ impl ProfileError {
     fn map_settings(self, change: impl FnOnce(SettingsError) -> SettingsError) -> Self {
         match self {
             Self::Settings(error) => Self::Settings(change(error)),
-            outside @ Self::RegionOutside { .. } => outside,
+            other @ (Self::RegionOutside { .. } | Self::ElasticNeeds { .. }) => other,
         }
     }
 

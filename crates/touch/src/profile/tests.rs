@@ -3,7 +3,7 @@ use std::fs;
 use fingervision_optics::Radial;
 
 use super::*;
-use crate::{DepthLine, PerspectiveGain, Policy};
+use crate::{DepthLine, ElasticMode, PerspectiveGain, Policy};
 
 const WHOLE: &str = r#"
 name = "left index"
@@ -29,6 +29,9 @@ finest_level = 1
 policy = "stack"
 [density]
 sigma_px = 2.5
+[elastic]
+mode = "live"
+learned = false
 "#;
 
 /// The message and the hint of what `text` is refused for.
@@ -44,7 +47,8 @@ fn every_part_is_read() {
     assert_eq!(profile.region((640, 480)).unwrap(), Rect { x: 15, y: 15, width: 610, height: 450 });
     assert!((profile.camera.unwrap().distortion.k1 - 0.01).abs() < 1e-12);
     assert_eq!(profile.gel.unwrap().youngs_modulus_mpa, Some(0.6));
-    assert_eq!(profile.depth.method, DepthMethod::Elastic);
+    assert_eq!((profile.depth.method, profile.depth_method()), (Some(DepthMethod::Elastic), DepthMethod::Elastic));
+    assert_eq!((profile.elastic.mode, profile.elastic.learned), (ElasticMode::Live, false));
     assert_eq!(profile.depth.density, Some(DepthLine { slope_mm: 15.2, intercept_mm: 0.0 }.into()));
     assert_eq!((profile.flow.finest_level, profile.references.policy), (Some(1), Policy::Stack));
     assert!((profile.mm_per_px().unwrap() - 0.0625).abs() < 1e-12);
@@ -56,6 +60,38 @@ fn every_part_may_be_absent() {
     assert_eq!(profile, Profile::default());
     assert_eq!(profile.region((640, 480)).unwrap(), Rect::whole(640, 480));
     assert_eq!(profile.mm_per_px(), None);
+}
+
+#[test]
+fn depth_is_elastic_once_camera_and_gel_are_known_unless_told_otherwise() {
+    let known = Profile::from_toml(&WHOLE.replace("method = \"elastic\"", "")).unwrap();
+    assert_eq!((known.depth.method, known.depth_method()), (None, DepthMethod::Elastic));
+    let without = |change: fn(&mut Profile)| {
+        let mut profile = known.clone();
+        change(&mut profile);
+        profile.depth_method()
+    };
+    assert_eq!(without(|profile| profile.camera = None), DepthMethod::Density);
+    assert_eq!(without(|profile| profile.gel = None), DepthMethod::Density);
+    assert_eq!(without(|profile| profile.set("depth.method", "density").unwrap()), DepthMethod::Density);
+    assert!(!known.to_toml().contains("method = \"elastic\""), "what was left open stays open");
+}
+
+#[test]
+fn elastic_depth_names_the_table_that_it_lacks() {
+    let lacking = |change: fn(&mut Profile)| {
+        let mut profile = Profile::from_toml(WHOLE).unwrap();
+        change(&mut profile);
+        let error = profile.elastic_sensor().unwrap_err();
+        (error.to_string(), error.hint().unwrap())
+    };
+    let (error, hint) = lacking(|profile| profile.camera = None);
+    assert_eq!(error, "depth.method = \"elastic\" needs [camera], which the profile lacks");
+    assert!(hint.contains("calibrate camera"), "{hint}");
+    let (error, hint) = lacking(|profile| profile.gel = None);
+    assert_eq!(error, "depth.method = \"elastic\" needs [gel], which the profile lacks");
+    assert!(hint.contains("thickness_mm") && hint.contains("depth.method=density"), "{hint}");
+    assert!(Profile::from_toml(WHOLE).unwrap().elastic_sensor().is_ok());
 }
 
 #[test]
@@ -91,7 +127,7 @@ fn an_unknown_key_is_named_with_its_line_and_a_like_one() {
     assert_eq!(hint, "did you mean flow.finest_level?");
     let (error, hint) = refusal("[contacts]");
     assert_eq!(error, "line 1: unknown key contacts");
-    assert_eq!(hint, "a profile knows name, image, camera, gel, depth, flow, references, density");
+    assert_eq!(hint, "a profile knows name, image, camera, gel, depth, flow, references, density, elastic");
     let (error, hint) = refusal("[depth]\nzzz = 1");
     assert_eq!((error.as_str(), hint.as_str()), ("line 2: unknown key depth.zzz", "depth knows method, density"));
 }

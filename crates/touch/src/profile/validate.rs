@@ -27,9 +27,12 @@ fn validate_image(image: &ImageSection) -> Result<(), ProfileError> {
 }
 
 fn validate_camera(camera: &CameraParams) -> Result<(), ProfileError> {
-    let in_table =
-        |error: CameraError| ProfileError::impossible(format!("camera.{}", error.key), error.value, error.allowed);
-    camera.validate().map_err(in_table)
+    camera.validate().map_err(impossible_camera)
+}
+
+/// A camera that cannot be, in a profile.
+pub(super) fn impossible_camera(error: CameraError) -> ProfileError {
+    ProfileError::impossible(format!("camera.{}", error.key), error.value, error.allowed)
 }
 
 fn validate_law(law: DepthLaw, has_camera: bool) -> Result<(), ProfileError> {

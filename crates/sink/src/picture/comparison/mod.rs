@@ -46,6 +46,8 @@ pub struct Comparison<'a> {
     pub seen: &'a Image<u8>,
     /// 1 where the estimate holds, 0 elsewhere.
     pub valid: &'a Image<u8>,
+    /// 1 where the estimated depth holds: the same mask, unless depth has one of its own.
+    pub depth_valid: &'a Image<u8>,
     /// 1 where the gel is touched; its border is drawn.
     pub contact: Option<&'a Image<u8>>,
     /// The frame's place in the lines of the plots.
@@ -73,7 +75,7 @@ impl Comparison<'_> {
         canvas.text(self.facts, (MARGIN, 90.0), NOTE);
 
         let outline = self.contact.map(Outline::of);
-        let row = |number: f32| {
+        let row = |number: f32, valid| {
             let top = PANEL_TOP + number * (row_height + ROW_GAP);
             let panels = [0.0, 1.0, 2.0].map(|place| {
                 let x = MARGIN + place * (COLUMN + GAP);
@@ -81,15 +83,15 @@ impl Comparison<'_> {
                 let legend = Area { x, y: top + height + 20.0, width: COLUMN, height: LEGEND_HEIGHT };
                 Panel { image, legend, scale }
             });
-            Row { panels, seen: self.seen, valid: self.valid, outline: outline.as_ref() }
+            Row { panels, seen: self.seen, valid, outline: outline.as_ref() }
         };
         let mut number = 0.0;
         if let Some(pair) = &self.depth_mm {
-            row(number).draw_depth(&mut canvas, pair);
+            row(number, self.depth_valid).draw_depth(&mut canvas, pair);
             number += 1.0;
         }
         if let Some(pair) = &self.flow_px {
-            row(number).draw_flow(&mut canvas, pair);
+            row(number, self.valid).draw_flow(&mut canvas, pair);
         }
         self.draw_plots(&mut canvas, plot_top);
         canvas.into_image()

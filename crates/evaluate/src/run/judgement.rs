@@ -1,0 +1,93 @@
+//! Which pixels of a frame are compared, and in which regions they lie.
+
+use super::array::FrameArray;
+use super::{PixelCounts, Region, Regions, RunError};
+
+/// Where an estimate holds, frame after frame, and what of it is compared.
+#[derive(Debug)]
+pub(super) struct Judgement {
+    /// 1 where the estimate holds.
+    pub(super) valid: Vec<u8>,
+    /// For each pixel of the run, a bit for each region that it lies in; 0 where it is not compared.
+    pub(super) regions: Vec<u8>,
+    pixels: [PixelCounts; 4],
+}
+
+/// A mask of a run and the arrays that it is about, each with its channels.
+pub(super) struct Judged<'a> {
+    pub(super) mask: Option<&'a FrameArray<u8>>,
+    pub(super) mask_name: &'static str,
+    pub(super) arrays: &'a [(Option<&'a FrameArray<f32>>, usize)],
+}
+
+impl Judgement {
+    /// A judgement of grids of so many pixels.
+    pub(super) fn new(pixels: usize) -> Self {
+        Self { valid: vec![0; pixels], regions: vec![0; pixels], pixels: [PixelCounts::default(); 4] }
+    }
+
+    /// Says where the frame's estimate holds.
+    ///
+    /// # Errors
+    ///
+    /// [`RunError::NotFinite`] if it holds no number where the mask says that it does.
+    pub(super) fn judge(&mut self, judged: &Judged, frame: u64) -> Result<(), RunError> {
+        match judged.mask {
+            Some(mask) => self.valid.copy_from_slice(mask.values()),
+            None => self.valid.fill(1),
+        }
+        for &(array, channels) in judged.arrays {
+            let Some(array) = array else { continue };
+            for (at, valid) in self.valid.iter_mut().enumerate().filter(|(_, valid)| **valid != 0) {
+                if is_finite(Some(array.values()), channels, at) {
+                    continue;
+                }
+                if judged.mask.is_some() {
+                    let (file, mask, width) = (array.path().to_owned(), judged.mask_name, array.size().0);
+                    return Err(RunError::NotFinite { file, mask, frame, x: at % width, y: at / width });
+                }
+                *valid = 0;
+            }
+        }
+        Ok(())
+    }
+
+    /// Says of each pixel that is compared in which regions it lies, and counts the others. `regions_of` has a bit for each
+    /// region of a pixel, seen or not.
+    pub(super) fn assign(&mut self, seen: &[u8], regions_of: impl Fn(usize) -> u8) -> Regions<PixelCounts> {
+        let mut pixels = [PixelCounts::default(); 4];
+        for (i, regions) in self.regions.iter_mut().enumerate() {
+            let all = regions_of(i);
+            for region in Region::ALL.into_iter().filter(|region| all & bit(*region) != 0) {
+                let PixelCounts { compared, hidden, not_valid } = &mut pixels[region as usize];
+                match (seen[i], self.valid[i]) {
+                    (0, _) => *hidden += 1,
+                    (_, 0) => *not_valid += 1,
+                    _ => *compared += 1,
+                }
+            }
+            *regions = if seen[i] != 0 && self.valid[i] != 0 { all } else { 0 };
+        }
+        self.pixels.iter_mut().zip(&pixels).for_each(|(sum, pixels)| sum.add(pixels));
+        by_region(&pixels)
+    }
+
+    /// The pixels of all frames.
+    pub(super) fn pixels(&self) -> Regions<PixelCounts> {
+        by_region(&self.pixels)
+    }
+}
+
+/// The bit of a region.
+pub(super) fn bit(region: Region) -> u8 {
+    1 << region as u8
+}
+
+/// Whether an array that is there holds numbers at a pixel.
+pub(super) fn is_finite(values: Option<&[f32]>, channels: usize, at: usize) -> bool {
+    values.is_none_or(|values| values[channels * at..][..channels].iter().all(|value| value.is_finite()))
+}
+
+fn by_region(pixels: &[PixelCounts; 4]) -> Regions<PixelCounts> {
+    Regions::from_fn(|region| Some(pixels[region as usize]).filter(|pixels| pixels.all() > 0))
+}

@@ -1,0 +1,191 @@
+//! Where the gel is touched, and how deep it is there.
+
+use fingervision_elastic::{GelBlock, SurfaceGrid};
+
+use super::face_search::{self, Room};
+use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, MULTIPLE};
+use super::rigid::{self, StuckFace};
+use super::surface::Surface;
+use super::{CELLS, ElasticParams};
+
+/// What a point of the gel may differ from a stuck face's motion, px at the distance of the gel: the flow's error.
+const NOISE_PX: f64 = 0.04;
+/// A face sticks if at least this part of its inner cells moves with it.
+const LEAST_MATCHING: f64 = 0.6;
+/// Rings of cells left out at the border of contact where a face's motion is fitted: walls are not the face.
+const RIM_CELLS: usize = 3;
+
+/// Looks for contact in every frame.
+#[derive(Debug)]
+pub(super) struct ContactFinder {
+    /// What was learned, unless it is not to be used.
+    network: Option<ContactNetwork>,
+    room: Room,
+    /// The size of the network's grid: the surface's, filled up to a multiple of what the network needs.
+    padded: (usize, usize),
+    constants: [f32; CONSTANTS],
+    /// From mm to the mm of training.
+    scale: f32,
+    noise_mm: f64,
+    /// Whether each cell is touched.
+    pub(super) touches: Vec<bool>,
+    /// Depth of each cell, mm.
+    pub(super) depth_mm: Vec<f32>,
+    /// The face that the gel sticks to, if there is one.
+    pub(super) face: Option<StuckFace>,
+    /// Whether a cell moves with that face.
+    on_face: Vec<bool>,
+    inner: Vec<usize>,
+    eroded: [Vec<bool>; 2],
+    scratch: Vec<f64>,
+}
+
+impl ContactFinder {
+    pub(super) fn new(surface: &Surface, gel: &GelBlock, params: ElasticParams) -> Self {
+        let SurfaceGrid { columns, rows, cell_mm } = surface.grid;
+        let padded = [columns, rows].map(|count| count.next_multiple_of(MULTIPLE).max(4 * MULTIPLE));
+        let cells = surface.grid.len();
+        // Elasticity knows no scale: every gel is brought to one size.
+        let scale = network::SIZE_MM / (cell_mm * CELLS as f64);
+        let constants = network::constants(gel.poissons_ratio, gel.thickness_mm * scale);
+        Self {
+            network: (params.learned && network::is_trained_for(gel.poissons_ratio, gel.thickness_mm * scale))
+                .then(|| ContactNetwork::new((padded[0], padded[1]))),
+            room: Room::new(cells),
+            padded: (padded[0], padded[1]),
+            constants,
+            scale: scale as f32,
+            noise_mm: NOISE_PX * surface.mm_per_px(),
+            touches: vec![false; cells],
+            depth_mm: vec![0.0; cells],
+            face: None,
+            on_face: vec![false; cells],
+            inner: Vec::with_capacity(cells),
+            eroded: [vec![false; cells], vec![false; cells]],
+            scratch: Vec::with_capacity(cells),
+        }
+    }
+
+    /// Whether depth is told by what was learned.
+    pub(super) fn is_learned(&self) -> bool {
+        self.network.is_some()
+    }
+
+    pub(super) fn rest(&mut self) {
+        self.touches.fill(false);
+        self.on_face.fill(false);
+        self.depth_mm.fill(0.0);
+        self.face = None;
+    }
+
+    /// Finds contact and its depth in what the surface shows.
+    pub(super) fn find(&mut self, surface: &Surface) {
+        if self.network.is_some() {
+            self.look(surface);
+        } else {
+            self.depth_mm.fill(0.0);
+            face_search::mark(surface, self.noise_mm, &mut self.touches, &mut self.room);
+        }
+        self.erode(surface.grid);
+        self.face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
+            .filter(|face| face.matching >= LEAST_MATCHING);
+        self.on_face.fill(false);
+        let Some(face) = self.face else {
+            if self.network.is_none() {
+                self.touches.fill(false);
+            }
+            return;
+        };
+        for cell in 0..self.depth_mm.len() {
+            if self.touches[cell] && rigid::distance_mm(surface, cell, &face.motion) < 3.0 * self.noise_mm {
+                self.on_face[cell] = true;
+                self.depth_mm[cell] = face.motion.apply(surface.centre_mm(cell))[2] as f32;
+            }
+        }
+        if self.network.is_none() {
+            // What does not move with the face has no depth of its own.
+            self.touches.copy_from_slice(&self.on_face);
+        }
+    }
+
+    /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free.
+    pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32) -> f32 {
+        match (self.touches[cell], self.on_face[cell]) {
+            (true, true) => 0.02,
+            (true, false) => 0.05 + 0.06 * self.depth_mm[cell].abs(),
+            (false, _) => 0.01 + 0.1 * around_mm.abs(),
+        }
+    }
+
+    /// Whether contact reaches the border of what the camera sees of the gel.
+    pub(super) fn is_cut(&self, surface: &Surface) -> bool {
+        surface.border().any(|cell| self.touches[cell])
+    }
+
+    /// The middle of contact where it is now, mm.
+    pub(super) fn centre_mm(&self, surface: &Surface, moved_mm: &[[f32; 3]]) -> [f64; 2] {
+        let (mut sum, mut count) = ([0.0; 2], 0.0);
+        for (cell, moved) in moved_mm.iter().enumerate().filter(|&(cell, _)| self.touches[cell]) {
+            let at = surface.centre_mm(cell);
+            for axis in 0..2 {
+                sum[axis] += at[axis] + f64::from(moved[axis]);
+            }
+            count += 1.0;
+        }
+        sum.map(|sum| if count > 0.0 { sum / count } else { 0.0 })
+    }
+
+    /// The network's depth and contact.
+    fn look(&mut self, surface: &Surface) {
+        let SurfaceGrid { columns, rows, cell_mm } = surface.grid;
+        let seen = |column: usize, row: usize| &surface.seen[row.min(rows - 1) * columns + column.min(columns - 1)];
+        let (cell_mm, scale) = (cell_mm as f32, self.scale);
+        let (padded_columns, padded_rows) = self.padded;
+        let input = |column: usize, row: usize| -> [f32; INPUTS] {
+            let here = seen(column, row);
+            let [left, right] = neighbours(column, padded_columns);
+            let [above, below] = neighbours(row, padded_rows);
+            let along_x = seen(right, row).apparent_mm[0] - seen(left, row).apparent_mm[0];
+            let along_y = seen(column, below).apparent_mm[1] - seen(column, above).apparent_mm[1];
+            let spread = along_x / ((right - left) as f32 * cell_mm) + along_y / ((below - above) as f32 * cell_mm);
+            let [x, y] = here.apparent_mm.map(|value| scale * value);
+            [2.0 * x, 2.0 * y, here.slope[0], here.slope[1], 3.0 * spread]
+        };
+        let (touches, depth) = (&mut self.touches, &mut self.depth_mm);
+        let Some(network) = &mut self.network else { return };
+        network.run(self.constants, input, |column, row, [depth_mm, odds]| {
+            if column < columns && row < rows {
+                let cell = row * columns + column;
+                touches[cell] = odds > 0.0 && depth_mm > 0.0;
+                depth[cell] = depth_mm / scale;
+            }
+        });
+    }
+
+    /// Collects the cells in contact that are at least [`RIM_CELLS`] away from its border.
+    fn erode(&mut self, grid: SurfaceGrid) {
+        let [from, to] = &mut self.eroded;
+        from.copy_from_slice(&self.touches);
+        for _ in 0..RIM_CELLS {
+            for row in 0..grid.rows {
+                for column in 0..grid.columns {
+                    let cell = row * grid.columns + column;
+                    let is_rim = column == 0 || row == 0 || column + 1 == grid.columns || row + 1 == grid.rows;
+                    to[cell] = !is_rim
+                        && from[cell]
+                        && [cell - 1, cell + 1, cell - grid.columns, cell + grid.columns]
+                            .iter()
+                            .all(|&near| from[near]);
+                }
+            }
+            std::mem::swap(from, to);
+        }
+        self.inner.clear();
+        self.inner.extend(from.iter().enumerate().filter(|(_, inner)| **inner).map(|(cell, _)| cell));
+    }
+}
+
+/// The places on both sides of one on an axis of so many, itself where there is none.
+fn neighbours(at: usize, count: usize) -> [usize; 2] {
+    [at.saturating_sub(1), (at + 1).min(count - 1)]
+}

@@ -1,0 +1,113 @@
+//! A flat face that the gel sticks to, found by its motion alone.
+//!
+//! The surface is cut into overlapping windows. The rigid motion of each is fitted, and the one with which most of the
+//! deep surface moves, to the noise of the flow, is the face. Nothing is learned and nothing else is found: neither a
+//! ball nor a face that slides.
+
+use fingervision_elastic::SurfaceGrid;
+
+use super::rigid::{self, StuckFace};
+use super::surface::Surface;
+
+/// Side of a window, cells.
+const WINDOW: usize = 12;
+/// From one window to the next, cells.
+const STEP: usize = 6;
+/// Every so many cells are looked at, along both axes.
+const SPARSE: usize = 2;
+/// A face less deep than this cannot be told from gel at rest, mm.
+const LEAST_DEPTH_MM: f64 = 0.1;
+/// Cells that a face has at least.
+const LEAST_CELLS: usize = 60;
+
+/// Marks the cells that move with the face; none are left marked if there is no face.
+pub(super) fn mark(surface: &Surface, tolerance_mm: f64, touches: &mut [bool], room: &mut Room) {
+    touches.fill(false);
+    let mut best: Option<(f64, StuckFace)> = None;
+    for (column, row) in windows(surface.grid) {
+        collect(surface, (column, row), &mut room.cells);
+        let Some(face) = rigid::fit(surface, &room.cells, tolerance_mm, &mut room.scratch) else { continue };
+        if face.residual_mm > tolerance_mm {
+            continue;
+        }
+        let score = score(surface, &face, tolerance_mm);
+        if best.is_none_or(|(most, _)| score > most) {
+            best = Some((score, face));
+        }
+    }
+    let Some((_, face)) = best else { return };
+    let moves = |cell: usize| is_on(surface, cell, &face, tolerance_mm);
+    for (cell, touches) in touches.iter_mut().enumerate() {
+        *touches = moves(cell);
+    }
+    open(surface.grid, touches, &mut room.marks);
+    if touches.iter().filter(|touches| **touches).count() < LEAST_CELLS {
+        touches.fill(false);
+    }
+}
+
+/// Scratch of a search.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Room {
+    cells: Vec<usize>,
+    scratch: Vec<f64>,
+    marks: Vec<bool>,
+}
+
+impl Room {
+    pub(super) fn new(cells: usize) -> Self {
+        Self {
+            cells: Vec::with_capacity(WINDOW * WINDOW),
+            scratch: Vec::with_capacity(WINDOW * WINDOW),
+            marks: vec![false; cells],
+        }
+    }
+}
+
+/// The upper left cells of all windows.
+fn windows(grid: SurfaceGrid) -> impl Iterator<Item = (usize, usize)> {
+    let starts = |count: usize| (0..count.saturating_sub(WINDOW - 1)).step_by(STEP);
+    starts(grid.rows).flat_map(move |row| starts(grid.columns).map(move |column| (column, row)))
+}
+
+fn collect(surface: &Surface, (column, row): (usize, usize), cells: &mut Vec<usize>) {
+    cells.clear();
+    let columns = surface.grid.columns;
+    let window = (row..row + WINDOW)
+        .step_by(SPARSE)
+        .flat_map(|row| (column..column + WINDOW).step_by(SPARSE).map(move |column| row * columns + column));
+    cells.extend(window.filter(|&cell| surface.seen[cell].trust > 0.0));
+}
+
+fn is_on(surface: &Surface, cell: usize, face: &StuckFace, tolerance_mm: f64) -> bool {
+    surface.seen[cell].trust > 0.0
+        && face.motion.apply(surface.centre_mm(cell))[2] > LEAST_DEPTH_MM
+        && rigid::distance_mm(surface, cell, &face.motion) < 2.0 * tolerance_mm
+}
+
+/// Cells that move with a face, each worth its depth up to 1 mm: gel near rest fits many motions.
+fn score(surface: &Surface, face: &StuckFace, tolerance_mm: f64) -> f64 {
+    let SurfaceGrid { columns, rows, .. } = surface.grid;
+    let cells = (0..rows).step_by(SPARSE).flat_map(|row| (0..columns).step_by(SPARSE).map(move |x| row * columns + x));
+    cells
+        .filter(|&cell| is_on(surface, cell, face, tolerance_mm))
+        .map(|cell| face.motion.apply(surface.centre_mm(cell))[2].min(1.0))
+        .sum()
+}
+
+/// Leaves marks only where a cell and its four neighbours are marked, or one of them is such a cell.
+fn open(grid: SurfaceGrid, marks: &mut [bool], inner: &mut [bool]) {
+    let SurfaceGrid { columns, rows, .. } = grid;
+    let around = |cell: usize| [cell.wrapping_sub(1), cell + 1, cell.wrapping_sub(columns), cell + columns];
+    let is_rim = |cell: usize| {
+        let (column, row) = (cell % columns, cell / columns);
+        column == 0 || row == 0 || column + 1 == columns || row + 1 == rows
+    };
+    for cell in 0..marks.len() {
+        inner[cell] = marks[cell] && !is_rim(cell) && around(cell).into_iter().all(|near| marks[near]);
+    }
+    for (cell, mark) in marks.iter_mut().enumerate() {
+        let is_beside = |near: usize| inner.get(near).copied().unwrap_or(false);
+        *mark = *mark && (inner[cell] || around(cell).into_iter().any(is_beside));
+    }
+}

@@ -1,0 +1,96 @@
+//! What the elastic inverse gives for one frame.
+
+use fingervision_elastic::{GelBlock, SurfaceGrid};
+use fingervision_image::Image;
+
+/// Everything that elasticity tells about one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElasticFields {
+    /// Depth at every pixel of the reference grid, mm, positive pressed in.
+    pub depth_mm: Image<f32>,
+    /// Expected error of the depth (one standard deviation), mm.
+    pub deviation_mm: Image<f32>,
+    /// 1 where the gel touches something, on the reference grid.
+    pub contact: Image<u8>,
+    /// 1 where the pixel shows the gel's surface.
+    pub on_gel: Image<u8>,
+    /// Traction on the gel, `MPa`, on a grid of cells over its surface; none without Young's modulus.
+    pub traction_mpa: Option<TractionGrid>,
+    /// Area of contact in the undeformed surface, mm².
+    pub contact_area_mm2: f32,
+    /// Force on the gel `(x, y, z)`, N; none without Young's modulus.
+    pub force_n: Option<[f32; 3]>,
+    /// Torque on the gel about the z axis through the centre of contact, N mm; none without Young's modulus.
+    pub torque_nmm: Option<f32>,
+    /// Whether the gel is strained beyond the linear range.
+    pub is_beyond_linear: bool,
+    /// Whether contact reaches the border of what the camera sees.
+    pub is_cut: bool,
+    /// Whether the flow cannot be that of this gel before this camera.
+    pub is_misfit: bool,
+}
+
+/// A field of tractions over the gel's surface: row by row, the surface's centre in the grid's middle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TractionGrid {
+    /// Cells along x.
+    pub columns: usize,
+    /// Cells along y.
+    pub rows: usize,
+    /// Side of a cell, mm.
+    pub cell_mm: f64,
+    /// Traction `(x, y, z)` of each cell, `MPa`.
+    pub traction_mpa: Vec<[f32; 3]>,
+}
+
+impl ElasticFields {
+    /// An untouched gel.
+    pub(crate) fn at_rest(
+        gel: &GelBlock,
+        grid: SurfaceGrid,
+        (width, height): (usize, usize),
+        shows: impl Fn(usize) -> bool,
+    ) -> Self {
+        let SurfaceGrid { columns, rows, cell_mm } = grid;
+        let has_force = gel.youngs_modulus_mpa.is_some();
+        let mut fields = Self {
+            depth_mm: Image::filled(width, height, 0.0),
+            deviation_mm: Image::filled(width, height, 0.0),
+            contact: Image::filled(width, height, 0),
+            on_gel: Image::from_fn(width, height, |x, y| u8::from(shows(y * width + x))),
+            traction_mpa: has_force.then(|| TractionGrid {
+                columns,
+                rows,
+                cell_mm,
+                traction_mpa: vec![[0.0; 3]; columns * rows],
+            }),
+            contact_area_mm2: 0.0,
+            force_n: has_force.then_some([0.0; 3]),
+            torque_nmm: has_force.then_some(0.0),
+            is_beyond_linear: false,
+            is_cut: false,
+            is_misfit: false,
+        };
+        fields.rest();
+        fields
+    }
+
+    /// Sets everything to what it is on an untouched gel.
+    pub(crate) fn rest(&mut self) {
+        self.depth_mm.values_mut().fill(0.0);
+        for (deviation, &on_gel) in self.deviation_mm.values_mut().iter_mut().zip(self.on_gel.values()) {
+            *deviation = if on_gel == 1 { REST_DEVIATION_MM } else { f32::INFINITY };
+        }
+        self.contact.values_mut().fill(0);
+        self.contact_area_mm2 = 0.0;
+        if let Some(grid) = &mut self.traction_mpa {
+            grid.traction_mpa.fill([0.0; 3]);
+        }
+        self.force_n = self.force_n.map(|_| [0.0; 3]);
+        self.torque_nmm = self.torque_nmm.map(|_| 0.0);
+        (self.is_beyond_linear, self.is_cut, self.is_misfit) = (false, false, false);
+    }
+}
+
+/// Depth that a gel can have without being seen to move, mm.
+const REST_DEVIATION_MM: f32 = 0.02;

@@ -1,0 +1,246 @@
+//! Depth, 3-D displacement and force from the flow, by perspective and the gel's elasticity.
+//!
+//! The camera tells two numbers of every point, and the point has three unknowns ([`surface`]). Elasticity gives the
+//! third:
+//!
+//! 1. Where the gel is touched and how deep it is are looked for with the help of a small network that learned it from
+//!    simulated presses ([`network`]). Around contact it corrects linear elasticity for large strain.
+//! 2. A face that the gel sticks to moves as one rigid piece: where that explains the flow to its noise, perspective
+//!    fixes the depth of the face far more sharply than anything else ([`rigid`]).
+//! 3. Tractions are found that give the gel in contact the displacement it has; outside contact there are none
+//!    ([`traction`]). They make the force and the torque, tell whether the gel is the one that was described, and are
+//!    all that tells of the gel around contact where nothing learned is used.
+//!
+//! Elasticity is linear, that of a block with free sides, bonded at its base. The solution is that of small strain: beyond
+//! a depth of about a fifth of the thickness it is an approximation.
+
+mod contact;
+mod face_search;
+mod fields;
+mod network;
+mod params;
+mod rigid;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod traction;
+
+pub use fields::{ElasticFields, TractionGrid};
+pub use params::{ElasticMode, ElasticParams};
+
+use contact::ContactFinder;
+use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
+use fingervision_flow::FlowField;
+use fingervision_image::Image;
+use fingervision_optics::Camera;
+use surface::Surface;
+use traction::{Limits, Tractions};
+
+use crate::TrackError;
+
+/// Cells along the gel's longer side.
+const CELLS: usize = 120;
+/// The gel is taken for untouched where no point of it seems to move by more than this, px.
+const STILL_PX: f64 = 0.15;
+/// Relative stiffening of a neo-Hookean block by depth over thickness: the mean over presses of a circle, a square and a
+/// sphere, ν .35 and .48, where linear forces are some 4 % low at a depth of a fifth of the thickness.
+const STIFFENING: f64 = 0.17;
+/// Depth over thickness beyond which the flag for large strain is raised.
+const LINEAR_RANGE: f64 = 0.25;
+/// Part of the motion around contact that may stay unexplained.
+const MOST_UNEXPLAINED: f64 = 0.9;
+/// Motion around contact below which nothing is said about the gel, px, root mean square.
+const TELLING_PX: f64 = 0.3;
+
+/// Finds what presses the gel from how its surface moves in the image.
+///
+/// Owns all scratch: no call of [`ElasticDepth::solve`] allocates. A frame's answer depends on the frames before it only
+/// through where the solver begins, within its tolerance.
+#[derive(Debug)]
+pub struct ElasticDepth {
+    gel: GelBlock,
+    surface: Surface,
+    contact: ContactFinder,
+    tractions: Tractions,
+    limits: Limits,
+    wanted_mm: Vec<[f32; 3]>,
+    /// A field of the cells on its way to the pixels.
+    cells: Vec<f32>,
+    plane: Image<f32>,
+    fields: ElasticFields,
+}
+
+impl ElasticDepth {
+    /// For one gel before one camera; `size` is that of the reference grid, px.
+    ///
+    /// # Errors
+    ///
+    /// [`TrackError::NoSurface`] if the camera sees no point of the gel, [`TrackError::Gel`] if its elasticity cannot be
+    /// had.
+    pub fn new(
+        camera: &Camera,
+        gel: &GelBlock,
+        size: (usize, usize),
+        params: &ElasticParams,
+    ) -> Result<Self, TrackError> {
+        let surface = Surface::new(camera, gel, size, CELLS).ok_or(TrackError::NoSurface)?;
+        let operator = BlockOperator::new(gel, surface.grid)?;
+        let limits = match params.mode {
+            ElasticMode::Exact => Limits { tolerance: 1e-3, most_iterations: 30 },
+            ElasticMode::Live => Limits { tolerance: 1e-2, most_iterations: 2 },
+        };
+        let fields = ElasticFields::at_rest(gel, surface.grid, size, |pixel| surface.shows(pixel));
+        let cells = surface.grid.len();
+        Ok(Self {
+            gel: *gel,
+            contact: ContactFinder::new(&surface, gel, *params),
+            surface,
+            tractions: Tractions::new(operator),
+            limits,
+            wanted_mm: vec![[0.0; 3]; cells],
+            cells: vec![0.0; cells],
+            plane: Image::filled(size.0, size.1, 0.0),
+            fields,
+        })
+    }
+
+    /// The fields of one frame, from its flow, px, and where that holds.
+    ///
+    /// # Panics
+    ///
+    /// If the fields are not of the size that was given.
+    pub fn solve(&mut self, flow: &FlowField, valid: &Image<u8>) -> &ElasticFields {
+        self.surface.look(flow, valid);
+        let still_mm = STILL_PX * self.surface.mm_per_px();
+        if self.surface.largest_apparent_mm() < still_mm {
+            self.rest();
+            return &self.fields;
+        }
+        self.contact.find(&self.surface);
+        self.hold();
+        self.write_depth();
+        self.write_contact();
+        self.write_force();
+        &self.fields
+    }
+
+    /// The fields of the last frame; before the first one those of a gel at rest.
+    #[must_use]
+    pub fn fields(&self) -> &ElasticFields {
+        &self.fields
+    }
+
+    /// Displacement `(x, y, z)`, mm, at every pixel, from the last frame's depth and its flow: each point lies on the ray
+    /// of the pixel where it is seen, at its depth. Zero where the pixel does not show the gel.
+    pub fn displacement_into(&self, flow: &FlowField, displacement_mm: &mut [Image<f32>; 3]) {
+        let [x_mm, y_mm, z_mm] = displacement_mm;
+        z_mm.copy_from(&self.fields.depth_mm);
+        let width = flow.u.width();
+        let depths = self.fields.depth_mm.values();
+        let flows = flow.u.values().iter().zip(flow.v.values()).zip(depths).enumerate();
+        let targets = x_mm.values_mut().iter_mut().zip(y_mm.values_mut());
+        for ((x_mm, y_mm), (pixel, ((&u, &v), &depth))) in targets.zip(flows) {
+            let at = [(pixel % width) as f64, (pixel / width) as f64];
+            let lateral = self
+                .surface
+                .shows(pixel)
+                .then(|| self.surface.lateral_mm(at, [f64::from(u), f64::from(v)], f64::from(depth)));
+            [*x_mm, *y_mm] = lateral.flatten().unwrap_or([0.0; 2]).map(|value| value as f32);
+        }
+    }
+
+    fn rest(&mut self) {
+        self.tractions.rest();
+        self.contact.rest();
+        self.fields.rest();
+    }
+
+    /// Tractions that give the gel in contact its displacement.
+    fn hold(&mut self) {
+        for ((wanted, seen), &depth) in self.wanted_mm.iter_mut().zip(&self.surface.seen).zip(&self.contact.depth_mm) {
+            let [x, y] = [0, 1].map(|axis| seen.apparent_mm[axis] - seen.slope[axis] * depth);
+            *wanted = [x, y, depth];
+        }
+        self.tractions.hold(&self.contact.touches, &self.wanted_mm, self.limits);
+    }
+
+    fn write_depth(&mut self) {
+        let moved = &self.tractions.displacement_mm;
+        let is_learned = self.contact.is_learned();
+        for (cell, value) in self.cells.iter_mut().enumerate() {
+            let is_told = is_learned || self.contact.touches[cell];
+            *value = if is_told { self.contact.depth_mm[cell] } else { moved[cell][2] };
+        }
+        self.surface.to_pixels(&self.cells, 0.0, &mut self.fields.depth_mm);
+        for (cell, value) in self.cells.iter_mut().enumerate() {
+            *value = self.contact.deviation_mm(cell, moved[cell][2]);
+        }
+        self.surface.to_pixels(&self.cells, f32::INFINITY, &mut self.fields.deviation_mm);
+    }
+
+    fn write_contact(&mut self) {
+        for (value, &touches) in self.cells.iter_mut().zip(&self.contact.touches) {
+            *value = f32::from(u8::from(touches));
+        }
+        self.surface.to_pixels(&self.cells, 0.0, &mut self.plane);
+        for (contact, &share) in self.fields.contact.values_mut().iter_mut().zip(self.plane.values()) {
+            *contact = u8::from(share > 0.5);
+        }
+        let touched = self.contact.touches.iter().filter(|touches| **touches).count();
+        let SurfaceGrid { cell_mm, .. } = self.surface.grid;
+        self.fields.contact_area_mm2 = (touched as f64 * cell_mm * cell_mm) as f32;
+        self.fields.is_beyond_linear = self.deepest_mm() > LINEAR_RANGE * self.gel.thickness_mm;
+        self.fields.is_cut = self.contact.is_cut(&self.surface);
+        self.fields.is_misfit = self.is_misfit();
+    }
+
+    fn deepest_mm(&self) -> f64 {
+        let depths = self.contact.depth_mm.iter().zip(&self.contact.touches).filter(|(_, touches)| **touches);
+        f64::from(depths.map(|(&depth, _)| depth).fold(0.0, f32::max))
+    }
+
+    /// Whether the motion around contact, along the surface, is not what the tractions make there.
+    fn is_misfit(&self) -> bool {
+        let (mut left, mut all, mut count) = (0.0, 0.0, 0.0);
+        let cells = self.surface.seen.iter().zip(&self.tractions.displacement_mm).zip(&self.contact.touches);
+        for ((seen, moved), _) in cells.filter(|((seen, _), touches)| seen.trust > 0.5 && !**touches) {
+            for axis in 0..2 {
+                let explained = moved[axis] + seen.slope[axis] * moved[2];
+                left += f64::from(seen.apparent_mm[axis] - explained).powi(2);
+                all += f64::from(seen.apparent_mm[axis]).powi(2);
+            }
+            count += 1.0;
+        }
+        let telling_mm = TELLING_PX * self.surface.mm_per_px();
+        all > count * telling_mm * telling_mm && left > MOST_UNEXPLAINED.powi(2) * all
+    }
+
+    fn write_force(&mut self) {
+        let Some(modulus) = self.gel.youngs_modulus_mpa else { return };
+        let shear_modulus = modulus / (2.0 * (1.0 + self.gel.poissons_ratio));
+        let stiffened = shear_modulus * (1.0 + STIFFENING * self.deepest_mm() / self.gel.thickness_mm);
+        let area = self.surface.grid.cell_mm.powi(2);
+        let centre = self.contact.centre_mm(&self.surface, &self.wanted_mm);
+        let (mut force, mut torque) = ([0.0; 3], 0.0);
+        for (cell, traction) in self.tractions.traction.iter().enumerate() {
+            if !self.contact.touches[cell] {
+                continue;
+            }
+            let traction = traction.map(|value| stiffened * f64::from(value));
+            let [x, y] = self.surface.centre_mm(cell);
+            let moved = &self.wanted_mm[cell];
+            let arm = [x + f64::from(moved[0]) - centre[0], y + f64::from(moved[1]) - centre[1]];
+            for axis in 0..3 {
+                force[axis] += area * traction[axis];
+            }
+            torque += area * (arm[0] * traction[1] - arm[1] * traction[0]);
+        }
+        self.fields.force_n = Some(force.map(|value| value as f32));
+        self.fields.torque_nmm = Some(torque as f32);
+        if let Some(grid) = &mut self.fields.traction_mpa {
+            for (target, traction) in grid.traction_mpa.iter_mut().zip(&self.tractions.traction) {
+                *target = traction.map(|value| (stiffened * f64::from(value)) as f32);
+            }
+        }
+    }
+}

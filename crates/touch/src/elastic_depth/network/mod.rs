@@ -1,0 +1,172 @@
+//! What was learned from simulated presses: where the gel is touched, and how deep it is there.
+//!
+//! A convolutional network in the shape of a U: it looks at the apparent motion of the surface and at the rays along
+//! which it is seen, in mm, at three resolutions, and tells depth and contact at every cell. It was trained on presses of
+//! random bodies, gels and cameras by our own simulator alone (`learn/`), none of them a ready-made scene.
+//!
+//! Sums are not fused and their order is fixed: every instruction set gives the same bits.
+
+mod convolution;
+mod plane;
+#[cfg(test)]
+mod tests;
+
+use fearless_simd::Level;
+
+use convolution::{Convolution, Shape, Then};
+use plane::Plane;
+
+/// Weights and biases, as `learn/export.py` writes them: three numbers of channels as little-endian u32, then f32.
+const WEIGHTS: &[u8] = include_bytes!("../../../weights/contact.bin");
+/// Inputs at every cell: apparent motion (x, y), slope of the ray (x, y), divergence of the motion.
+pub(super) const INPUTS: usize = 5;
+/// Inputs that are the same for all cells: material, cell and thickness.
+pub(super) const CONSTANTS: usize = 3;
+/// Side of the gel that all others are scaled to, mm.
+pub(super) const SIZE_MM: f64 = 30.0;
+
+/// The inputs that are the same for all cells, for a gel scaled to a side of [`SIZE_MM`].
+pub(super) fn constants(poissons_ratio: f64, thickness_mm: f64) -> [f32; CONSTANTS] {
+    [(poissons_ratio - 0.42) * 8.0, 0.0, (thickness_mm - 10.0) / 3.0].map(|value| value as f32)
+}
+
+/// Whether presses of such a gel, scaled to a side of [`SIZE_MM`], were among those learned from.
+pub(super) fn is_trained_for(poissons_ratio: f64, thickness_mm: f64) -> bool {
+    (0.29..=0.5).contains(&poissons_ratio) && (6.0..=15.0).contains(&thickness_mm)
+}
+
+/// Depth and the logarithm of the odds of contact.
+const OUTPUTS: usize = 2;
+/// Sides of the grid must be multiples of this.
+pub(super) const MULTIPLE: usize = 8;
+
+/// The network with room for one grid.
+#[derive(Debug, Clone)]
+pub(super) struct ContactNetwork {
+    level: Level,
+    layers: Layers,
+    input: Plane,
+    fine: [Plane; 2],
+    middle: [Plane; 2],
+    coarse: [Plane; 2],
+    middle_joined: Plane,
+    fine_joined: Plane,
+    output: Plane,
+}
+
+#[derive(Debug, Clone)]
+struct Layers {
+    enter: [Convolution; 2],
+    down: [Convolution; 2],
+    deep: [Convolution; 3],
+    up: [Convolution; 2],
+    leave: [Convolution; 2],
+    output: Convolution,
+}
+
+impl ContactNetwork {
+    /// Room for a grid of cells, both sides multiples of [`MULTIPLE`] and at least four times that.
+    pub(super) fn new((columns, rows): (usize, usize)) -> Self {
+        let (channels, layers) = Layers::read(WEIGHTS);
+        let [fine, middle, coarse] = channels;
+        let plane = |part: usize, channels: usize| Plane::new((columns / part, rows / part), channels);
+        let pair = |part: usize, channels: usize| [plane(part, channels), plane(part, channels)];
+        Self {
+            level: Level::new(),
+            input: plane(2, 4 * INPUTS + CONSTANTS),
+            fine: pair(2, fine),
+            middle: pair(4, middle),
+            coarse: pair(8, coarse),
+            middle_joined: plane(4, coarse + middle),
+            fine_joined: plane(2, middle + fine),
+            output: plane(2, 4 * OUTPUTS),
+            layers,
+        }
+    }
+
+    /// Depth, mm, and the logarithm of the odds of contact for every cell, row by row, from what `input` gives for a cell
+    /// `(column, row)`.
+    pub(super) fn run(
+        &mut self,
+        constants: [f32; CONSTANTS],
+        input: impl Fn(usize, usize) -> [f32; INPUTS],
+        mut write: impl FnMut(usize, usize, [f32; OUTPUTS]),
+    ) {
+        self.load(constants, input);
+        self.forward();
+        for row in 0..self.output.rows {
+            for (column, cell) in self.output.row(row).chunks_exact(4 * OUTPUTS).enumerate() {
+                for part in 0..4 {
+                    write(
+                        2 * column + part % 2,
+                        2 * row + part / 2,
+                        std::array::from_fn(|output| cell[4 * output + part]),
+                    );
+                }
+            }
+        }
+    }
+
+    fn load(&mut self, constants: [f32; CONSTANTS], input: impl Fn(usize, usize) -> [f32; INPUTS]) {
+        for row in 0..self.input.rows {
+            for (column, cell) in self.input.row_mut(row).chunks_exact_mut(4 * INPUTS + CONSTANTS).enumerate() {
+                for part in 0..4 {
+                    for (channel, value) in input(2 * column + part % 2, 2 * row + part / 2).into_iter().enumerate() {
+                        cell[4 * channel + part] = value;
+                    }
+                }
+                cell[4 * INPUTS..].copy_from_slice(&constants);
+            }
+        }
+    }
+
+    fn forward(&mut self) {
+        use Then::{Keep, Rectify, RectifyAndAdd};
+        let (level, layers) = (self.level, &self.layers);
+        let [fine, fine_kept] = &mut self.fine;
+        let [middle, middle_kept] = &mut self.middle;
+        let [coarse, coarse_kept] = &mut self.coarse;
+        layers.enter[0].apply(level, &self.input, fine, Rectify);
+        layers.enter[1].apply(level, fine, fine_kept, RectifyAndAdd);
+        layers.down[0].apply(level, fine_kept, middle, Rectify);
+        layers.down[1].apply(level, middle, middle_kept, RectifyAndAdd);
+        layers.deep[0].apply(level, middle_kept, coarse, Rectify);
+        layers.deep[1].apply(level, coarse, coarse_kept, RectifyAndAdd);
+        layers.deep[2].apply(level, coarse_kept, coarse, RectifyAndAdd);
+        self.middle_joined.join(coarse, middle_kept);
+        layers.up[0].apply(level, &self.middle_joined, middle, Rectify);
+        layers.up[1].apply(level, middle, middle_kept, RectifyAndAdd);
+        self.fine_joined.join(middle_kept, fine_kept);
+        layers.leave[0].apply(level, &self.fine_joined, fine, Rectify);
+        layers.leave[1].apply(level, fine, fine_kept, RectifyAndAdd);
+        layers.output.apply(level, fine_kept, &mut self.output, Keep);
+    }
+}
+
+impl Layers {
+    /// The three numbers of channels and the layers of a file of weights.
+    fn read(file: &[u8]) -> ([usize; 3], Self) {
+        let (words, rest) = file.as_chunks::<4>();
+        assert!(rest.is_empty(), "a file of weights is whole words");
+        let channels = [0, 1, 2].map(|i| u32::from_le_bytes(words[i]) as usize);
+        let values: Vec<f32> = words[3..].iter().map(|&word| f32::from_le_bytes(word)).collect();
+        let mut left = values.as_slice();
+        let mut next = |inputs, outputs, side, stride| {
+            let shape = Shape { inputs, outputs, side, stride };
+            let (own, others) = left.split_at(shape.len());
+            left = others;
+            Convolution::new(shape, own)
+        };
+        let [fine, middle, coarse] = channels;
+        let layers = Self {
+            enter: [next(4 * INPUTS + CONSTANTS, fine, 3, 1), next(fine, fine, 3, 1)],
+            down: [next(fine, middle, 3, 2), next(middle, middle, 3, 1)],
+            deep: [next(middle, coarse, 3, 2), next(coarse, coarse, 3, 1), next(coarse, coarse, 3, 1)],
+            up: [next(middle + coarse, middle, 3, 1), next(middle, middle, 3, 1)],
+            leave: [next(fine + middle, fine, 3, 1), next(fine, fine, 3, 1)],
+            output: next(fine, 4 * OUTPUTS, 1, 1),
+        };
+        assert!(left.is_empty(), "a file of weights holds the layers and nothing else");
+        (channels, layers)
+    }
+}

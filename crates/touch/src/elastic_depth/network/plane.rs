@@ -1,0 +1,53 @@
+//! A stack of channels over a grid, with a rim of zeros.
+
+/// `channels` values at every cell of a grid, side by side, and one ring of cells around it that stays zero: what a
+/// convolution of 3×3 reads beyond the border.
+#[derive(Debug, Clone)]
+pub(super) struct Plane {
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    pub(super) channels: usize,
+    values: Vec<f32>,
+}
+
+impl Plane {
+    pub(super) fn new((columns, rows): (usize, usize), channels: usize) -> Self {
+        Self { columns, rows, channels, values: vec![0.0; (columns + 2) * (rows + 2) * channels] }
+    }
+
+    /// From one row of the grid to the next.
+    pub(super) fn stride(&self) -> usize {
+        (self.columns + 2) * self.channels
+    }
+
+    /// All values, the rim included.
+    pub(super) fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// The cells of a row without its rim.
+    pub(super) fn row(&self, row: usize) -> &[f32] {
+        &self.values[(row + 1) * self.stride() + self.channels..][..self.columns * self.channels]
+    }
+
+    /// The cells of a row without its rim, to be written.
+    pub(super) fn row_mut(&mut self, row: usize) -> &mut [f32] {
+        let start = (row + 1) * self.stride() + self.channels;
+        &mut self.values[start..][..self.columns * self.channels]
+    }
+
+    /// Writes a coarser plane, each of its cells over 2×2 of this one's, followed by the channels of an equal one.
+    pub(super) fn join(&mut self, coarse: &Self, fine: &Self) {
+        let split = coarse.channels;
+        for row in 0..self.rows {
+            let (coarse, fine) = (coarse.row(row / 2), fine.row(row));
+            let channels = self.channels;
+            for (column, cell) in self.row_mut(row).chunks_exact_mut(channels).enumerate() {
+                let (left, right) = cell.split_at_mut(split);
+                left.copy_from_slice(&coarse[column / 2 * split..][..split]);
+                let rest = right.len();
+                right.copy_from_slice(&fine[column * rest..][..rest]);
+            }
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Tests of the network.
+
+use super::convolution::{Convolution, Shape, Then};
+use super::plane::Plane;
+use super::*;
+
+/// Numbers without a pattern, from −1 to 1.
+fn scatter(seed: usize) -> f32 {
+    let mixed = (seed as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    ((mixed ^ (mixed >> 29)) % 20_001) as f32 / 10_000.0 - 1.0
+}
+
+fn filled(size: (usize, usize), channels: usize) -> Plane {
+    let mut plane = Plane::new(size, channels);
+    for row in 0..size.1 {
+        for (at, value) in plane.row_mut(row).iter_mut().enumerate() {
+            *value = scatter(1000 * row + at);
+        }
+    }
+    plane
+}
+
+/// A layer as its definition says, one sum at a time.
+fn slow(shape: Shape, values: &[f32], from: &Plane, (column, row): (usize, usize), output: usize) -> f64 {
+    let Shape { inputs, outputs, side, stride } = shape;
+    let mut sum = f64::from(values[outputs * inputs * side * side + output]);
+    for (tap_row, tap_column) in (0..side).flat_map(|i| (0..side).map(move |j| (i, j))) {
+        let inside = |place: usize, count: usize| place.checked_sub(side / 2).filter(|&place| place < count);
+        let y = inside(row * stride + tap_row, from.rows);
+        let x = inside(column * stride + tap_column, from.columns);
+        let (Some(x), Some(y)) = (x, y) else { continue };
+        for input in 0..inputs {
+            let weight = values[((output * inputs + input) * side + tap_row) * side + tap_column];
+            sum += f64::from(weight) * f64::from(from.row(y)[x * inputs + input]);
+        }
+    }
+    sum
+}
+
+#[test]
+fn a_layer_is_the_sum_of_its_definition() {
+    for (side, stride, inputs, outputs) in [(3, 1, 5, 16), (3, 2, 7, 20), (1, 1, 6, 8), (3, 1, 16, 33)] {
+        let shape = Shape { inputs, outputs, side, stride };
+        let values: Vec<_> = (0..shape.len()).map(scatter).collect();
+        let from = filled((12, 10), inputs);
+        let mut to = Plane::new((12 / stride, 10 / stride), outputs);
+        Convolution::new(shape, &values).apply(Level::new(), &from, &mut to, Then::Keep);
+        for (row, column, output) in [(0, 0, 0), (1, 2, outputs - 1), (to.rows - 1, to.columns - 1, outputs / 2)] {
+            let expected = slow(shape, &values, &from, (column, row), output);
+            let found = f64::from(to.row(row)[column * outputs + output]);
+            assert!((found - expected).abs() < 1e-4 * (1.0 + expected.abs()), "{shape:?}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_layer_that_adds_keeps_what_went_in() {
+    let shape = Shape { inputs: 16, outputs: 16, side: 3, stride: 1 };
+    let from = filled((8, 8), 16);
+    let mut to = Plane::new((8, 8), 16);
+    Convolution::new(shape, &vec![0.0; shape.len()]).apply(Level::new(), &from, &mut to, Then::RectifyAndAdd);
+    assert_eq!(to.row(3), from.row(3));
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_bits() {
+    let run = |level: Level| {
+        let mut network = ContactNetwork::new((40, 32));
+        network.level = level;
+        let mut told = Vec::new();
+        let input = |column: usize, row: usize| std::array::from_fn(|k| 0.1 * scatter(977 * row + 31 * column + k));
+        network.run([0.2, 0.0, 0.0], input, |_, _, outputs| told.extend(outputs.map(f32::to_bits)));
+        told
+    };
+    assert_eq!(run(Level::new()), run(Level::baseline()));
+}

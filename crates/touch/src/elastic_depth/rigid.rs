@@ -1,0 +1,158 @@
+//! The motion of a face that the gel sticks to.
+//!
+//! Gel that sticks to a flat face from the first touch moves with it as one rigid piece: six numbers tell the depth of
+//! every point, and the camera sees each point on a ray. With the points at rest `X`, rotated by R and moved by T,
+//!
+//! ```text
+//! (R X + T − X)_xy + a (R X + T)_z = b
+//! ```
+//!
+//! is fitted by Gauss–Newton with Tukey's weights [Huber1981]. What matches to the noise of the flow is held by the face:
+//! free gel strains by far more.
+
+use super::surface::Surface;
+
+/// A rigid motion of gel space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Motion {
+    rotation: [[f64; 3]; 3],
+    translation_mm: [f64; 3],
+}
+
+/// A face that the gel sticks to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct StuckFace {
+    pub(super) motion: Motion,
+    /// Median distance between a point's ray and where the motion puts it, mm.
+    pub(super) residual_mm: f64,
+    /// Which part of the points matches, 0 to 1.
+    pub(super) matching: f64,
+}
+
+/// A point at rest and what the camera tells of it.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    rest: [f64; 2],
+    apparent: [f64; 2],
+    slope: [f64; 2],
+}
+
+/// Rounds of reweighting.
+const ROUNDS: usize = 8;
+/// Points that a fit needs at least.
+const LEAST_POINTS: usize = 30;
+
+impl Motion {
+    const NONE: Self = Self { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation_mm: [0.0; 3] };
+
+    /// Where a point of the undeformed surface goes, mm.
+    pub(super) fn apply(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.rotation[i][0] * x + self.rotation[i][1] * y + self.translation_mm[i])
+    }
+
+    fn turned(&self, step: [f64; 6]) -> Self {
+        let turn = from_vector([step[0], step[1], step[2]]);
+        let product = |i: usize, j: usize| (0..3).map(|k| turn[i][k] * self.rotation[k][j]).sum();
+        Self {
+            rotation: std::array::from_fn(|i| std::array::from_fn(|j| product(i, j))),
+            translation_mm: std::array::from_fn(|i| self.translation_mm[i] + step[3 + i]),
+        }
+    }
+}
+
+/// Distance between where a motion puts a cell and where the camera sees it, mm.
+pub(super) fn distance_mm(surface: &Surface, cell: usize, motion: &Motion) -> f64 {
+    let [x, y] = residual(&point(surface, cell), motion);
+    x.hypot(y)
+}
+
+/// Fits the motion of a face to some cells of the surface; none where they are too few or do not fix it.
+pub(super) fn fit(surface: &Surface, cells: &[usize], tolerance_mm: f64, scratch: &mut Vec<f64>) -> Option<StuckFace> {
+    if cells.len() < LEAST_POINTS {
+        return None;
+    }
+    let mut motion = Motion::NONE;
+    let mut scale = f64::INFINITY;
+    for _ in 0..ROUNDS {
+        motion = motion.turned(step(surface, cells, &motion, scale)?);
+        scratch.clear();
+        scratch.extend(cells.iter().map(|&cell| distance_mm(surface, cell, &motion)));
+        let middle = scratch.len() / 2;
+        let median = *scratch.select_nth_unstable_by(middle, f64::total_cmp).1;
+        scale = (1.5 * median).max(tolerance_mm);
+    }
+    let middle = scratch.len() / 2;
+    let residual_mm = *scratch.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let matching = scratch.iter().filter(|&&distance| distance < 3.0 * tolerance_mm).count() as f64;
+    Some(StuckFace { motion, residual_mm, matching: matching / cells.len() as f64 })
+}
+
+fn point(surface: &Surface, cell: usize) -> Point {
+    let seen = &surface.seen[cell];
+    Point { rest: surface.centre_mm(cell), apparent: seen.apparent_mm.map(f64::from), slope: seen.slope.map(f64::from) }
+}
+
+fn residual(point: &Point, motion: &Motion) -> [f64; 2] {
+    let to = motion.apply(point.rest);
+    [0, 1].map(|axis| to[axis] - point.rest[axis] + point.slope[axis] * to[2] - point.apparent[axis])
+}
+
+/// One step of Gauss–Newton with weights for residuals of this scale: a rotation and a translation.
+fn step(surface: &Surface, cells: &[usize], motion: &Motion, scale: f64) -> Option<[f64; 6]> {
+    let (mut matrix, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
+    for &cell in cells {
+        let point = point(surface, cell);
+        let [rx, ry] = residual(&point, motion);
+        let outlying = (rx * rx + ry * ry) / (3.0 * scale).powi(2);
+        let weight = if outlying < 1.0 { (1.0 - outlying).powi(2) } else { 0.0 };
+        let to = motion.apply(point.rest);
+        let [x, y, z] = [0, 1, 2].map(|i| to[i] - motion.translation_mm[i]);
+        let [a, b] = point.slope;
+        // A small turn w moves the point by w × (x, y, z).
+        let rows = [[a * y, z - a * x, -y, 1.0, 0.0, a], [b * y - z, -b * x, x, 0.0, 1.0, b]];
+        for (row, residual) in rows.iter().zip([rx, ry]) {
+            for i in 0..6 {
+                right[i] -= weight * row[i] * residual;
+                for j in 0..6 {
+                    matrix[i][j] += weight * row[i] * row[j];
+                }
+            }
+        }
+    }
+    solve(matrix, right)
+}
+
+/// Cholesky; none where the matrix is singular to rounding.
+fn solve(mut matrix: [[f64; 6]; 6], mut right: [f64; 6]) -> Option<[f64; 6]> {
+    let largest = (0..6).map(|i| matrix[i][i]).fold(0.0, f64::max);
+    for i in 0..6 {
+        for j in 0..=i {
+            let sum = matrix[i][j] - (0..j).map(|k| matrix[i][k] * matrix[j][k]).sum::<f64>();
+            if i == j {
+                if sum <= 1e-13 * largest {
+                    return None;
+                }
+                matrix[i][i] = sum.sqrt();
+            } else {
+                matrix[i][j] = sum / matrix[j][j];
+            }
+        }
+        right[i] = (right[i] - (0..i).map(|k| matrix[i][k] * right[k]).sum::<f64>()) / matrix[i][i];
+    }
+    for i in (0..6).rev() {
+        right[i] = (right[i] - (i + 1..6).map(|k| matrix[k][i] * right[k]).sum::<f64>()) / matrix[i][i];
+    }
+    Some(right)
+}
+
+/// The rotation of a vector: its direction is the axis, its length the angle (Rodrigues).
+fn from_vector([x, y, z]: [f64; 3]) -> [[f64; 3]; 3] {
+    let angle = (x * x + y * y + z * z).sqrt();
+    let (first, second) =
+        if angle < 1e-9 { (1.0, 0.5) } else { (angle.sin() / angle, (1.0 - angle.cos()) / (angle * angle)) };
+    let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    let square = |i: usize, j: usize| (0..3).map(|k| cross[i][k] * cross[k][j]).sum::<f64>();
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| f64::from(u8::from(i == j)) + first * cross[i][j] + second * square(i, j))
+    })
+}

@@ -1,0 +1,228 @@
+//! The gel's surface as cells, and what the camera tells of each.
+//!
+//! A pixel at `x` with the flow `u` sees its point of the gel along the ray of `x + u`. With `X` the point at rest, that
+//! ray meets the undeformed surface at `X + b`, the apparent displacement, and leans by the slope `a` from the z axis.
+//! So the true displacement `(U, d)` obeys two equations, exact and linear, one along x and one along y:
+//!
+//! ```text
+//! U + a d = b
+//! ```
+//!
+//! Three unknowns a point: the depth d is left free, and is what elasticity has to find.
+
+use fingervision_elastic::{GelBlock, SurfaceGrid};
+use fingervision_flow::FlowField;
+use fingervision_image::Image;
+use fingervision_optics::Camera;
+
+/// Marks a pixel that does not show the gel.
+const NOWHERE: u32 = u32::MAX;
+
+/// The cells of a gel's surface, seen by a camera.
+#[derive(Debug, Clone)]
+pub(super) struct Surface {
+    camera: Camera,
+    pub(super) grid: SurfaceGrid,
+    /// The cell of each pixel.
+    cell_of: Vec<u32>,
+    /// The place of each pixel on the grid, in cells, whole at their centres.
+    place: Vec<[f32; 2]>,
+    /// The mean place of each cell's pixels in the reference image, px, and where that is on the gel, mm.
+    rest: Vec<Option<Rest>>,
+    /// Cells that no pixel shows, each with the nearest that one does.
+    filled: Vec<(usize, usize)>,
+    sums: Vec<Sum>,
+    /// What the last frame told, a cell each.
+    pub(super) seen: Vec<Seen>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Rest {
+    px: [f64; 2],
+    gel_mm: [f64; 2],
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    flow: [f32; 2],
+    count: f32,
+    valid: f32,
+}
+
+/// What the camera tells of a cell.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Seen {
+    /// b: the apparent displacement, mm.
+    pub(super) apparent_mm: [f32; 2],
+    /// a: the slope of the ray.
+    pub(super) slope: [f32; 2],
+    /// Which part of the cell's pixels has a flow that holds, 0 to 1; 0 where no pixel shows the cell.
+    pub(super) trust: f32,
+}
+
+impl Surface {
+    /// The surface of a gel in cells of `longest / cells`, for images of `size`; none if no pixel shows it.
+    pub(super) fn new(camera: &Camera, gel: &GelBlock, size: (usize, usize), cells: usize) -> Option<Self> {
+        let [width_mm, height_mm] = gel.size_mm;
+        let cell_mm = width_mm.max(height_mm) / cells as f64;
+        let count = |length: f64| ((length / cell_mm).round() as usize).max(1);
+        let grid = SurfaceGrid { columns: count(width_mm), rows: count(height_mm), cell_mm };
+        let place = |x: usize, y: usize| {
+            let [x_mm, y_mm] = camera.surface_point([x as f64, y as f64], 0.0)?;
+            let place =
+                [x_mm / cell_mm + 0.5 * (grid.columns as f64 - 1.0), y_mm / cell_mm + 0.5 * (grid.rows as f64 - 1.0)];
+            let is_on = |place: f64, count: usize| place >= -0.5 && place < count as f64 - 0.5;
+            (is_on(place[0], grid.columns) && is_on(place[1], grid.rows)).then_some(place)
+        };
+        let places: Vec<_> =
+            (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))).map(|(x, y)| place(x, y)).collect();
+        let cell_of: Vec<_> = places
+            .iter()
+            .map(|place| {
+                place.map_or(NOWHERE, |[x, y]| (y.round() as usize * grid.columns + x.round() as usize) as u32)
+            })
+            .collect();
+        let rest = rest_of(camera, &cell_of, size.0, grid.len());
+        let filled = nearest_seen(&rest, grid)?;
+        Some(Self {
+            camera: camera.clone(),
+            grid,
+            cell_of,
+            place: places.into_iter().map(|place| place.unwrap_or([0.0; 2]).map(|value| value as f32)).collect(),
+            filled,
+            sums: vec![Sum::default(); grid.len()],
+            seen: vec![Seen::default(); grid.len()],
+            rest,
+        })
+    }
+
+    /// Whether a pixel, counted row by row, shows the gel.
+    pub(super) fn shows(&self, pixel: usize) -> bool {
+        self.cell_of[pixel] != NOWHERE
+    }
+
+    /// The centre of a cell, mm.
+    pub(super) fn centre_mm(&self, cell: usize) -> [f64; 2] {
+        let SurfaceGrid { columns, rows, cell_mm } = self.grid;
+        let at = |index: usize, count: usize| (index as f64 + 0.5 - 0.5 * count as f64) * cell_mm;
+        [at(cell % columns, columns), at(cell / columns, rows)]
+    }
+
+    /// Size of a pixel on the undeformed surface, mm: the root of the mean area of what the pixels on the gel see.
+    pub(super) fn mm_per_px(&self) -> f64 {
+        let pixels = self.cell_of.iter().filter(|&&cell| cell != NOWHERE).count();
+        let cells = self.rest.iter().filter(|rest| rest.is_some()).count();
+        self.grid.cell_mm * (cells as f64 / pixels as f64).sqrt()
+    }
+
+    /// The largest apparent displacement of a cell whose flow holds, mm.
+    pub(super) fn largest_apparent_mm(&self) -> f64 {
+        let trusted = self.seen.iter().filter(|seen| seen.trust > 0.5);
+        f64::from(trusted.map(|seen| seen.apparent_mm[0].hypot(seen.apparent_mm[1])).fold(0.0, f32::max))
+    }
+
+    /// Cells at the border of what the camera sees of the gel where the gel goes on.
+    pub(super) fn border(&self) -> impl Iterator<Item = usize> {
+        self.filled.iter().map(|&(_, nearest)| nearest)
+    }
+
+    /// Takes a frame's flow, px, and where it holds.
+    pub(super) fn look(&mut self, flow: &FlowField, valid: &Image<u8>) {
+        self.sums.fill(Sum::default());
+        let pixels = flow.u.values().iter().zip(flow.v.values()).zip(valid.values());
+        for (&cell, ((&u, &v), &valid)) in self.cell_of.iter().zip(pixels) {
+            if cell != NOWHERE && u.is_finite() && v.is_finite() {
+                let sum = &mut self.sums[cell as usize];
+                sum.flow[0] += u;
+                sum.flow[1] += v;
+                sum.count += 1.0;
+                sum.valid += f32::from(valid);
+            }
+        }
+        let [camera_x, camera_y, height] = self.camera.position_mm();
+        for ((seen, sum), rest) in self.seen.iter_mut().zip(&self.sums).zip(&self.rest) {
+            let Some(rest) = rest else { continue };
+            let flow = sum.flow.map(|total| f64::from(total / sum.count.max(1.0)));
+            let now = self.camera.surface_point([rest.px[0] + flow[0], rest.px[1] + flow[1]], 0.0);
+            let [x, y] = now.unwrap_or(rest.gel_mm);
+            *seen = Seen {
+                apparent_mm: [(x - rest.gel_mm[0]) as f32, (y - rest.gel_mm[1]) as f32],
+                slope: [((x - camera_x) / height) as f32, ((y - camera_y) / height) as f32],
+                trust: if now.is_some() { sum.valid / sum.count.max(1.0) } else { 0.0 },
+            };
+        }
+        for &(cell, from) in &self.filled {
+            self.seen[cell] = Seen { trust: 0.0, ..self.seen[from] };
+        }
+    }
+
+    /// Brings a field of the cells to the pixels, linear between centres; `none` where a pixel does not show the gel.
+    pub(super) fn to_pixels(&self, cells: &[f32], none: f32, pixels: &mut Image<f32>) {
+        let SurfaceGrid { columns, rows, .. } = self.grid;
+        let split = |place: f32, count: usize| {
+            let place = place.clamp(0.0, (count - 1) as f32);
+            let whole = (place as usize).min(count.saturating_sub(2));
+            (whole, place - whole as f32)
+        };
+        for ((pixel, place), &cell) in pixels.values_mut().iter_mut().zip(&self.place).zip(&self.cell_of) {
+            if cell == NOWHERE {
+                *pixel = none;
+                continue;
+            }
+            let ((x, right), (y, down)) = (split(place[0], columns), split(place[1], rows));
+            let (x_next, y_next) = (usize::from(columns > 1), if rows > 1 { columns } else { 0 });
+            let at = y * columns + x;
+            let upper = cells[at] + right * (cells[at + x_next] - cells[at]);
+            let lower = cells[at + y_next] + right * (cells[at + y_next + x_next] - cells[at + y_next]);
+            *pixel = upper + down * (lower - upper);
+        }
+    }
+
+    /// The displacement of a pixel's point along x and y, mm, where its flow, px, and its depth, mm, are known.
+    pub(super) fn lateral_mm(&self, at_px: [f64; 2], flow_px: [f64; 2], depth_mm: f64) -> Option<[f64; 2]> {
+        let rest = self.camera.surface_point(at_px, 0.0)?;
+        let now = self.camera.surface_point([at_px[0] + flow_px[0], at_px[1] + flow_px[1]], depth_mm)?;
+        Some([now[0] - rest[0], now[1] - rest[1]])
+    }
+}
+
+/// Mean place of each cell's pixels.
+fn rest_of(camera: &Camera, cell_of: &[u32], width: usize, cells: usize) -> Vec<Option<Rest>> {
+    let mut sums = vec![([0.0, 0.0], 0.0); cells];
+    for (pixel, &cell) in cell_of.iter().enumerate() {
+        if cell != NOWHERE {
+            let (place, count) = &mut sums[cell as usize];
+            place[0] += (pixel % width) as f64;
+            place[1] += (pixel / width) as f64;
+            *count += 1.0;
+        }
+    }
+    let rest = |(place, count): ([f64; 2], f64)| {
+        let px = place.map(|sum| sum / count);
+        (count > 0.0).then(|| camera.surface_point(px, 0.0)).flatten().map(|gel_mm| Rest { px, gel_mm })
+    };
+    sums.into_iter().map(rest).collect()
+}
+
+/// For every cell that no pixel shows the nearest that one does; none if there is no such cell.
+fn nearest_seen(rest: &[Option<Rest>], grid: SurfaceGrid) -> Option<Vec<(usize, usize)>> {
+    let place = |cell: usize| ((cell % grid.columns) as f64, (cell / grid.columns) as f64);
+    let seen: Vec<_> = (0..rest.len()).filter(|&cell| rest[cell].is_some()).collect();
+    // Only the outline of what is seen can be nearest to what is not.
+    let is_rim = |cell: usize| {
+        let (column, row) = (cell % grid.columns, cell / grid.columns);
+        let inner = column > 0 && row > 0 && column + 1 < grid.columns && row + 1 < grid.rows;
+        !inner
+            || [cell - 1, cell + 1, cell - grid.columns, cell + grid.columns].iter().any(|&near| rest[near].is_none())
+    };
+    let rim: Vec<_> = seen.iter().copied().filter(|&cell| is_rim(cell)).collect();
+    let nearest = |cell: usize| {
+        let (x, y) = place(cell);
+        let squared = |&other: &usize| {
+            let (i, j) = place(other);
+            (i - x).powi(2) + (j - y).powi(2)
+        };
+        rim.iter().copied().min_by(|a, b| squared(a).total_cmp(&squared(b)))
+    };
+    (0..rest.len()).filter(|&cell| rest[cell].is_none()).map(|cell| Some((cell, nearest(cell)?))).collect()
+}

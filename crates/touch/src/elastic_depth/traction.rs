@@ -1,0 +1,102 @@
+//! The tractions that hold the gel where it is touched.
+//!
+//! In contact the displacement is known, outside it the traction is zero. With C the compliance of the block's surface,
+//! `(C t)` equals the displacement on the cells in contact: solved for t there by conjugate gradients, preconditioned with
+//! the stiffness of a layer, from the tractions of the frame before.
+
+use fingervision_elastic::BlockOperator;
+
+/// Tractions in units of the shear modulus and the displacement that they make, with the scratch to find them.
+#[derive(Debug)]
+pub(super) struct Tractions {
+    pub(super) operator: BlockOperator,
+    pub(super) traction: Vec<[f32; 3]>,
+    pub(super) displacement_mm: Vec<[f32; 3]>,
+    residual: Vec<[f32; 3]>,
+    preconditioned: Vec<[f32; 3]>,
+    direction: Vec<[f32; 3]>,
+    image: Vec<[f32; 3]>,
+}
+
+/// When to end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Limits {
+    /// Residual displacement relative to the wanted one, as root mean squares.
+    pub(super) tolerance: f64,
+    pub(super) most_iterations: usize,
+}
+
+impl Tractions {
+    pub(super) fn new(operator: BlockOperator) -> Self {
+        let zero = vec![[0.0; 3]; operator.grid().len()];
+        Self {
+            operator,
+            traction: zero.clone(),
+            displacement_mm: zero.clone(),
+            residual: zero.clone(),
+            preconditioned: zero.clone(),
+            direction: zero.clone(),
+            image: zero,
+        }
+    }
+
+    /// Forgets the frames before.
+    pub(super) fn rest(&mut self) {
+        self.traction.fill([0.0; 3]);
+        self.displacement_mm.fill([0.0; 3]);
+    }
+
+    /// Brings the cells in contact to the wanted displacements, mm; those elsewhere are not read.
+    pub(super) fn hold(&mut self, in_contact: &[bool], wanted_mm: &[[f32; 3]], limits: Limits) {
+        let restrict = |field: &mut [[f32; 3]]| {
+            for (value, &held) in field.iter_mut().zip(in_contact) {
+                if !held {
+                    *value = [0.0; 3];
+                }
+            }
+        };
+        restrict(&mut self.traction);
+        self.operator.displacement_into(&self.traction, &mut self.image);
+        for (residual, (wanted, image)) in self.residual.iter_mut().zip(wanted_mm.iter().zip(&self.image)) {
+            *residual = [0, 1, 2].map(|axis| wanted[axis] - image[axis]);
+        }
+        restrict(&mut self.residual);
+        let size: f64 = in_contact.iter().zip(wanted_mm).filter(|(held, _)| **held).map(|(_, w)| square(w)).sum();
+        let limit = limits.tolerance.powi(2) * size;
+        let mut slope = f64::INFINITY;
+        self.direction.fill([0.0; 3]);
+        for _ in 0..limits.most_iterations {
+            if dot(&self.residual, &self.residual) <= limit {
+                break;
+            }
+            self.operator.precondition_into(&self.residual, &mut self.preconditioned);
+            restrict(&mut self.preconditioned);
+            let next = dot(&self.residual, &self.preconditioned);
+            let share = (next / slope) as f32;
+            slope = next;
+            for (direction, preconditioned) in self.direction.iter_mut().zip(&self.preconditioned) {
+                *direction = [0, 1, 2].map(|axis| preconditioned[axis] + share * direction[axis]);
+            }
+            self.operator.displacement_into(&self.direction, &mut self.image);
+            restrict(&mut self.image);
+            let length = (slope / dot(&self.direction, &self.image)) as f32;
+            add_scaled(&mut self.traction, length, &self.direction);
+            add_scaled(&mut self.residual, -length, &self.image);
+        }
+        self.operator.displacement_into(&self.traction, &mut self.displacement_mm);
+    }
+}
+
+fn square(value: &[f32; 3]) -> f64 {
+    value.iter().map(|&value| f64::from(value) * f64::from(value)).sum()
+}
+
+fn dot(left: &[[f32; 3]], right: &[[f32; 3]]) -> f64 {
+    left.iter().zip(right).map(|(l, r)| f64::from(l[0] * r[0] + l[1] * r[1] + l[2] * r[2])).sum()
+}
+
+fn add_scaled(to: &mut [[f32; 3]], scale: f32, from: &[[f32; 3]]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        *to = [0, 1, 2].map(|axis| to[axis] + scale * from[axis]);
+    }
+}

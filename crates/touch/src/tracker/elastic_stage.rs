@@ -1,0 +1,103 @@
+//! Depth, contact, displacement and force from the flow, by the gel's elasticity.
+
+use fingervision_image::Image;
+
+use super::Fields;
+use crate::{ElasticDepth, ElasticFields, Flag, Profile, Reading, TrackError};
+
+/// What fills the fields of a reading that elasticity tells.
+#[derive(Debug)]
+pub(super) struct ElasticStage {
+    inverse: ElasticDepth,
+}
+
+impl ElasticStage {
+    /// A stage for this profile; gives the reading the planes that it is to fill.
+    ///
+    /// # Errors
+    ///
+    /// [`TrackError`] if the profile lacks camera or gel, or the camera does not see the gel.
+    pub(super) fn new(profile: &Profile, fields: Fields, reading: &mut Reading) -> Result<Self, TrackError> {
+        let (camera, gel) = profile.elastic_sensor()?;
+        let size = reading.flow.size();
+        let inverse = ElasticDepth::new(&camera, &gel, size, &profile.elastic)?;
+        let plane = |value: f32| Image::filled(size.0, size.1, value);
+        reading.depth = fields.depth.then(|| plane(0.0));
+        reading.depth_deviation = Some(plane(f32::INFINITY));
+        reading.contact = Some(Image::filled(size.0, size.1, 0));
+        reading.displacement = fields.displacement.then(|| [(); 3].map(|()| plane(0.0)));
+        reading.traction = inverse.fields().traction_mpa.clone().filter(|_| fields.traction);
+        Ok(Self { inverse })
+    }
+
+    /// Fills the fields from the reading's flow. A frame that is lost or does not fit has none.
+    pub(super) fn run(&mut self, reading: &mut Reading) {
+        if reading.flags.has(Flag::Lost) || reading.flags.has(Flag::NoTexture) {
+            clear(reading);
+            return;
+        }
+        let found = self.inverse.solve(&reading.flow, &reading.valid);
+        for (flag, holds) in [
+            (Flag::BeyondLinear, found.is_beyond_linear),
+            (Flag::ContactCut, found.is_cut),
+            (Flag::GelMisfit, found.is_misfit),
+        ] {
+            if holds {
+                reading.flags.raise(flag);
+            }
+        }
+        if reading.flags.has(Flag::GelMisfit) {
+            clear(reading);
+            return;
+        }
+        copy(self.inverse.fields(), reading);
+        if let Some(displacement) = &mut reading.displacement {
+            self.inverse.displacement_into(&reading.flow, displacement);
+            let on_gel = &self.inverse.fields().on_gel;
+            for plane in displacement {
+                fill_beside(plane, on_gel, 0.0);
+            }
+        }
+    }
+}
+
+/// Takes over what was found.
+fn copy(found: &ElasticFields, reading: &mut Reading) {
+    if let Some(depth) = &mut reading.depth {
+        depth.copy_from(&found.depth_mm);
+        fill_beside(depth, &found.on_gel, 0.0);
+    }
+    if let Some(deviation) = &mut reading.depth_deviation {
+        deviation.copy_from(&found.deviation_mm);
+        fill_beside(deviation, &found.on_gel, f32::INFINITY);
+    }
+    if let Some(contact) = &mut reading.contact {
+        contact.copy_from(&found.contact);
+    }
+    if let (Some(traction), Some(found)) = (&mut reading.traction, &found.traction_mpa) {
+        traction.traction_mpa.copy_from_slice(&found.traction_mpa);
+    }
+    reading.max_depth_mm = super::largest_valid(&found.depth_mm, &found.on_gel);
+    reading.contact_area_mm2 = Some(found.contact_area_mm2);
+    (reading.force_n, reading.torque_nmm) = (found.force_n, found.torque_nmm);
+}
+
+/// Leaves fields that say nothing: no depth of which anything is known, no contact, no force.
+fn clear(reading: &mut Reading) {
+    let planes = reading.depth.iter_mut().chain(reading.displacement.iter_mut().flatten());
+    planes.for_each(|plane| plane.values_mut().fill(0.0));
+    reading.depth_deviation.iter_mut().for_each(|plane| plane.values_mut().fill(f32::INFINITY));
+    reading.contact.iter_mut().for_each(|plane| plane.values_mut().fill(0));
+    reading.traction.iter_mut().for_each(|grid| grid.traction_mpa.fill([0.0; 3]));
+    (reading.max_depth_mm, reading.contact_area_mm2) = (None, None);
+    (reading.force_n, reading.torque_nmm) = (None, None);
+}
+
+/// Sets a value wherever the gel is not seen.
+fn fill_beside(plane: &mut Image<f32>, on_gel: &Image<u8>, value: f32) {
+    for (plane, &on_gel) in plane.values_mut().iter_mut().zip(on_gel.values()) {
+        if on_gel == 0 {
+            *plane = value;
+        }
+    }
+}

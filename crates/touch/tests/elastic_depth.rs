@@ -1,0 +1,198 @@
+//! Depth, contact and force from elasticity, against presses whose truth is known.
+#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+
+use std::f32::consts::TAU;
+use std::ops::ControlFlow;
+
+use fingervision_elastic::GelBlock;
+use fingervision_flow::FlowField;
+use fingervision_gel::{PressCache, Scene, Simulation};
+use fingervision_image::Image;
+use fingervision_optics::Camera;
+use fingervision_touch::{ElasticDepth, ElasticFields, ElasticMode, ElasticParams};
+
+const SIZE: (usize, usize) = (240, 240);
+
+/// A press in its last frame, and an inverse for its gel and camera.
+struct Press {
+    flow: FlowField,
+    valid: Image<u8>,
+    depth_mm: Image<f32>,
+    lateral_mm: Image<[f32; 3]>,
+    contact: Image<u8>,
+    force_n: [f64; 3],
+    gel: GelBlock,
+    camera: Camera,
+}
+
+impl Press {
+    /// Solves a scene on the draft mesh.
+    fn new(indenter: &str, law: &str, motion: &str) -> Self {
+        let text = format!(
+            "name = 'press'\n[camera]\nfocal_length_px = [200.0, 200.0]\n[contact]\nlaw = '{law}'\n[indenter]\n{indenter}\n\
+             [motion]\nframes = 5\n{motion}\n[render]\nwidth = 240\nheight = 240\n[mesh]\nresolution = 'draft'\n"
+        );
+        let scene = Scene::from_toml(&text).unwrap();
+        let mut simulation = Simulation::new(&scene).unwrap();
+        simulation.solve(&PressCache::OFF, &mut |_| ControlFlow::Continue(())).unwrap();
+        let last = simulation.states().len() - 1;
+        let force_n = simulation.states()[last].force_n;
+        let truth = simulation.truth(last).unwrap();
+        let part = |axis: usize| Image::from_fn(SIZE.0, SIZE.1, |x, y| truth.flow.at(x, y)[axis]);
+        let flow = FlowField { u: part(0), v: part(1) };
+        let valid = Image::from_fn(SIZE.0, SIZE.1, |x, y| u8::from(truth.flow.at(x, y)[0].is_finite()));
+        Self {
+            flow,
+            valid,
+            depth_mm: truth.depth.clone(),
+            lateral_mm: truth.displacement.clone(),
+            contact: truth.contact.clone(),
+            force_n,
+            gel: scene.gel,
+            camera: Camera::new(&scene.camera()).unwrap(),
+        }
+    }
+
+    fn inverse(&self, mode: ElasticMode) -> ElasticDepth {
+        ElasticDepth::new(&self.camera, &self.gel, SIZE, &ElasticParams { mode, ..ElasticParams::default() }).unwrap()
+    }
+
+    /// Mean error of depth over the image, mm, and the overlap of contact.
+    fn judge(&self, fields: &ElasticFields) -> (f64, f64) {
+        let depths = fields.depth_mm.values().iter().zip(self.depth_mm.values());
+        let error: f64 = depths.map(|(found, truth)| f64::from((found - truth).abs())).sum();
+        let contacts = fields.contact.values().iter().zip(self.contact.values());
+        let count = |holds: fn(u8, u8) -> bool| contacts.clone().filter(|(a, b)| holds(**a, **b)).count() as f64;
+        (error / (SIZE.0 * SIZE.1) as f64, count(|a, b| a & b == 1) / count(|a, b| a | b == 1))
+    }
+}
+
+fn stuck_circle() -> Press {
+    Press::new("shape = 'circle'\nradius_mm = 4.0", "stick", "keyframes = [{ at = 4, depth_mm = 1.5 }]")
+}
+
+fn close(found: f32, wanted: f64, relative: f64) -> bool {
+    (f64::from(found) - wanted).abs() <= relative * wanted.abs()
+}
+
+#[test]
+fn a_stuck_face_is_found_with_its_depth_and_force() {
+    let press = stuck_circle();
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let fields = inverse.solve(&press.flow, &press.valid);
+    let (error_mm, overlap) = press.judge(fields);
+    assert!(error_mm < 0.025 && overlap > 0.8, "{error_mm} mm, {overlap}");
+    let centre = fields.depth_mm.at(120, 120);
+    assert!((centre - 1.5).abs() < 0.02, "{centre} mm deep");
+    let force = fields.force_n.unwrap();
+    assert!(close(force[2], press.force_n[2], 0.08), "{force:?} {:?}", press.force_n);
+    assert!(force[0].hypot(force[1]) < 0.05 * force[2], "{force:?}");
+    assert!(!fields.is_misfit && !fields.is_cut && !fields.is_beyond_linear);
+
+    let mut displacement = [0, 1, 2].map(|_| Image::filled(SIZE.0, SIZE.1, 0.0));
+    inverse.displacement_into(&press.flow, &mut displacement);
+    let ((mut lateral, mut count), truth) = ((0.0, 0.0), &press.lateral_mm);
+    for (index, truth) in truth.values().iter().enumerate().filter(|(index, _)| press.valid.values()[*index] == 1) {
+        lateral += f64::from((displacement[0].values()[index] - truth[0]).abs());
+        count += 1.0;
+    }
+    assert!(lateral / count < 0.01, "{} mm along x", lateral / count);
+}
+
+#[test]
+fn a_ball_that_slides_is_found_with_its_force() {
+    let press =
+        Press::new("shape = 'sphere'\nradius_mm = 6.0", "frictionless", "keyframes = [{ at = 4, depth_mm = 1.5 }]");
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let fields = inverse.solve(&press.flow, &press.valid);
+    let (error_mm, overlap) = press.judge(fields);
+    assert!(error_mm < 0.03 && overlap > 0.7, "{error_mm} mm, {overlap}");
+    assert!(close(fields.force_n.unwrap()[2], press.force_n[2], 0.15), "{:?} {:?}", fields.force_n, press.force_n);
+}
+
+#[test]
+fn shear_is_told_from_the_face_that_drags() {
+    let motion = "keyframes = [{ at = 2, depth_mm = 1.0 }, { at = 4, shear_mm = [1.0, 0.0] }]";
+    let press = Press::new("shape = 'rectangle'\nsize_mm = [6.0, 6.0]", "stick", motion);
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let force = inverse.solve(&press.flow, &press.valid).force_n.unwrap();
+    assert!(close(force[0], press.force_n[0], 0.15), "{force:?} {:?}", press.force_n);
+    assert!(close(force[2], press.force_n[2], 0.15), "{force:?} {:?}", press.force_n);
+}
+
+#[test]
+fn the_live_mode_comes_to_the_answer_of_the_exact_one() {
+    let press = stuck_circle();
+    let exact = press.inverse(ElasticMode::Exact).solve(&press.flow, &press.valid).clone();
+    let mut live = press.inverse(ElasticMode::Live);
+    for _ in 0..12 {
+        live.solve(&press.flow, &press.valid);
+    }
+    let fields = live.solve(&press.flow, &press.valid);
+    let differences =
+        fields.depth_mm.values().iter().zip(exact.depth_mm.values()).map(|(a, b)| f64::from((a - b).abs()));
+    let mean = differences.sum::<f64>() / (SIZE.0 * SIZE.1) as f64;
+    assert!(mean < 0.002, "{mean} mm");
+}
+
+#[test]
+fn without_what_was_learned_a_stuck_face_is_found_by_its_motion() {
+    let press = stuck_circle();
+    let params = ElasticParams { learned: false, ..ElasticParams::default() };
+    let mut inverse = ElasticDepth::new(&press.camera, &press.gel, SIZE, &params).unwrap();
+    let (error_mm, overlap) = press.judge(inverse.solve(&press.flow, &press.valid));
+    assert!(error_mm < 0.03 && overlap > 0.6, "{error_mm} mm, {overlap}");
+}
+
+#[test]
+fn an_untouched_gel_has_no_depth() {
+    let press = stuck_circle();
+    let still = FlowField::zero(SIZE.0, SIZE.1);
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let pressed = inverse.solve(&press.flow, &press.valid).contact_area_mm2;
+    assert!(pressed > 30.0, "{pressed} mm²");
+    let fields = inverse.solve(&still, &press.valid);
+    assert!(fields.depth_mm.values().iter().all(|&depth| depth == 0.0));
+    assert_eq!((fields.contact_area_mm2, fields.force_n), (0.0, Some([0.0; 3])));
+    assert!(fields.traction_mpa.as_ref().unwrap().traction_mpa.iter().flatten().all(|&traction| traction == 0.0));
+}
+
+#[test]
+fn a_gel_of_unknown_stiffness_has_depth_but_no_force() {
+    let mut press = stuck_circle();
+    let with = press.inverse(ElasticMode::Exact).solve(&press.flow, &press.valid).depth_mm.clone();
+    press.gel.youngs_modulus_mpa = None;
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let fields = inverse.solve(&press.flow, &press.valid);
+    assert_eq!(fields.depth_mm, with);
+    assert!(fields.force_n.is_none() && fields.torque_nmm.is_none() && fields.traction_mpa.is_none());
+}
+
+#[test]
+fn a_motion_that_no_press_makes_is_a_misfit() {
+    let press = stuck_circle();
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let wave = |along: usize| 4.0 * (TAU * along as f32 / 60.0).sin();
+    let flow = FlowField {
+        u: Image::from_fn(SIZE.0, SIZE.1, |_, y| wave(y)),
+        v: Image::from_fn(SIZE.0, SIZE.1, |x, _| wave(x)),
+    };
+    assert!(inverse.solve(&flow, &Image::filled(SIZE.0, SIZE.1, 1)).is_misfit);
+}
+
+#[test]
+fn a_flow_with_holes_leaves_no_hole_in_depth_and_frames_do_not_allocate() {
+    let mut press = stuck_circle();
+    for y in 100..110 {
+        press.flow.u.row_mut(y)[90..150].fill(f32::NAN);
+        press.valid.row_mut(y)[90..150].fill(0);
+    }
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let fields = inverse.solve(&press.flow, &press.valid);
+    assert!(fields.depth_mm.values().iter().all(|depth| depth.is_finite()));
+    assert!(fields.force_n.unwrap().iter().all(|force| force.is_finite()));
+    let allocations = allocation_counter::measure(|| {
+        inverse.solve(&press.flow, &press.valid);
+    });
+    assert_eq!(allocations.count_total, 0, "{allocations:?}");
+}

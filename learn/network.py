@@ -1,0 +1,46 @@
+"""The network: a U of three resolutions over the cells of the gel's surface."""
+
+import torch
+from torch import nn
+from torch.nn import functional
+
+CELLS = 120
+INPUTS = 5  # apparent displacement (x, y), slope of the ray (x, y), divergence
+CONSTANTS = 3  # Poisson's ratio, size, thickness
+LAYERS = ("enter0", "enter1", "down0", "down1", "deep0", "deep1", "deep2", "up0", "up1", "leave0", "leave1", "output")
+
+
+class ContactNetwork(nn.Module):
+    """Depth in mm and the logarithm of the odds of contact, `[batch, 2, cells, cells]`."""
+
+    def __init__(self, channels=(16, 32, 64)):
+        super().__init__()
+        fine, middle, coarse = channels
+
+        def layer(inputs, outputs, side=3, stride=1):
+            return nn.Conv2d(inputs, outputs, side, stride, side // 2)
+
+        self.enter0, self.enter1 = layer(4 * INPUTS + CONSTANTS, fine), layer(fine, fine)
+        self.down0, self.down1 = layer(fine, middle, stride=2), layer(middle, middle)
+        self.deep0 = layer(middle, coarse, stride=2)
+        self.deep1, self.deep2 = layer(coarse, coarse), layer(coarse, coarse)
+        self.up0, self.up1 = layer(middle + coarse, middle), layer(middle, middle)
+        self.leave0, self.leave1 = layer(fine + middle, fine), layer(fine, fine)
+        self.output = layer(fine, 8, side=1)
+
+    def forward(self, cells, constants):
+        relu, grow = functional.relu, lambda x: functional.interpolate(x, scale_factor=2, mode="nearest")
+        x = functional.pixel_unshuffle(cells, 2)
+        x = torch.cat([x, constants[:, :, None, None].expand(-1, -1, *x.shape[2:])], 1)
+        fine = relu(self.enter0(x))
+        fine = relu(self.enter1(fine)) + fine
+        middle = relu(self.down0(fine))
+        middle = relu(self.down1(middle)) + middle
+        x = relu(self.deep0(middle))
+        x = relu(self.deep1(x)) + x
+        x = relu(self.deep2(x)) + x
+        x = relu(self.up0(torch.cat([grow(x), middle], 1)))
+        x = relu(self.up1(x)) + x
+        x = relu(self.leave0(torch.cat([grow(x), fine], 1)))
+        x = relu(self.leave1(x)) + x
+        return functional.pixel_shuffle(self.output(x), 2)

@@ -1,0 +1,160 @@
+"""Draws random presses, has the simulator solve them and keeps a few frames of each."""
+
+import argparse
+import math
+import pathlib
+import shutil
+import subprocess
+import tempfile
+
+import numpy
+from PIL import Image
+
+CELLS = 120
+PIXELS = 480  # the simulator's frame, each cell 4 by 4 of it
+FRAMES_KEPT = 4
+SHAPES = {
+    "circle": 0.1, "rectangle": 0.1, "triangle": 0.06, "polygon": 0.16, "crossing": 0.08,
+    "sphere": 0.16, "ring": 0.08, "pins": 0.08, "letter": 0.08, "height-map": 0.1,
+}
+
+
+def height_map(draw, folder):
+    """A few smooth hills, some sharp, some blunt."""
+    y, x = numpy.mgrid[-1:1:161j, -1:1:161j]
+    height = numpy.full(x.shape, -1.0)
+    for _ in range(draw.integers(1, 5)):
+        (x0, y0), (a, b) = draw.uniform(-0.5, 0.5, 2), draw.uniform(0.15, 0.7, 2)
+        turn, top = draw.uniform(0, math.pi), draw.uniform(-0.25, 0)
+        u = (x - x0) * math.cos(turn) + (y - y0) * math.sin(turn)
+        v = (y - y0) * math.cos(turn) - (x - x0) * math.sin(turn)
+        height = numpy.maximum(height, top - 0.6 * ((u / a) ** 2 + (v / b) ** 2) ** draw.choice([1, 2, 0.5]))
+    grey = numpy.clip(height - height.max() + 1, 0, 1) * 65535
+    Image.fromarray(grey.astype(numpy.uint16)).save(folder / "relief.png")
+    side = draw.uniform(6, 14)
+    return f'file = "relief.png"\nsize_mm = [{side:.3f}, {side:.3f}]\nheight_mm = {draw.uniform(1.5, 5):.3f}'
+
+
+def points(pairs):
+    return "[" + ", ".join(f"[{x:.3f}, {y:.3f}]" for x, y in pairs) + "]"
+
+
+def sizes(draw, shape, folder):
+    uniform = draw.uniform
+    match shape:
+        case "circle":
+            return f"radius_mm = {uniform(1.2, 6):.3f}"
+        case "rectangle":
+            return f"size_mm = [{uniform(2, 10):.3f}, {uniform(2, 10):.3f}]"
+        case "triangle":
+            return f"side_mm = {uniform(4, 11):.3f}"
+        case "polygon":
+            corners = draw.integers(3, 9)
+            turn = numpy.linspace(0, 2 * math.pi, corners, endpoint=False)
+            turn = turn + uniform(-0.3, 0.3, corners) * 2 * math.pi / corners
+            reach = uniform(1.5, 6, corners)
+            return f"points_mm = {points(zip(reach * numpy.cos(turn), reach * numpy.sin(turn)))}"
+        case "crossing":
+            return f"bar_mm = [{uniform(6, 13):.3f}, {uniform(1.5, 3.5):.3f}]"
+        case "sphere":
+            return f"radius_mm = {math.exp(uniform(math.log(2.5), math.log(25))):.3f}"
+        case "ring":
+            inner = uniform(1.2, 4)
+            return f"inner_radius_mm = {inner:.3f}\nouter_radius_mm = {inner + uniform(1, 3):.3f}"
+        case "pins":
+            corners = numpy.array([[-3, -3], [3, -3], [-3, 3], [3, 3]])[draw.permutation(4)[: draw.integers(1, 5)]]
+            places = corners * uniform(0.8, 1.4) + uniform(-0.5, 0.5, corners.shape)
+            return f"radius_mm = {uniform(0.8, 1.8):.3f}\ncentres_mm = {points(places)}"
+        case "letter":
+            return f'text = "{draw.choice(list("ABCDEFGHJKLMNPSTUVWXYZ2345678"))}"\nheight_mm = {uniform(6, 12):.3f}'
+        case _:
+            return height_map(draw, folder)
+
+
+def scene(draw, folder):
+    """Writes a random scene; returns the gel's side, thickness and Poisson's ratio, and the number of frames."""
+    uniform = draw.uniform
+    side = 30.0 if draw.random() < 0.6 else uniform(24, 36)
+    thickness = 10.0 if draw.random() < 0.6 else uniform(7, 13)
+    ratio = draw.choice([0.35, 0.48]) if draw.random() < 0.3 else uniform(0.3, 0.495)
+    chance = draw.random()
+    law = '"stick"' if chance < 0.45 else '"frictionless"' if chance < 0.85 else f"{{ friction = {uniform(0.2, 1):.3f} }}"
+    x, y = uniform(-1, 1, 2) * 0.36 * side * draw.choice([0.3, 1])
+    depth, tilt, more, frames = uniform(0.4, 2.3), "", "", 11
+    if draw.random() < 0.25:
+        tilt = f", tilt_rad = [{uniform(-0.1, 0.1):.4f}, {uniform(-0.1, 0.1):.4f}]"
+    if draw.random() < 0.25:
+        depth, frames = min(depth, 1.5), 16
+        if draw.random() < 0.6:
+            more = f", {{ at = 15, shear_mm = [{uniform(-1.3, 1.3):.3f}, {uniform(-1.3, 1.3):.3f}] }}"
+        else:
+            more = f", {{ at = 15, twist_rad = {uniform(-0.3, 0.3):.4f} }}"
+    shape = draw.choice(list(SHAPES), p=list(SHAPES.values()))
+    focal_length = PIXELS / side * 25
+    (folder / "scene.toml").write_text(f"""name = "press"
+[camera]
+focal_length_px = [{focal_length:.6f}, {focal_length:.6f}]
+[gel]
+size_mm = [{side:.4f}, {side:.4f}]
+thickness_mm = {thickness:.4f}
+poissons_ratio = {ratio:.4f}
+youngs_modulus_mpa = 0.6
+[contact]
+law = {law}
+[indenter]
+shape = "{shape}"
+{sizes(draw, shape, folder)}
+fillet_mm = {uniform(0.15, 0.6):.3f}
+rotation_rad = {uniform(0, 2 * math.pi):.4f}
+[motion]
+centre_mm = [{x:.3f}, {y:.3f}]
+frames = {frames}
+keyframes = [{{ at = 10, depth_mm = {depth:.3f}{tilt} }}{more}]
+""")
+    return side, thickness, ratio, frames
+
+
+def cells(plane):
+    """The mean of each cell's pixels."""
+    part = PIXELS // CELLS
+    return numpy.asarray(plane, numpy.float32).reshape(CELLS, part, CELLS, part, -1).mean((1, 3))
+
+
+def solve(seed, command, out):
+    draw = numpy.random.default_rng(seed)
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="press"))
+    try:
+        side, thickness, ratio, frames = scene(draw, folder)
+        arguments = ["simulate", folder / "scene.toml", "--draft", "--truth-only", "--no-cache", "--quiet"]
+        done = subprocess.run([command, *arguments, "--out", folder / "run"], capture_output=True, text=True)
+        if done.returncode != 0:
+            print(f"seed {seed}: {done.stderr.strip().splitlines()[0]}", flush=True)
+            return
+        kept = sorted({frames - 1, *(1 + draw.permutation(frames - 1)[: FRAMES_KEPT - 1])})
+        displacement = numpy.load(folder / "run/truth/displacement.npy", mmap_mode="r")
+        contact = numpy.load(folder / "run/truth/contact.npy", mmap_mode="r")
+        numpy.savez_compressed(
+            out / f"{seed:05d}.npz",
+            disp=numpy.stack([cells(displacement[frame]) for frame in kept]),
+            contact=numpy.stack([255 * cells(contact[frame])[..., 0] for frame in kept]).astype(numpy.uint8),
+            size=side, h=thickness, nu=ratio,
+        )
+    finally:
+        shutil.rmtree(folder)
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("first", type=int, help="the first seed")
+    arguments.add_argument("end", type=int, help="the seed after the last")
+    arguments.add_argument("--out", type=pathlib.Path, required=True)
+    arguments.add_argument("--command", default="target/release/fingervision")
+    arguments = arguments.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    for seed in range(arguments.first, arguments.end):
+        if not (arguments.out / f"{seed:05d}.npz").exists():
+            solve(seed, arguments.command, arguments.out)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,87 @@
+"""Fits the network to solved presses."""
+
+import argparse
+import pathlib
+import time
+
+import numpy
+import torch
+from torch.nn import functional
+
+from frames import drawn, mirrored
+from network import ContactNetwork
+
+BATCH = 8
+
+
+def load(folder):
+    """Frames to train on and frames to judge by: displacement, contact, gel."""
+    train, judge = [], []
+    for file in sorted(pathlib.Path(folder).glob("*.npz")):
+        press = numpy.load(file)
+        gel = torch.tensor([float(press["size"]), float(press["h"]), float(press["nu"])])
+        frames = judge if int(file.stem) % 20 == 7 else train
+        for displacement, contact in zip(press["disp"], press["contact"]):
+            frames.append((torch.from_numpy(displacement.transpose(2, 0, 1).copy()), torch.from_numpy(contact), gel))
+    return train, judge
+
+
+def cost(told, depth, contact):
+    """Absolute error of depth, rounded at 0.01 mm, most of all in contact and at its border, and cross entropy."""
+    error = told[:, 0] - depth
+    border = (contact > 0.02) & (contact < 0.98)
+    weight = 0.35 + 4 * (contact > 0.02) + 3 * border
+    absolute = (weight * ((error * error + 1e-4).sqrt() - 0.01)).mean()
+    return absolute + 0.1 * functional.binary_cross_entropy_with_logits(told[:, 1], contact)
+
+
+def judged(network, frames):
+    """Mean error of depth over the image and in contact, mm, and the overlap of contact."""
+    displacement, contact, gel = (torch.stack(part) for part in zip(*frames))
+    with torch.random.fork_rng(), torch.no_grad():
+        torch.manual_seed(0)
+        told = network(*drawn(displacement, gel))
+    error, is_in, is_told = (told[:, 0] - displacement[:, 2]).abs(), contact > 127, told[:, 1] > 0
+    overlap = (is_in & is_told).sum((1, 2)) / (is_in | is_told).sum((1, 2)).clamp(min=1)
+    return error.mean().item(), error[is_in].mean().item(), overlap.mean().item()
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__)
+    arguments.add_argument("presses")
+    arguments.add_argument("--out", required=True)
+    arguments.add_argument("--minutes", type=float, default=60)
+    arguments.add_argument("--rate", type=float, default=2e-3)
+    arguments.add_argument("--start", help="weights to begin with")
+    arguments = arguments.parse_args()
+    train, judge = load(arguments.presses)
+    network = ContactNetwork().to(memory_format=torch.channels_last)
+    if arguments.start:
+        network.load_state_dict(torch.load(arguments.start))
+    optimizer = torch.optim.AdamW(network.parameters(), arguments.rate, weight_decay=1e-3)
+    draw, begin, step = numpy.random.default_rng(), time.time(), 0
+    while (part := (time.time() - begin) / (60 * arguments.minutes)) < 1:
+        step += 1
+        warm = min(1, step / 200)
+        for group in optimizer.param_groups:
+            group["lr"] = arguments.rate * warm * (0.01 + 0.5 * (1 + numpy.cos(numpy.pi * part)))
+        frames = [train[index] for index in draw.integers(0, len(train), BATCH)]
+        ways = draw.integers(0, 8, BATCH)
+        turned = [mirrored(d, c.float() / 255, int(way)) for (d, c, _), way in zip(frames, ways)]
+        displacement, contact = (torch.stack(part) for part in zip(*turned))
+        cells, constants = drawn(displacement, torch.stack([gel for _, _, gel in frames]))
+        told = network(cells.contiguous(memory_format=torch.channels_last), constants)
+        loss = cost(told, displacement[:, 2], contact)
+        optimizer.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
+        optimizer.step()
+        if step % 500 == 0:
+            print(f"step {step}: loss {loss.item():.4f}, unseen presses: depth %.4f mm, in contact %.3f mm, overlap %.3f"
+                  % judged(network, judge), flush=True)
+            torch.save(network.state_dict(), arguments.out)
+    torch.save(network.state_dict(), arguments.out)
+
+
+if __name__ == "__main__":
+    main()
