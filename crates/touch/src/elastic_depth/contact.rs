@@ -122,8 +122,8 @@ impl ContactFinder {
         surface.border().any(|cell| self.touches[cell])
     }
 
-    /// Distance of each cell from the nearest one in contact, in cells, to a tenth (a chamfer of 3 and 4 thirds of a cell:
-    /// Borgefors 1986); large where nothing is in contact.
+    /// Distance of each cell from the nearest one in contact, in cells, to a tenth (a chamfer of 3 and 4 thirds of a cell,
+    /// [Borgefors1986]); large where nothing is in contact.
     pub(super) fn distance_into(&self, grid: SurfaceGrid, distance: &mut [f32]) {
         const FAR: f32 = 1e6;
         for (distance, &touches) in distance.iter_mut().zip(&self.touches) {
