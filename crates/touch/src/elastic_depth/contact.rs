@@ -4,8 +4,8 @@ use fingervision_elastic::{GelBlock, SurfaceGrid};
 
 use super::face_search::{self, Room};
 use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, MULTIPLE};
-use super::rigid::{self, StuckFace};
-use super::surface::Surface;
+use super::rigid;
+use super::surface::{self, Surface};
 use super::{CELLS, ElasticParams};
 
 /// What a point of the gel may differ from a stuck face's motion, px at the distance of the gel: the flow's error.
@@ -31,9 +31,7 @@ pub(super) struct ContactFinder {
     pub(super) touches: Vec<bool>,
     /// Depth of each cell, mm.
     pub(super) depth_mm: Vec<f32>,
-    /// The face that the gel sticks to, if there is one.
-    pub(super) face: Option<StuckFace>,
-    /// Whether a cell moves with that face.
+    /// Whether a cell moves with a face that the gel sticks to.
     on_face: Vec<bool>,
     inner: Vec<usize>,
     eroded: [Vec<bool>; 2],
@@ -55,10 +53,9 @@ impl ContactFinder {
             padded: (padded[0], padded[1]),
             constants,
             scale: scale as f32,
-            noise_mm: NOISE_PX * surface.mm_per_px(),
+            noise_mm: NOISE_PX * surface.mm_per_px,
             touches: vec![false; cells],
             depth_mm: vec![0.0; cells],
-            face: None,
             on_face: vec![false; cells],
             inner: Vec::with_capacity(cells),
             eroded: [vec![false; cells], vec![false; cells]],
@@ -75,7 +72,6 @@ impl ContactFinder {
         self.touches.fill(false);
         self.on_face.fill(false);
         self.depth_mm.fill(0.0);
-        self.face = None;
     }
 
     /// Finds contact and its depth in what the surface shows.
@@ -87,10 +83,10 @@ impl ContactFinder {
             face_search::mark(surface, self.noise_mm, &mut self.touches, &mut self.room);
         }
         self.erode(surface.grid);
-        self.face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
+        let face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
             .filter(|face| face.matching >= LEAST_MATCHING);
         self.on_face.fill(false);
-        let Some(face) = self.face else {
+        let Some(face) = face else {
             if self.network.is_none() {
                 self.touches.fill(false);
             }
@@ -189,16 +185,9 @@ impl ContactFinder {
         let [from, to] = &mut self.eroded;
         from.copy_from_slice(&self.touches);
         for _ in 0..RIM_CELLS {
-            for row in 0..grid.rows {
-                for column in 0..grid.columns {
-                    let cell = row * grid.columns + column;
-                    let is_rim = column == 0 || row == 0 || column + 1 == grid.columns || row + 1 == grid.rows;
-                    to[cell] = !is_rim
-                        && from[cell]
-                        && [cell - 1, cell + 1, cell - grid.columns, cell + grid.columns]
-                            .iter()
-                            .all(|&near| from[near]);
-                }
+            for (cell, to) in to.iter_mut().enumerate() {
+                *to = from[cell]
+                    && surface::neighbours(grid, cell).is_some_and(|near| near.iter().all(|&near| from[near]));
             }
             std::mem::swap(from, to);
         }

@@ -7,7 +7,7 @@
 use fingervision_elastic::SurfaceGrid;
 
 use super::rigid::{self, StuckFace};
-use super::surface::Surface;
+use super::surface::{self, Surface};
 
 /// Side of a window, cells.
 const WINDOW: usize = 12;
@@ -97,15 +97,13 @@ fn score(surface: &Surface, face: &StuckFace, tolerance_mm: f64) -> f64 {
 
 /// Leaves marks only where a cell and its four neighbours are marked, or one of them is such a cell.
 fn open(grid: SurfaceGrid, marks: &mut [bool], inner: &mut [bool]) {
-    let SurfaceGrid { columns, rows, .. } = grid;
-    let around = |cell: usize| [cell.wrapping_sub(1), cell + 1, cell.wrapping_sub(columns), cell + columns];
-    let is_rim = |cell: usize| {
-        let (column, row) = (cell % columns, cell / columns);
-        column == 0 || row == 0 || column + 1 == columns || row + 1 == rows
-    };
-    for cell in 0..marks.len() {
-        inner[cell] = marks[cell] && !is_rim(cell) && around(cell).into_iter().all(|near| marks[near]);
+    for (cell, inner) in inner.iter_mut().enumerate() {
+        *inner =
+            marks[cell] && surface::neighbours(grid, cell).is_some_and(|near| near.iter().all(|&near| marks[near]));
     }
+    // Cells at the grid's border are no such cells, so a step over it finds none.
+    let columns = grid.columns;
+    let around = |cell: usize| [cell.wrapping_sub(1), cell + 1, cell.wrapping_sub(columns), cell + columns];
     for (cell, mark) in marks.iter_mut().enumerate() {
         let is_beside = |near: usize| inner.get(near).copied().unwrap_or(false);
         *mark = *mark && (inner[cell] || around(cell).into_iter().any(is_beside));

@@ -56,7 +56,7 @@ const TELLING_PX: f64 = 0.1;
 /// Finds what presses the gel from how its surface moves in the image.
 ///
 /// Owns all scratch: no call of [`ElasticDepth::solve`] allocates. A frame's answer depends on the frames before it only
-/// through where the solver begins, within its tolerance.
+/// through where the solver begins, within its tolerance, and through a misfit, which stays until the gel fits well or rests.
 #[derive(Debug)]
 pub struct ElasticDepth {
     gel: GelBlock,
@@ -112,7 +112,7 @@ impl ElasticDepth {
     /// If the fields are not of the size that was given.
     pub fn solve(&mut self, flow: &FlowField, valid: &Image<u8>) -> &ElasticFields {
         self.surface.look(flow, valid);
-        let still_mm = STILL_PX * self.surface.mm_per_px();
+        let still_mm = STILL_PX * self.surface.mm_per_px;
         if self.surface.largest_apparent_mm() < still_mm {
             self.rest();
             return &self.fields;
@@ -218,7 +218,7 @@ impl ElasticDepth {
             }
             count += 1.0;
         }
-        let telling_mm = TELLING_PX * self.surface.mm_per_px();
+        let telling_mm = TELLING_PX * self.surface.mm_per_px;
         let deepest_mm = self.deepest_mm().max(telling_mm);
         (all > count * telling_mm * telling_mm).then(|| (left / count).sqrt() / deepest_mm)
     }

@@ -17,10 +17,10 @@ pub struct ElasticParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ElasticMode {
-    /// Tractions are solved for to their tolerance, on the fine grid.
+    /// Tractions are solved for to their tolerance.
     #[default]
     Exact,
-    /// A fixed number of steps from the tractions of the frame before, on a grid of twice the cell.
+    /// A fixed number of steps from the tractions of the frame before.
     Live,
 }
 

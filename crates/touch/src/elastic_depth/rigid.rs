@@ -71,18 +71,15 @@ pub(super) fn fit(surface: &Surface, cells: &[usize], tolerance_mm: f64, scratch
     if cells.len() < LEAST_POINTS {
         return None;
     }
-    let mut motion = Motion::NONE;
-    let mut scale = f64::INFINITY;
+    let (mut motion, mut residual_mm, mut scale) = (Motion::NONE, f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
         motion = motion.turned(step(surface, cells, &motion, scale)?);
         scratch.clear();
         scratch.extend(cells.iter().map(|&cell| distance_mm(surface, cell, &motion)));
         let middle = scratch.len() / 2;
-        let median = *scratch.select_nth_unstable_by(middle, f64::total_cmp).1;
-        scale = (1.5 * median).max(tolerance_mm);
+        residual_mm = *scratch.select_nth_unstable_by(middle, f64::total_cmp).1;
+        scale = (1.5 * residual_mm).max(tolerance_mm);
     }
-    let middle = scratch.len() / 2;
-    let residual_mm = *scratch.select_nth_unstable_by(middle, f64::total_cmp).1;
     let matching = scratch.iter().filter(|&&distance| distance < 3.0 * tolerance_mm).count() as f64;
     Some(StuckFace { motion, residual_mm, matching: matching / cells.len() as f64 })
 }

@@ -32,6 +32,8 @@ pub(super) struct Surface {
     /// Cells that no pixel shows, each with the nearest that one does.
     filled: Vec<(usize, usize)>,
     sums: Vec<Sum>,
+    /// Size of a pixel on the undeformed surface, mm: the root of the mean area of what the pixels on the gel see.
+    pub(super) mm_per_px: f64,
     /// What the last frame told, a cell each.
     pub(super) seen: Vec<Seen>,
 }
@@ -84,6 +86,8 @@ impl Surface {
             .collect();
         let rest = rest_of(camera, &cell_of, size.0, grid.len());
         let filled = nearest_seen(&rest, grid)?;
+        let pixels = cell_of.iter().filter(|&&cell| cell != NOWHERE).count();
+        let cells_seen = grid.len() - filled.len();
         Some(Self {
             camera: camera.clone(),
             grid,
@@ -91,6 +95,7 @@ impl Surface {
             place: places.into_iter().map(|place| place.unwrap_or([0.0; 2]).map(|value| value as f32)).collect(),
             filled,
             sums: vec![Sum::default(); grid.len()],
+            mm_per_px: cell_mm * (cells_seen as f64 / pixels as f64).sqrt(),
             seen: vec![Seen::default(); grid.len()],
             rest,
         })
@@ -106,13 +111,6 @@ impl Surface {
         let SurfaceGrid { columns, rows, cell_mm } = self.grid;
         let at = |index: usize, count: usize| (index as f64 + 0.5 - 0.5 * count as f64) * cell_mm;
         [at(cell % columns, columns), at(cell / columns, rows)]
-    }
-
-    /// Size of a pixel on the undeformed surface, mm: the root of the mean area of what the pixels on the gel see.
-    pub(super) fn mm_per_px(&self) -> f64 {
-        let pixels = self.cell_of.iter().filter(|&&cell| cell != NOWHERE).count();
-        let cells = self.rest.iter().filter(|rest| rest.is_some()).count();
-        self.grid.cell_mm * (cells as f64 / pixels as f64).sqrt()
     }
 
     /// The largest apparent displacement of a cell whose flow holds, mm.
@@ -186,6 +184,13 @@ impl Surface {
     }
 }
 
+/// The four cells beside one; none at the grid's border.
+pub(super) fn neighbours(grid: SurfaceGrid, cell: usize) -> Option<[usize; 4]> {
+    let (column, row) = (cell % grid.columns, cell / grid.columns);
+    let is_inner = column > 0 && row > 0 && column + 1 < grid.columns && row + 1 < grid.rows;
+    is_inner.then(|| [cell - 1, cell + 1, cell - grid.columns, cell + grid.columns])
+}
+
 /// Mean place of each cell's pixels.
 fn rest_of(camera: &Camera, cell_of: &[u32], width: usize, cells: usize) -> Vec<Option<Rest>> {
     let mut sums = vec![([0.0, 0.0], 0.0); cells];
@@ -209,12 +214,7 @@ fn nearest_seen(rest: &[Option<Rest>], grid: SurfaceGrid) -> Option<Vec<(usize, 
     let place = |cell: usize| ((cell % grid.columns) as f64, (cell / grid.columns) as f64);
     let seen: Vec<_> = (0..rest.len()).filter(|&cell| rest[cell].is_some()).collect();
     // Only the outline of what is seen can be nearest to what is not.
-    let is_rim = |cell: usize| {
-        let (column, row) = (cell % grid.columns, cell / grid.columns);
-        let inner = column > 0 && row > 0 && column + 1 < grid.columns && row + 1 < grid.rows;
-        !inner
-            || [cell - 1, cell + 1, cell - grid.columns, cell + grid.columns].iter().any(|&near| rest[near].is_none())
-    };
+    let is_rim = |cell: usize| neighbours(grid, cell).is_none_or(|near| near.iter().any(|&near| rest[near].is_none()));
     let rim: Vec<_> = seen.iter().copied().filter(|&cell| is_rim(cell)).collect();
     let nearest = |cell: usize| {
         let (x, y) = place(cell);

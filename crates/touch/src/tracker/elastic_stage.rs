@@ -53,10 +53,6 @@ impl ElasticStage {
         copy(self.inverse.fields(), reading);
         if let Some(displacement) = &mut reading.displacement {
             self.inverse.displacement_into(&reading.flow, displacement);
-            let on_gel = &self.inverse.fields().on_gel;
-            for plane in displacement {
-                fill_beside(plane, on_gel, 0.0);
-            }
         }
     }
 }
@@ -65,11 +61,9 @@ impl ElasticStage {
 fn copy(found: &ElasticFields, reading: &mut Reading) {
     if let Some(depth) = &mut reading.depth {
         depth.copy_from(&found.depth_mm);
-        fill_beside(depth, &found.on_gel, 0.0);
     }
     if let Some(deviation) = &mut reading.depth_deviation {
         deviation.copy_from(&found.deviation_mm);
-        fill_beside(deviation, &found.on_gel, f32::INFINITY);
     }
     if let Some(contact) = &mut reading.contact {
         contact.copy_from(&found.contact);
@@ -91,13 +85,4 @@ fn clear(reading: &mut Reading) {
     reading.traction.iter_mut().for_each(|grid| grid.traction_mpa.fill([0.0; 3]));
     (reading.max_depth_mm, reading.contact_area_mm2) = (None, None);
     (reading.force_n, reading.torque_nmm) = (None, None);
-}
-
-/// Sets a value wherever the gel is not seen.
-fn fill_beside(plane: &mut Image<f32>, on_gel: &Image<u8>, value: f32) {
-    for (plane, &on_gel) in plane.values_mut().iter_mut().zip(on_gel.values()) {
-        if on_gel == 0 {
-            *plane = value;
-        }
-    }
 }
