@@ -12,7 +12,7 @@ from PIL import Image
 
 CELLS = 120
 PIXELS = 480  # the simulator's frame, each cell 4 by 4 of it
-FRAMES_KEPT = 4
+FRAMES_KEPT = 5
 SHAPES = {
     "circle": 0.1, "rectangle": 0.1, "triangle": 0.06, "polygon": 0.16, "crossing": 0.08,
     "sphere": 0.16, "ring": 0.08, "pins": 0.08, "letter": 0.08, "height-map": 0.1,
@@ -78,7 +78,7 @@ def scene(draw, folder):
     thickness = 10.0 if draw.random() < 0.6 else uniform(7, 13)
     ratio = draw.choice([0.35, 0.48]) if draw.random() < 0.3 else uniform(0.3, 0.495)
     chance = draw.random()
-    law = '"stick"' if chance < 0.45 else '"frictionless"' if chance < 0.85 else f"{{ friction = {uniform(0.2, 1):.3f} }}"
+    law = '"stick"' if chance < 0.35 else '"frictionless"' if chance < 0.8 else f"{{ friction = {uniform(0.2, 1):.3f} }}"
     x, y = uniform(-1, 1, 2) * 0.36 * side * draw.choice([0.3, 1])
     depth, tilt, more, frames = uniform(0.4, 2.3), "", "", 11
     if draw.random() < 0.25:

@@ -14,14 +14,14 @@ pub enum Maximum {
     #[default]
     Plain,
     /// The largest median over squares: the largest value that half of such a square holds, where what is not valid holds
-    /// none. Its side is a fifteenth of the image's shorter one, at least 9 px. A rim or a fault narrower than half of that
+    /// none. Its side is a seventh of the image's shorter one, at least 9 px. A rim or a fault narrower than half of that
     /// does not count; a face that fills half of a square keeps its value, so that one whose rims are not valid is still told of.
     Robust,
 }
 
-/// The image's shorter side over that of the square of [`Maximum::Robust`]. Where a sensor sees 30 mm of gel that is 2 mm:
-/// twice the rim that surrounds a face, about 1 mm wide on a gel of 10 mm.
-const WINDOW_PART: usize = 15;
+/// The image's shorter side over that of the square of [`Maximum::Robust`]. Where a sensor sees 30 mm of gel that is 4 mm:
+/// the gel's stretch along the outer edges of a sliding face, 1 to 2 mm wide, then fills less than half of any square.
+const WINDOW_PART: usize = 7;
 /// Its side at least, px: a little over the ±2σ of the density's Gaussian, so that noise, which is correlated over that
 /// length, cannot fill half of it.
 const LEAST_WINDOW: usize = 9;
