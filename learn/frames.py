@@ -5,6 +5,7 @@ from torch.nn import functional
 
 from network import CELLS
 
+SIZE_MM = 30.0  # side of the gel that all others are scaled to
 NOISE_MM = 0.0006  # of a cell's mean flow, seen from 25 mm
 WAVY_NOISE_MM = 0.0045  # before it is smoothed over two cells
 
@@ -22,10 +23,10 @@ def smoothed(planes, sigma):
     return planes.reshape(batch, channels, rows, columns)
 
 
-def seen(displacement, size_mm, distance_mm, centre_mm):
+def seen(displacement, distance_mm, centre_mm):
     """Apparent displacement and slope of the ray, for a camera at a place over the gel: `[batch, 4, row, column]`."""
-    along = ((torch.arange(CELLS) + 0.5) / CELLS - 0.5)[None] * size_mm[:, None]
-    x, y = along[:, None, :].expand(-1, CELLS, -1), along[:, :, None].expand(-1, -1, CELLS)
+    along = (((torch.arange(CELLS) + 0.5) / CELLS - 0.5) * SIZE_MM)[None]
+    x, y = along[:, None, :].expand(1, CELLS, -1), along[:, :, None].expand(1, -1, CELLS)
     per_height = 1 / (distance_mm[:, None, None] - displacement[:, 2])
     slope_x = (x + displacement[:, 0] - centre_mm[:, 0, None, None]) * per_height
     slope_y = (y + displacement[:, 1] - centre_mm[:, 1, None, None]) * per_height
@@ -33,13 +34,12 @@ def seen(displacement, size_mm, distance_mm, centre_mm):
     return torch.stack([displacement[:, 0] + slope_x * depth, displacement[:, 1] + slope_y * depth, slope_x, slope_y], 1)
 
 
-def packed(planes, size_mm, thickness_mm, poissons_ratio):
+def packed(planes, thickness_mm, poissons_ratio):
     """The network's inputs, scaled to about one."""
     x, y, slope_x, slope_y = planes.unbind(1)
-    cell_mm = (size_mm / CELLS)[:, None, None]
-    divergence = (torch.gradient(x, dim=2)[0] + torch.gradient(y, dim=1)[0]) / cell_mm
+    divergence = (torch.gradient(x, dim=2)[0] + torch.gradient(y, dim=1)[0]) / (SIZE_MM / CELLS)
     cells = torch.stack([2 * x, 2 * y, slope_x, slope_y, 3 * divergence], 1)
-    return cells, torch.stack([(poissons_ratio - 0.42) * 8, (size_mm - 30) / 6, (thickness_mm - 10) / 3], 1)
+    return cells, torch.stack([(poissons_ratio - 0.42) * 8, (thickness_mm - 10) / 3], 1)
 
 
 def mirrored(displacement, contact, way):
@@ -54,15 +54,15 @@ def mirrored(displacement, contact, way):
 
 
 def drawn(displacement, gel):
-    """Inputs under cameras drawn at random, blurred and noisy as tracked flow is. `gel`: size, thickness, ν."""
+    """Inputs under cameras drawn at random, blurred and noisy as tracked flow is. `gel`: thickness, ν."""
     batch = len(displacement)
-    size_mm, thickness_mm, poissons_ratio = gel.unbind(1)
+    thickness_mm, poissons_ratio = gel.unbind(1)
     is_default = torch.rand(batch) < 0.5
     distance_mm = torch.where(is_default, 25.0, 14 + 24 * torch.rand(batch))
     centre_mm = torch.where(is_default[:, None], torch.tensor(0.0), 3 * torch.rand(batch, 2) - 1.5)
-    planes = smoothed(seen(displacement, size_mm, distance_mm, centre_mm), 0.1 + torch.rand(batch))
+    planes = smoothed(seen(displacement, distance_mm, centre_mm), 0.1 + torch.rand(batch))
     wavy = smoothed(torch.randn(batch, 2, CELLS, CELLS), torch.full((batch,), 2.0)) * torch.rand(batch, 1, 1, 1)
     noise = NOISE_MM * torch.randn(batch, 2, CELLS, CELLS) + WAVY_NOISE_MM * wavy
     noise = noise * (distance_mm / 25)[:, None, None, None]
     planes = torch.cat([planes[:, :2] + noise, planes[:, 2:]], 1)
-    return packed(planes, size_mm, thickness_mm, poissons_ratio + 0.008 * torch.randn(batch))
+    return packed(planes, thickness_mm, poissons_ratio + 0.008 * torch.randn(batch))

@@ -14,8 +14,8 @@ CELLS = 120
 PIXELS = 480  # the simulator's frame, each cell 4 by 4 of it
 FRAMES_KEPT = 5
 SHAPES = {
-    "circle": 0.1, "rectangle": 0.1, "triangle": 0.06, "polygon": 0.16, "crossing": 0.08,
-    "sphere": 0.16, "ring": 0.08, "pins": 0.08, "letter": 0.08, "height-map": 0.1,
+    "circle": 0.14, "rectangle": 0.14, "triangle": 0.1, "polygon": 0.2, "crossing": 0.08,
+    "sphere": 0.08, "ring": 0.08, "pins": 0.06, "letter": 0.06, "height-map": 0.06,
 }
 
 
@@ -78,9 +78,10 @@ def scene(draw, folder):
     thickness = 10.0 if draw.random() < 0.6 else uniform(7, 13)
     ratio = draw.choice([0.35, 0.48]) if draw.random() < 0.3 else uniform(0.3, 0.495)
     chance = draw.random()
-    law = '"stick"' if chance < 0.35 else '"frictionless"' if chance < 0.8 else f"{{ friction = {uniform(0.2, 1):.3f} }}"
+    law = '"stick"' if chance < 0.2 else '"frictionless"' if chance < 0.85 else f"{{ friction = {uniform(0.2, 1):.3f} }}"
     x, y = uniform(-1, 1, 2) * 0.36 * side * draw.choice([0.3, 1])
-    depth, tilt, more, frames = uniform(0.4, 2.3), "", "", 11
+    # Deep faces that slide are the hardest to tell.
+    depth, tilt, more, frames = uniform(*draw.choice([[0.4, 2.4], [1.6, 2.4]])), "", "", 11
     if draw.random() < 0.25:
         tilt = f", tilt_rad = [{uniform(-0.1, 0.1):.4f}, {uniform(-0.1, 0.1):.4f}]"
     if draw.random() < 0.25:

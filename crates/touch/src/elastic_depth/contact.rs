@@ -3,7 +3,7 @@
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 
 use super::face_search::{self, Room};
-use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, MULTIPLE};
+use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE};
 use super::rigid;
 use super::surface::{self, Surface};
 use super::{CELLS, ElasticParams};
@@ -14,6 +14,12 @@ const NOISE_PX: f64 = 0.04;
 const LEAST_MATCHING: f64 = 0.6;
 /// Rings of cells left out at the border of contact where a face's motion is fitted: walls are not the face.
 const RIM_CELLS: usize = 3;
+
+/// Standard deviation of a depth over its mean absolute error as the network foretells it: √2 for the Laplace distribution
+/// that it was trained for, times what errors on unseen presses exceed the foretold ones.
+const DEVIATION: f32 = std::f32::consts::SQRT_2 * 1.0;
+/// Standard deviation of the depth of a face that the gel sticks to, mm.
+const FACE_DEVIATION_MM: f32 = 0.02;
 
 /// Looks for contact in every frame.
 #[derive(Debug)]
@@ -29,8 +35,12 @@ pub(super) struct ContactFinder {
     noise_mm: f64,
     /// Whether each cell is touched.
     pub(super) touches: Vec<bool>,
+    /// Which part of each cell is touched, 0 to 1; above a half the cell is.
+    pub(super) share: Vec<f32>,
     /// Depth of each cell, mm.
     pub(super) depth_mm: Vec<f32>,
+    /// Error of that depth as it was learned, mm, one standard deviation.
+    told_deviation_mm: Vec<f32>,
     /// Whether a cell moves with a face that the gel sticks to.
     on_face: Vec<bool>,
     inner: Vec<usize>,
@@ -41,7 +51,7 @@ pub(super) struct ContactFinder {
 impl ContactFinder {
     pub(super) fn new(surface: &Surface, gel: &GelBlock, params: ElasticParams) -> Self {
         let SurfaceGrid { columns, rows, cell_mm } = surface.grid;
-        let padded = [columns, rows].map(|count| count.next_multiple_of(MULTIPLE).max(4 * MULTIPLE));
+        let padded = [columns, rows].map(|count| count.next_multiple_of(MULTIPLE).max(LEAST_SIDE));
         let cells = surface.grid.len();
         // Elasticity knows no scale: every gel is brought to one size.
         let scale = network::SIZE_MM / (cell_mm * CELLS as f64);
@@ -55,7 +65,9 @@ impl ContactFinder {
             scale: scale as f32,
             noise_mm: NOISE_PX * surface.mm_per_px,
             touches: vec![false; cells],
+            share: vec![0.0; cells],
             depth_mm: vec![0.0; cells],
+            told_deviation_mm: vec![0.0; cells],
             on_face: vec![false; cells],
             inner: Vec::with_capacity(cells),
             eroded: [vec![false; cells], vec![false; cells]],
@@ -70,6 +82,7 @@ impl ContactFinder {
 
     pub(super) fn rest(&mut self) {
         self.touches.fill(false);
+        self.share.fill(0.0);
         self.on_face.fill(false);
         self.depth_mm.fill(0.0);
     }
@@ -78,38 +91,41 @@ impl ContactFinder {
     pub(super) fn find(&mut self, surface: &Surface) {
         if self.network.is_some() {
             self.look(surface);
-        } else {
-            self.depth_mm.fill(0.0);
-            face_search::mark(surface, self.noise_mm, &mut self.touches, &mut self.room);
+            self.hold_to_face(surface);
+            return;
         }
+        self.depth_mm.fill(0.0);
+        face_search::mark(surface, self.noise_mm, &mut self.touches, &mut self.room);
+        self.hold_to_face(surface);
+        // What does not move with the face has no depth of its own.
+        self.touches.copy_from_slice(&self.on_face);
+        for (share, &touches) in self.share.iter_mut().zip(&self.touches) {
+            *share = f32::from(u8::from(touches));
+        }
+    }
+
+    /// Gives what moves with a face that the gel sticks to the depth of that face.
+    fn hold_to_face(&mut self, surface: &Surface) {
         self.erode(surface.grid);
         let face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
             .filter(|face| face.matching >= LEAST_MATCHING);
         self.on_face.fill(false);
-        let Some(face) = face else {
-            if self.network.is_none() {
-                self.touches.fill(false);
-            }
-            return;
-        };
+        let Some(face) = face else { return };
         for cell in 0..self.depth_mm.len() {
             if self.touches[cell] && rigid::distance_mm(surface, cell, &face.motion) < 3.0 * self.noise_mm {
                 self.on_face[cell] = true;
                 self.depth_mm[cell] = face.motion.apply(surface.centre_mm(cell))[2] as f32;
             }
         }
-        if self.network.is_none() {
-            // What does not move with the face has no depth of its own.
-            self.touches.copy_from_slice(&self.on_face);
-        }
     }
 
-    /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free.
+    /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free and
+    /// nothing learned tells of it.
     pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32) -> f32 {
-        match (self.touches[cell], self.on_face[cell]) {
-            (true, true) => 0.02,
-            (true, false) => 0.05 + 0.06 * self.depth_mm[cell].abs(),
-            (false, _) => 0.01 + 0.1 * around_mm.abs(),
+        match (self.on_face[cell], self.is_learned()) {
+            (true, _) => FACE_DEVIATION_MM,
+            (false, true) => self.told_deviation_mm[cell],
+            (false, false) => 0.01 + 0.1 * around_mm.abs(),
         }
     }
 
@@ -169,13 +185,16 @@ impl ContactFinder {
             let [x, y] = here.apparent_mm.map(|value| scale * value);
             [2.0 * x, 2.0 * y, here.slope[0], here.slope[1], 3.0 * spread]
         };
-        let (touches, depth) = (&mut self.touches, &mut self.depth_mm);
+        let (touches, share) = (&mut self.touches, &mut self.share);
+        let (depth, deviation) = (&mut self.depth_mm, &mut self.told_deviation_mm);
         let Some(network) = &mut self.network else { return };
-        network.run(self.constants, input, |column, row, [depth_mm, odds]| {
+        network.run(self.constants, input, |column, row, [depth_mm, odds, error]| {
             if column < columns && row < rows {
                 let cell = row * columns + column;
-                touches[cell] = odds > 0.0 && depth_mm > 0.0;
+                share[cell] = if depth_mm > 0.0 { 1.0 / (1.0 + (-odds).exp()) } else { 0.0 };
+                touches[cell] = share[cell] > 0.5;
                 depth[cell] = depth_mm / scale;
+                deviation[cell] = DEVIATION * error.exp() / scale;
             }
         });
     }

@@ -25,8 +25,8 @@ pub(super) struct Surface {
     pub(super) grid: SurfaceGrid,
     /// The cell of each pixel.
     cell_of: Vec<u32>,
-    /// The place of each pixel on the grid, in cells, whole at their centres.
-    place: Vec<[f32; 2]>,
+    /// The four cells around each pixel, for what is linear between their centres.
+    corners: Vec<Corners>,
     /// The mean place of each cell's pixels in the reference image, px, and where that is on the gel, mm.
     rest: Vec<Option<Rest>>,
     /// Cells that no pixel shows, each with the nearest that one does.
@@ -36,6 +36,14 @@ pub(super) struct Surface {
     pub(super) mm_per_px: f64,
     /// What the last frame told, a cell each.
     pub(super) seen: Vec<Seen>,
+}
+
+/// Of the four cells around a pixel the upper left, and how far the pixel is from its centre to the right and down, 0 to 1.
+#[derive(Debug, Clone, Copy)]
+struct Corners {
+    cell: u32,
+    right: f32,
+    down: f32,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -92,7 +100,7 @@ impl Surface {
             camera: camera.clone(),
             grid,
             cell_of,
-            place: places.into_iter().map(|place| place.unwrap_or([0.0; 2]).map(|value| value as f32)).collect(),
+            corners: places.into_iter().map(|place| Corners::around(grid, place)).collect(),
             filled,
             sums: vec![Sum::default(); grid.len()],
             mm_per_px: cell_mm * (cells_seen as f64 / pixels as f64).sqrt(),
@@ -154,25 +162,27 @@ impl Surface {
         }
     }
 
-    /// Brings a field of the cells to the pixels, linear between centres; `none` where a pixel does not show the gel.
-    pub(super) fn to_pixels(&self, cells: &[f32], none: f32, pixels: &mut Image<f32>) {
+    /// Brings what is known of the cells to the pixels, linear between centres: calls `write` for every pixel, row by row, with
+    /// nothing where it does not show the gel.
+    pub(super) fn to_pixels<const N: usize>(&self, cells: &[[f32; N]], mut write: impl FnMut(usize, Option<[f32; N]>)) {
         let SurfaceGrid { columns, rows, .. } = self.grid;
-        let split = |place: f32, count: usize| {
-            let place = place.clamp(0.0, (count - 1) as f32);
-            let whole = (place as usize).min(count.saturating_sub(2));
-            (whole, place - whole as f32)
-        };
-        for ((pixel, place), &cell) in pixels.values_mut().iter_mut().zip(&self.place).zip(&self.cell_of) {
+        let (next, below) = (usize::from(columns > 1), if rows > 1 { columns } else { 0 });
+        for (pixel, &Corners { cell, right, down }) in self.corners.iter().enumerate() {
             if cell == NOWHERE {
-                *pixel = none;
+                write(pixel, None);
                 continue;
             }
-            let ((x, right), (y, down)) = (split(place[0], columns), split(place[1], rows));
-            let (x_next, y_next) = (usize::from(columns > 1), if rows > 1 { columns } else { 0 });
-            let at = y * columns + x;
-            let upper = cells[at] + right * (cells[at + x_next] - cells[at]);
-            let lower = cells[at + y_next] + right * (cells[at + y_next + x_next] - cells[at + y_next]);
-            *pixel = upper + down * (lower - upper);
+            let cell = cell as usize;
+            let (upper, lower) =
+                ([&cells[cell], &cells[cell + next]], [&cells[cell + below], &cells[cell + below + next]]);
+            let between = |[left, other]: [&[f32; N]; 2], k: usize| left[k] + right * (other[k] - left[k]);
+            write(
+                pixel,
+                Some(std::array::from_fn(|k| {
+                    let top = between(upper, k);
+                    top + down * (between(lower, k) - top)
+                })),
+            );
         }
     }
 
@@ -181,6 +191,20 @@ impl Surface {
         let rest = self.camera.surface_point(at_px, 0.0)?;
         let now = self.camera.surface_point([at_px[0] + flow_px[0], at_px[1] + flow_px[1]], depth_mm)?;
         Some([now[0] - rest[0], now[1] - rest[1]])
+    }
+}
+
+impl Corners {
+    /// Around a place on the grid, in cells, whole at their centres.
+    fn around(grid: SurfaceGrid, place: Option<[f64; 2]>) -> Self {
+        let Some([x, y]) = place else { return Self { cell: NOWHERE, right: 0.0, down: 0.0 } };
+        let split = |place: f64, count: usize| {
+            let place = place.clamp(0.0, (count - 1) as f64);
+            let whole = (place as usize).min(count.saturating_sub(2));
+            (whole, (place - whole as f64) as f32)
+        };
+        let ((column, right), (row, down)) = (split(x, grid.columns), split(y, grid.rows));
+        Self { cell: (row * grid.columns + column) as u32, right, down }
     }
 }
 

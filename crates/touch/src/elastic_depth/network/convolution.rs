@@ -1,24 +1,26 @@
 //! One layer of the network.
 
-use fearless_simd::{Level, dispatch, prelude::*};
+use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
 use super::plane::Plane;
 
 /// Output channels computed together: one or two registers.
 const LANES: usize = 16;
-/// Cells of a row computed together, which share the weights they read.
-const CELLS: usize = 4;
+/// Cells of a row computed together: they share the weights that they read, and their sums fill the registers of AVX2.
+pub(super) const CELLS: usize = 6;
 
 /// What becomes of a layer's sum.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Then {
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Then<'a> {
     /// Nothing.
     Keep,
     /// Negative values become zero.
     Rectify,
     /// Negative values become zero, and what went in is added: the layer learns a change.
     RectifyAndAdd,
+    /// A plane of half the resolution is added, each of its cells to 2×2, then negative values become zero.
+    AddGrownAndRectify(&'a Plane),
 }
 
 /// A convolution of 3×3 or 1×1 cells over all channels, at every cell or at every second one.
@@ -52,13 +54,13 @@ impl Convolution {
     }
 
     /// Applies the layer. `to` has a cell for every `stride`-th of `from`.
-    pub(super) fn apply(&self, level: Level, from: &Plane, to: &mut Plane, then: Then) {
+    pub(super) fn apply(&self, level: Level, from: &Plane, to: &mut Plane, then: Then<'_>) {
         debug_assert_eq!((from.channels, to.channels), (self.inputs, self.outputs), "channels of the layer");
         dispatch!(level, simd => self.run(simd, from, to, then));
     }
 
     #[simd]
-    fn run<S: Simd>(&self, simd: S, from: &Plane, to: &mut Plane, then: Then) {
+    fn run<S: Simd>(&self, simd: S, from: &Plane, to: &mut Plane, then: Then<'_>) {
         let per_block = self.side * self.side * self.inputs * LANES;
         for row in 0..to.rows {
             for (block, weights) in self.weights.chunks_exact(per_block).enumerate() {
@@ -70,9 +72,19 @@ impl Convolution {
                     let column = column.min(to.columns - CELLS);
                     let sums = self.sum(simd, weights, bias, from, (column, row));
                     for (cell, sums) in (column..).zip(&sums) {
-                        let at = cell * self.outputs + first..cell * self.outputs + first + count;
-                        let before = if then == Then::RectifyAndAdd { &from.row(row)[at.clone()] } else { &[] };
-                        finish(&mut to.row_mut(row)[at], sums, before, then);
+                        let channels = |cell: usize| cell * self.outputs + first..cell * self.outputs + first + count;
+                        let to = &mut to.row_mut(row)[channels(cell)];
+                        match then {
+                            Then::Keep => to.copy_from_slice(&sums[..count]),
+                            Then::Rectify => write(to, sums, &[0.0; LANES], |sum, _| sum.max(0.0)),
+                            Then::RectifyAndAdd => {
+                                write(to, sums, &from.row(row)[channels(cell)], |sum, before| sum.max(0.0) + before);
+                            }
+                            Then::AddGrownAndRectify(coarse) => {
+                                let coarse = &coarse.row(row / 2)[channels(cell / 2)];
+                                write(to, sums, coarse, |sum, coarse| (sum + coarse).max(0.0));
+                            }
+                        }
                     }
                 }
             }
@@ -83,7 +95,7 @@ impl Convolution {
     #[simd]
     fn sum<S: Simd>(
         &self,
-        _: S,
+        simd: S,
         weights: &[f32],
         bias: &[f32; LANES],
         from: &Plane,
@@ -92,24 +104,24 @@ impl Convolution {
         let (stride, step) = (from.stride(), self.stride * self.inputs);
         // The rim is one cell wide: a kernel of 1×1 begins in its middle.
         let rim = usize::from(self.side == 1);
-        let mut sums = [*bias; CELLS];
+        let mut sums = [f32x16::from_slice(simd, bias); CELLS];
         for tap_row in 0..self.side {
             let start = (row * self.stride + tap_row + rim) * stride + column * step + rim * self.inputs;
             let taps = self.side * self.inputs;
             let weights = &weights[tap_row * taps * LANES..][..taps * LANES];
-            let [a, b, c, d]: [&[f32]; CELLS] =
+            let [a, b, c, d, e, f]: [&[f32]; CELLS] =
                 std::array::from_fn(|cell| &from.values()[start + cell * step..][..taps]);
-            for (((weights, a), b), (c, d)) in weights.as_chunks::<LANES>().0.iter().zip(a).zip(b).zip(c.iter().zip(d))
-            {
-                for lane in 0..LANES {
-                    sums[0][lane] += a * weights[lane];
-                    sums[1][lane] += b * weights[lane];
-                    sums[2][lane] += c * weights[lane];
-                    sums[3][lane] += d * weights[lane];
-                }
+            for (tap, weights) in weights.as_chunks::<LANES>().0.iter().enumerate() {
+                let weights = f32x16::from_slice(simd, weights);
+                sums[0] = weights.mul_add(f32x16::splat(simd, a[tap]), sums[0]);
+                sums[1] = weights.mul_add(f32x16::splat(simd, b[tap]), sums[1]);
+                sums[2] = weights.mul_add(f32x16::splat(simd, c[tap]), sums[2]);
+                sums[3] = weights.mul_add(f32x16::splat(simd, d[tap]), sums[3]);
+                sums[4] = weights.mul_add(f32x16::splat(simd, e[tap]), sums[4]);
+                sums[5] = weights.mul_add(f32x16::splat(simd, f[tap]), sums[5]);
             }
         }
-        sums
+        sums.map(|sums| *sums.as_slice().first_chunk().expect("as many lanes"))
     }
 }
 
@@ -129,19 +141,10 @@ impl Shape {
     }
 }
 
-#[inline]
-fn finish(to: &mut [f32], sums: &[f32; LANES], before: &[f32], then: Then) {
-    match then {
-        Then::Keep => to.copy_from_slice(&sums[..to.len()]),
-        Then::Rectify => {
-            for (to, sum) in to.iter_mut().zip(sums) {
-                *to = sum.max(0.0);
-            }
-        }
-        Then::RectifyAndAdd => {
-            for ((to, sum), before) in to.iter_mut().zip(sums).zip(before) {
-                *to = sum.max(0.0) + before;
-            }
-        }
+/// Writes what `combine` makes of each sum and what is beside it.
+#[inline(always)]
+fn write(to: &mut [f32], sums: &[f32; LANES], beside: &[f32], combine: impl Fn(f32, f32) -> f32) {
+    for ((to, &sum), &beside) in to.iter_mut().zip(sums).zip(beside) {
+        *to = combine(sum, beside);
     }
 }

@@ -4,7 +4,8 @@
 //! which it is seen, in mm, at three resolutions, and tells depth and contact at every cell. It was trained on presses of
 //! random bodies, gels and cameras by our own simulator alone (`learn/`), none of them a ready-made scene.
 //!
-//! Sums are not fused and their order is fixed: every instruction set gives the same bits.
+//! The order of sums is fixed, but products are fused into them where the processor can: one machine gives the same bits
+//! again, instruction sets differ in the last ones.
 
 mod convolution;
 mod plane;
@@ -20,14 +21,14 @@ use plane::Plane;
 const WEIGHTS: &[u8] = include_bytes!("../../../weights/contact.bin");
 /// Inputs at every cell: apparent motion (x, y), slope of the ray (x, y), divergence of the motion.
 pub(super) const INPUTS: usize = 5;
-/// Inputs that are the same for all cells: material, cell and thickness.
-pub(super) const CONSTANTS: usize = 3;
+/// Inputs that are the same for all cells: Poisson's ratio and thickness.
+pub(super) const CONSTANTS: usize = 2;
 /// Side of the gel that all others are scaled to, mm.
 pub(super) const SIZE_MM: f64 = 30.0;
 
 /// The inputs that are the same for all cells, for a gel scaled to a side of [`SIZE_MM`].
 pub(super) fn constants(poissons_ratio: f64, thickness_mm: f64) -> [f32; CONSTANTS] {
-    [(poissons_ratio - 0.42) * 8.0, 0.0, (thickness_mm - 10.0) / 3.0].map(|value| value as f32)
+    [(poissons_ratio - 0.42) * 8.0, (thickness_mm - 10.0) / 3.0].map(|value| value as f32)
 }
 
 /// Whether presses of such a gel, scaled to a side of [`SIZE_MM`], were among those learned from.
@@ -35,10 +36,12 @@ pub(super) fn is_trained_for(poissons_ratio: f64, thickness_mm: f64) -> bool {
     (0.29..=0.5).contains(&poissons_ratio) && (6.0..=15.0).contains(&thickness_mm)
 }
 
-/// Depth and the logarithm of the odds of contact.
-const OUTPUTS: usize = 2;
-/// Sides of the grid must be multiples of this.
+/// Depth, the logarithm of the odds of contact and that of the error expected of the depth.
+const OUTPUTS: usize = 3;
+/// Sides of the grid must be multiples of this, and at least [`LEAST_SIDE`].
 pub(super) const MULTIPLE: usize = 8;
+/// The least side of a grid, cells: at the coarsest resolution what a layer takes together.
+pub(super) const LEAST_SIDE: usize = convolution::CELLS * MULTIPLE;
 
 /// The network with room for one grid.
 #[derive(Debug, Clone)]
@@ -49,8 +52,8 @@ pub(super) struct ContactNetwork {
     fine: [Plane; 2],
     middle: [Plane; 2],
     coarse: [Plane; 2],
-    middle_joined: Plane,
-    fine_joined: Plane,
+    middle_lifted: Plane,
+    fine_lifted: Plane,
     output: Plane,
 }
 
@@ -59,13 +62,13 @@ struct Layers {
     enter: [Convolution; 2],
     down: [Convolution; 2],
     deep: [Convolution; 3],
-    up: [Convolution; 2],
-    leave: [Convolution; 2],
+    up: [Convolution; 3],
+    leave: [Convolution; 3],
     output: Convolution,
 }
 
 impl ContactNetwork {
-    /// Room for a grid of cells, both sides multiples of [`MULTIPLE`] and at least four times that.
+    /// Room for a grid of cells, both sides multiples of [`MULTIPLE`] and at least [`LEAST_SIDE`].
     pub(super) fn new((columns, rows): (usize, usize)) -> Self {
         let (channels, layers) = Layers::read(WEIGHTS);
         let [fine, middle, coarse] = channels;
@@ -77,15 +80,15 @@ impl ContactNetwork {
             fine: pair(2, fine),
             middle: pair(4, middle),
             coarse: pair(8, coarse),
-            middle_joined: plane(4, coarse + middle),
-            fine_joined: plane(2, middle + fine),
+            middle_lifted: plane(8, middle),
+            fine_lifted: plane(4, fine),
             output: plane(2, 4 * OUTPUTS),
             layers,
         }
     }
 
-    /// Depth, mm, and the logarithm of the odds of contact for every cell, row by row, from what `input` gives for a cell
-    /// `(column, row)`.
+    /// Depth, mm, the logarithm of the odds of contact and that of the depth's expected error, mm, for every cell, from what
+    /// `input` gives for a cell `(column, row)`.
     pub(super) fn run(
         &mut self,
         constants: [f32; CONSTANTS],
@@ -121,7 +124,7 @@ impl ContactNetwork {
     }
 
     fn forward(&mut self) {
-        use Then::{Keep, Rectify, RectifyAndAdd};
+        use Then::{AddGrownAndRectify, Keep, Rectify, RectifyAndAdd};
         let (level, layers) = (self.level, &self.layers);
         let [fine, fine_kept] = &mut self.fine;
         let [middle, middle_kept] = &mut self.middle;
@@ -133,12 +136,12 @@ impl ContactNetwork {
         layers.deep[0].apply(level, middle_kept, coarse, Rectify);
         layers.deep[1].apply(level, coarse, coarse_kept, RectifyAndAdd);
         layers.deep[2].apply(level, coarse_kept, coarse, RectifyAndAdd);
-        self.middle_joined.join(coarse, middle_kept);
-        layers.up[0].apply(level, &self.middle_joined, middle, Rectify);
-        layers.up[1].apply(level, middle, middle_kept, RectifyAndAdd);
-        self.fine_joined.join(middle_kept, fine_kept);
-        layers.leave[0].apply(level, &self.fine_joined, fine, Rectify);
-        layers.leave[1].apply(level, fine, fine_kept, RectifyAndAdd);
+        layers.up[0].apply(level, coarse, &mut self.middle_lifted, Keep);
+        layers.up[1].apply(level, middle_kept, middle, AddGrownAndRectify(&self.middle_lifted));
+        layers.up[2].apply(level, middle, middle_kept, RectifyAndAdd);
+        layers.leave[0].apply(level, middle_kept, &mut self.fine_lifted, Keep);
+        layers.leave[1].apply(level, fine_kept, fine, AddGrownAndRectify(&self.fine_lifted));
+        layers.leave[2].apply(level, fine, fine_kept, RectifyAndAdd);
         layers.output.apply(level, fine_kept, &mut self.output, Keep);
     }
 }
@@ -162,8 +165,8 @@ impl Layers {
             enter: [next(4 * INPUTS + CONSTANTS, fine, 3, 1), next(fine, fine, 3, 1)],
             down: [next(fine, middle, 3, 2), next(middle, middle, 3, 1)],
             deep: [next(middle, coarse, 3, 2), next(coarse, coarse, 3, 1), next(coarse, coarse, 3, 1)],
-            up: [next(middle + coarse, middle, 3, 1), next(middle, middle, 3, 1)],
-            leave: [next(fine + middle, fine, 3, 1), next(fine, fine, 3, 1)],
+            up: [next(coarse, middle, 1, 1), next(middle, middle, 3, 1), next(middle, middle, 3, 1)],
+            leave: [next(middle, fine, 1, 1), next(fine, fine, 3, 1), next(fine, fine, 3, 1)],
             output: next(fine, 4 * OUTPUTS, 1, 1),
         };
         assert!(left.is_empty(), "a file of weights holds the layers and nothing else");

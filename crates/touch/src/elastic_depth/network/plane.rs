@@ -35,19 +35,4 @@ impl Plane {
         let start = (row + 1) * self.stride() + self.channels;
         &mut self.values[start..][..self.columns * self.channels]
     }
-
-    /// Writes a coarser plane, each of its cells over 2×2 of this one's, followed by the channels of an equal one.
-    pub(super) fn join(&mut self, coarse: &Self, fine: &Self) {
-        let split = coarse.channels;
-        for row in 0..self.rows {
-            let (coarse, fine) = (coarse.row(row / 2), fine.row(row));
-            let channels = self.channels;
-            for (column, cell) in self.row_mut(row).chunks_exact_mut(channels).enumerate() {
-                let (left, right) = cell.split_at_mut(split);
-                left.copy_from_slice(&coarse[column / 2 * split..][..split]);
-                let rest = right.len();
-                right.copy_from_slice(&fine[column * rest..][..rest]);
-            }
-        }
-    }
 }
