@@ -7,22 +7,25 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use fingervision_elastic::GelBlock;
 use fingervision_image::Frame;
-use fingervision_touch::{DepthLine, DepthSection, Fields, Profile, Reading, Tracker};
+use fingervision_optics::{CameraParams, Distortion};
+use fingervision_touch::{DepthLine, DepthSection, ElasticMode, Fields, Profile, Reading, Tracker};
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 use crate::profile_args::ProfileArgs;
 
 use press::{FRAMES, Press};
-use report::{Report, end_point_error_px};
+use report::{ElasticTimes, Report, end_point_error_px};
 
 /// Measure the speed of tracking on this machine, one thread
 ///
 /// A press at 610x450 px is rendered first: a reference, then a round bump that grows to 25 px in 30 frames. It is
 /// tracked once to warm up, then again and again, each time from a new reference. Every frame behind the reference is
 /// timed from the colour image in memory to depth: flow, density, filter and line. Without --profile a made-up line
-/// turns the density into depth. Nothing is read or written meanwhile.
+/// turns the density into depth, and what depth from elasticity adds to the flow is measured too, for a made-up camera
+/// and gel. Nothing is read or written meanwhile.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// How many frames to time at least; the last press is always finished
@@ -52,25 +55,28 @@ fn measure(args: &Args, press: &Press) -> Result<Report, Failure> {
     let profile = args.profile.load_or(calibrated())?;
     let region = profile.region(press.size())?;
     let passes = u64::from(args.frames).div_ceil(FRAMES - 1);
-    let progress = args.output.progress("tracking", Some(FRAMES + (1 + passes) * (FRAMES - 1)));
+    let is_made_up = args.profile.is_absent();
+    let elastic_passes = if is_made_up { 3 } else { 0 };
+    let progress = args.output.progress("tracking", Some(FRAMES + (1 + passes + elastic_passes) * (FRAMES - 1)));
     let mut frames = Vec::new();
     for sequence in 0..FRAMES {
         frames.push(press.frame(sequence)?);
         progress.inc(1);
     }
     let (mut errors_px, mut times_ms) = (Vec::new(), Vec::new());
-    track(&profile, press, &frames, |reading, _| {
+    track(&profile, press, &frames, Fields::default(), |reading, _| {
         errors_px.push(end_point_error_px([&reading.flow.u, &reading.flow.v], &press.motion(reading.sequence), region));
         progress.inc(1);
     })?;
     for _ in 0..passes {
-        track(&profile, press, &frames, |_, time_ms| {
+        track(&profile, press, &frames, Fields::default(), |_, time_ms| {
             times_ms.push(time_ms);
             progress.inc(1);
         })?;
     }
+    let elastic = is_made_up.then(|| elastic_times(press, &frames, || progress.inc(1))).transpose()?;
     progress.finish_and_clear();
-    Ok(Report::new((region.width, region.height), times_ms, &errors_px))
+    Ok(Report::new((region.width, region.height), times_ms, &errors_px, elastic))
 }
 
 /// Tracks the press with a new tracker; hands over each reading behind the reference and the time it took, ms.
@@ -78,9 +84,10 @@ fn track(
     profile: &Profile,
     press: &Press,
     frames: &[Frame],
+    fields: Fields,
     mut each: impl FnMut(&Reading, f64),
 ) -> Result<(), Failure> {
-    let mut tracker = Tracker::new(profile, press.size(), true, Fields::default())?;
+    let mut tracker = Tracker::new(profile, press.size(), true, fields)?;
     for frame in frames {
         let arrival = Instant::now();
         let reading = tracker.track(frame)?;
@@ -90,6 +97,43 @@ fn track(
         }
     }
     Ok(())
+}
+
+/// Times a frame of flow alone, and of flow and depth from elasticity in both modes. The press is no gel's, so that the
+/// solver takes all the steps that it may.
+fn elastic_times(press: &Press, frames: &[Frame], mut tick: impl FnMut()) -> Result<ElasticTimes, Failure> {
+    let mut times = |mode: ElasticMode, fields: Fields| {
+        let mut profile = elastic(press);
+        profile.elastic.mode = mode;
+        let mut times_ms = Vec::new();
+        track(&profile, press, frames, fields, |_, time_ms| {
+            times_ms.push(time_ms);
+            tick();
+        })
+        .map(|()| times_ms)
+    };
+    let depth = Fields { depth: true, ..Fields::NONE };
+    let flow = times(ElasticMode::Live, Fields::NONE)?;
+    Ok(ElasticTimes::new(flow, times(ElasticMode::Live, depth)?, times(ElasticMode::Exact, depth)?))
+}
+
+/// A sensor whose gel fills the image; its figures are made up.
+fn elastic(press: &Press) -> Profile {
+    let (width, height) = press.size();
+    let (focal_length_px, distance_mm) = (400.0, 25.0);
+    let size_mm = [width, height].map(|pixels| distance_mm * pixels as f64 / focal_length_px);
+    let camera = CameraParams {
+        focal_length_px: [focal_length_px; 2],
+        principal_point_px: [width, height].map(|pixels| 0.5 * (pixels as f64 - 1.0)),
+        distortion: Distortion::default(),
+        rotation_rad: [0.0; 3],
+        translation_mm: [0.0, 0.0, distance_mm],
+    };
+    Profile {
+        camera: Some(camera),
+        gel: Some(GelBlock { size_mm, thickness_mm: 10.0, poissons_ratio: 0.48, youngs_modulus_mpa: Some(0.6) }),
+        ..Profile::default()
+    }
 }
 
 /// A sensor with a depth line, so that every stage runs; its figures are made up.

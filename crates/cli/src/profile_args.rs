@@ -19,6 +19,11 @@ pub(crate) struct ProfileArgs {
 }
 
 impl ProfileArgs {
+    /// Whether nothing was said of the profile.
+    pub(crate) fn is_absent(&self) -> bool {
+        self.profile.is_none() && self.assignments.is_empty()
+    }
+
     /// The profile in force.
     pub(crate) fn load(&self) -> Result<Profile, Failure> {
         self.load_or(Profile::default())

@@ -25,6 +25,17 @@ pub(super) struct Report {
     /// Frames over the time that all of them took.
     frames_per_second: f64,
     epe_px: Errors,
+    /// Absent for a profile of one's own.
+    elastic_ms: Option<ElasticTimes>,
+}
+
+/// What depth from elasticity adds to a frame's flow, ms: differences of medians.
+#[derive(Debug, Serialize)]
+pub(super) struct ElasticTimes {
+    /// The median time of flow alone.
+    flow: f64,
+    live: f64,
+    exact: f64,
 }
 
 /// Percentiles of the times, ms.
@@ -50,7 +61,12 @@ struct Errors {
 
 impl Report {
     /// `times_ms` and `errors_px` hold at least one value each.
-    pub(super) fn new(size: (usize, usize), mut times_ms: Vec<f64>, errors_px: &[f64]) -> Self {
+    pub(super) fn new(
+        size: (usize, usize),
+        mut times_ms: Vec<f64>,
+        errors_px: &[f64],
+        elastic_ms: Option<ElasticTimes>,
+    ) -> Self {
         times_ms.sort_by(f64::total_cmp);
         Self {
             size,
@@ -59,7 +75,19 @@ impl Report {
             frame_ms: Times::new(&times_ms),
             frames_per_second: 1e3 / mean(&times_ms),
             epe_px: Errors { mean: mean(errors_px), last: errors_px[errors_px.len() - 1] },
+            elastic_ms,
         }
+    }
+}
+
+impl ElasticTimes {
+    /// From the times of flow alone and of flow with depth in both modes, at least one each.
+    pub(super) fn new(flow: Vec<f64>, live: Vec<f64>, exact: Vec<f64>) -> Self {
+        let [flow, live, exact] = [flow, live, exact].map(|mut times_ms| {
+            times_ms.sort_by(f64::total_cmp);
+            percentile(&times_ms, 50.0)
+        });
+        Self { flow, live: live - flow, exact: exact - flow }
     }
 }
 
@@ -97,13 +125,17 @@ pub(super) fn end_point_error_px([u, v]: [&Image<f32>; 2], motion: &Motion, regi
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { size: (width, height), instruction_set, frames, frame_ms, frames_per_second, epe_px } = self;
+        let Self { size: (width, height), instruction_set, frames, frame_ms, frames_per_second, epe_px, elastic_ms } =
+            self;
         let Times { p10, p50, p90, p99, max, .. } = frame_ms;
         let Errors { mean, last } = epe_px;
         writeln!(f, "{frames} frames of {width}x{height} px in colour, one thread, {instruction_set}")?;
         writeln!(f, "ms a frame       p10 {p10:.1}  p50 {p50:.1}  p90 {p90:.1}  p99 {p99:.1}  max {max:.1}")?;
         writeln!(f, "frames a second  {frames_per_second:.1}")?;
-        writeln!(f, "flow is off by   {mean:.4} px on average, {last:.4} px at the press's end of {AMPLITUDE_PX} px")
+        writeln!(f, "flow is off by   {mean:.4} px on average, {last:.4} px at the press's end of {AMPLITUDE_PX} px")?;
+        elastic_ms.iter().try_for_each(|ElasticTimes { flow, live, exact }| {
+            writeln!(f, "depth from elasticity adds  {live:.1} ms live, {exact:.1} ms exact to {flow:.1} ms of flow")
+        })
     }
 }
 

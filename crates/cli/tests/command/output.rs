@@ -51,6 +51,11 @@ fn the_bench_times_whole_presses_and_finds_them_close_to_their_truth() {
         let error_px = report["epe_px"][name].as_f64().unwrap();
         assert!(error_px > 0.0 && error_px < most_px, "{name} {error_px} px, expected at most {most_px} px");
     }
+    let elastic = &report["elastic_ms"];
+    assert!(
+        elastic["flow"].as_f64().unwrap() > 0.0 && elastic["live"].is_f64() && elastic["exact"].is_f64(),
+        "{elastic}"
+    );
 }
 
 #[test]
