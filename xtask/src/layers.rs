@@ -21,7 +21,7 @@ const LAYERS: [(&str, &[&str]); 14] = [
     ("source", &["image", "gel"]),
     // A simulated press is written like a run: the same arrays, tables and pictures.
     ("sink", &["touch", "image", "flow", "gel"]),
-    ("calibrate", &["touch", "sink", "flow", "optics", "settings", "image"]),
+    ("calibrate", &["touch", "sink", "elastic", "flow", "optics", "settings", "image"]),
     ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "sink"]),
     ("live", &["touch", "source", "sink"]),
     ("cli", &["image", "optics", "elastic", "flow", "gel", "touch", "calibrate", "source", "sink", "evaluate", "live"]),

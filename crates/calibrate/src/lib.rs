@@ -4,6 +4,7 @@
 pub mod camera;
 pub mod check;
 pub mod depth;
+pub mod gel;
 mod profile_file;
 
 pub use profile_file::{ProfileFileError, update_profile};

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use fingervision_calibrate::ProfileFileError;
 use fingervision_calibrate::camera::BoardError;
 use fingervision_calibrate::depth::DepthFitError;
+use fingervision_calibrate::gel::GelFitError;
 use fingervision_evaluate::experiment::ExperimentError;
 use fingervision_evaluate::run::RunError;
 use fingervision_gel::{GelError, PatternError, SceneError};
@@ -117,6 +118,12 @@ impl From<ProfileFileError> for Failure {
 
 impl From<DepthFitError> for Failure {
     fn from(error: DepthFitError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<GelFitError> for Failure {
+    fn from(error: GelFitError) -> Self {
         Self::Stated { message: error.to_string(), hint: error.hint() }
     }
 }

@@ -117,6 +117,11 @@ impl SimulatedSource {
     pub fn scene(&self) -> &Scene {
         self.simulation.scene()
     }
+
+    /// The force of the indenter on the gel `(x, y, z)` in every frame, N.
+    pub fn forces_n(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.simulation.states().iter().map(|state| state.force_n)
+    }
 }
 
 impl Source for SimulatedSource {

@@ -188,7 +188,7 @@ impl Place {
     }
 }
 
-fn tracking(press: &str) -> impl Fn(TrackError) -> DepthFitError + '_ {
+pub(crate) fn tracking(press: &str) -> impl Fn(TrackError) -> DepthFitError + '_ {
     |source| DepthFitError::Track { press: press.into(), source: Box::new(source) }
 }
 
@@ -207,7 +207,7 @@ pub(crate) fn check_depths(press: &str, depths_mm: &[f64]) -> Result<(), DepthFi
 }
 
 /// A principal point outside the image is that of another image.
-fn check_camera(press: &str, profile: &Profile, region: (usize, usize)) -> Result<(), DepthFitError> {
+pub(crate) fn check_camera(press: &str, profile: &Profile, region: (usize, usize)) -> Result<(), DepthFitError> {
     let Some(camera) = &profile.camera else { return Ok(()) };
     let principal_point_px = camera.principal_point_px;
     let is_inside = |at: f64, length: usize| (-0.5..length as f64 - 0.5).contains(&at);

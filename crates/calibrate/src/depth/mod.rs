@@ -17,8 +17,8 @@ mod regression;
 mod report;
 mod table;
 
-pub(crate) use curve::check_depths;
 pub use curve::{Place, PressCurve, PressPoint, PressRecorder};
+pub(crate) use curve::{check_camera, check_depths, tracking};
 pub use error::DepthFitError;
 pub use fit::{DepthFit, FittedLaw, Method, PressFit};
 pub use maximum::{Maximum, MaximumFinder};

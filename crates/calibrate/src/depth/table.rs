@@ -1,4 +1,4 @@
-//! The depth of every image of a press, as a table beside the images.
+//! The depth of every image of a press, and perhaps its force, as a table beside the images.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,6 +10,7 @@ pub(super) const DEPTH_FILE: &str = "depth.csv";
 /// The table that a simulation writes.
 const TRUTH_FILE: &str = "truth/force.csv";
 const DEPTH: &str = "depth_mm";
+const FORCE: &str = "force_z_n";
 
 /// A recorded press: where its images are, and how deep it is in each.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,14 +21,16 @@ pub struct PressFolder {
     pub images: PathBuf,
     /// The depth of every image, mm.
     pub depths_mm: Vec<f64>,
+    /// The normal force on the gel in every image, N, where the table has it.
+    pub forces_n: Option<Vec<f64>>,
 }
 
 impl PressFolder {
     /// Reads the depths of a press: from `depth.csv`, or from the `truth/force.csv` that a simulation has. The images are
     /// in its subfolder `frames`, or beside the table.
     ///
-    /// The table is comma-separated. Its first line names the columns, of which `depth_mm` is read, and `frame` where it is
-    /// there: it counts the rows from 0.
+    /// The table is comma-separated. Its first line names the columns, of which `depth_mm` is read, and where they are
+    /// there `frame`, which counts the rows from 0, and `force_z_n`.
     ///
     /// # Errors
     ///
@@ -39,38 +42,48 @@ impl PressFolder {
         };
         let text =
             fs::read_to_string(&table).map_err(|error| DepthFitError::Unreadable { file: table.clone(), error })?;
-        let depths_mm = depths(&text).map_err(|(line, reason)| DepthFitError::Table { file: table, line, reason })?;
+        let fault = |(line, reason)| DepthFitError::Table { file: table.clone(), line, reason };
+        let Columns { depths_mm, forces_n } = columns(&text).map_err(fault)?;
         let frames = folder.join("frames");
         let images = if frames.is_dir() { frames } else { folder.to_owned() };
         let name =
             folder.file_name().map_or_else(|| folder.display().to_string(), |name| name.to_string_lossy().into());
-        Ok(Self { name, images, depths_mm })
+        Ok(Self { name, images, depths_mm, forces_n })
     }
 }
 
-/// The column of depths, mm; or the line, from 1, and what is wrong there.
-fn depths(text: &str) -> Result<Vec<f64>, (usize, String)> {
+/// What is read of a table.
+#[derive(Debug, PartialEq)]
+struct Columns {
+    depths_mm: Vec<f64>,
+    forces_n: Option<Vec<f64>>,
+}
+
+/// The columns of a table; or the line, from 1, and what is wrong there.
+fn columns(text: &str) -> Result<Columns, (usize, String)> {
     let mut rows =
         text.lines().enumerate().map(|(i, line)| (i + 1, line.split(',').map(str::trim).collect::<Vec<_>>()));
-    let (_, columns) = rows.next().unwrap_or_default();
-    let place = |name: &str| columns.iter().position(|column| *column == name);
+    let (_, names) = rows.next().unwrap_or_default();
+    let place = |name: &str| names.iter().position(|column| *column == name);
     let depth = place(DEPTH).ok_or_else(|| (1, format!("there is no column {DEPTH}")))?;
-    let frame = place("frame");
-    let mut depths = Vec::new();
+    let (frame, force) = (place("frame"), place(FORCE));
+    let (mut depths_mm, mut forces_n) = (Vec::new(), force.map(|_| Vec::new()));
     for (line, cells) in rows.filter(|(_, cells)| cells.iter().any(|cell| !cell.is_empty())) {
-        if cells.len() != columns.len() {
-            return Err((line, format!("{} cells, expected {} as in the first line", cells.len(), columns.len())));
+        if cells.len() != names.len() {
+            return Err((line, format!("{} cells, expected {} as in the first line", cells.len(), names.len())));
         }
-        let expected = depths.len();
+        let expected = depths_mm.len();
         if let Some(number) = frame.map(|frame| cells[frame]).filter(|number| number.parse() != Ok(expected)) {
             return Err((line, format!("frame {number}, expected {expected}: every frame has its row, from 0")));
         }
-        match cells[depth].parse::<f64>() {
-            Ok(value) if value.is_finite() => depths.push(value),
-            _ => return Err((line, format!("{DEPTH} = {} is no length", cells[depth]))),
+        let value = |place: usize| cells[place].parse::<f64>().ok().filter(|value| value.is_finite());
+        let no_length = || (line, format!("{DEPTH} = {} is no length", cells[depth]));
+        depths_mm.push(value(depth).ok_or_else(no_length)?);
+        if let (Some(force), Some(forces_n)) = (force, &mut forces_n) {
+            forces_n.push(value(force).ok_or_else(|| (line, format!("{FORCE} = {} is no force", cells[force])))?);
         }
     }
-    Ok(depths)
+    Ok(Columns { depths_mm, forces_n })
 }
 
 #[cfg(test)]
@@ -79,8 +92,10 @@ mod tests {
 
     #[test]
     fn columns_are_found_by_name() {
-        assert_eq!(depths("frame,depth_mm\n0,0\n1, 0.5\r\n2,1e-1\n\n").unwrap(), [0.0, 0.5, 0.1]);
-        assert_eq!(depths("force_z_n,depth_mm\n1,0\n2,0.25\n").unwrap(), [0.0, 0.25]);
+        let depths = columns("frame,depth_mm\n0,0\n1, 0.5\r\n2,1e-1\n\n").unwrap();
+        assert_eq!(depths, Columns { depths_mm: vec![0.0, 0.5, 0.1], forces_n: None });
+        let both = columns("force_z_n,depth_mm\n1,0\n2,0.25\n").unwrap();
+        assert_eq!(both, Columns { depths_mm: vec![0.0, 0.25], forces_n: Some(vec![1.0, 2.0]) });
     }
 
     #[test]
@@ -93,8 +108,9 @@ mod tests {
             ("frame,depth_mm\n0,inf\n", 2, "depth_mm = inf is no length"),
             ("frame,depth_mm\n0,\n", 2, "depth_mm =  is no length"),
             ("frame,depth_mm\n0\n", 2, "1 cells, expected 2"),
+            ("depth_mm,force_z_n\n0,strong\n", 2, "force_z_n = strong is no force"),
         ] {
-            let (at, why) = depths(text).unwrap_err();
+            let (at, why) = columns(text).unwrap_err();
             assert!(at == line && why.contains(reason), "{text:?}: line {at}: {why}");
         }
     }

@@ -17,7 +17,7 @@ fn press(camera: Camera, centre_px: [f64; 2], amplitude_px: f64) -> Vec<Frame> {
 }
 
 fn folder(depths_mm: Vec<f64>) -> PressFolder {
-    PressFolder { name: "press-1".into(), images: PathBuf::new(), depths_mm }
+    PressFolder { name: "press-1".into(), images: PathBuf::new(), depths_mm, forces_n: None }
 }
 
 fn check(frames: &[Frame]) -> RecordingCheck {

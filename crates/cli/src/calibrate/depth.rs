@@ -2,19 +2,16 @@
 
 use std::fmt::Write as _;
 use std::io::Write;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use fingervision_calibrate::depth::{
-    DepthFit, DepthFitError, FittedLaw, Maximum, Method, PressCurve, PressFolder, PressRecorder,
-};
+use fingervision_calibrate::depth::{DepthFit, DepthFitError, FittedLaw, Maximum, Method, PressCurve, PressRecorder};
 use fingervision_calibrate::update_profile;
-use fingervision_gel::{PressCache, ReadyMade};
+use fingervision_gel::ReadyMade;
 use fingervision_sink::write_png;
-use fingervision_source::{Options, SimulatedLocation, SimulatedSource, Source, open};
 use fingervision_touch::{DepthLaw, DepthMethod, Profile};
 use serde::Serialize;
 
+use super::press::Press;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
@@ -168,7 +165,7 @@ pub(super) fn law_name(method: Method) -> &'static str {
     }
 }
 
-fn load(path: &Path) -> Result<Profile, Failure> {
+pub(super) fn load(path: &Path) -> Result<Profile, Failure> {
     Profile::load(path).map_err(|error| {
         let begin_one = "begin one: a file with the line name = \"my sensor\", or take that of a simulation";
         let hint = if path.exists() { error.hint() } else { Some(begin_one.into()) };
@@ -178,7 +175,7 @@ fn load(path: &Path) -> Result<Profile, Failure> {
 
 /// Tracks a press.
 fn record(args: &Args, press: &str, profile: &Profile) -> Result<PressCurve, Failure> {
-    let Press { name, depths_mm, mut source } = open_press(args, press)?;
+    let Press { name, depths_mm, mut source, .. } = Press::open(press, args.draft, args.output)?;
     let is_short = |count: u64| count != depths_mm.len() as u64;
     if let Some(images) = source.frame_count().filter(|&count| is_short(count)) {
         return Err(DepthFitError::Count { press: name, images, depths: depths_mm.len() as u64 }.into());
@@ -200,53 +197,6 @@ fn record(args: &Args, press: &str, profile: &Profile) -> Result<PressCurve, Fai
     bar.finish_and_clear();
     let no_images = || DepthFitError::Count { press: name.clone(), images: 0, depths: depths_mm.len() as u64 };
     Ok(recorder.ok_or_else(no_images)?.finish()?)
-}
-
-/// A press before it is tracked.
-struct Press {
-    name: String,
-    /// The depth of each of its images, mm.
-    depths_mm: Vec<f64>,
-    source: Box<dyn Source>,
-}
-
-/// Finds a press among folders and scenes.
-fn open_press(args: &Args, press: &str) -> Result<Press, Failure> {
-    let path = Path::new(press);
-    if path.is_dir() {
-        let folder = PressFolder::open(path)?;
-        let source = open(&folder.images, &Options::default())?;
-        return Ok(Press { name: folder.name, depths_mm: folder.depths_mm, source });
-    }
-    let is_location = press.starts_with("sim:");
-    if !is_location && ReadyMade::find(press).is_none() {
-        let message = format!("{press}: there is no such folder and no such scene");
-        return Err(Failure::new(
-            message,
-            "give folders of images with their depths, or scenes as simulate --list names them",
-        ));
-    }
-    let scene = if is_location { press.to_owned() } else { format!("sim:{press}") };
-    let joint = if scene.contains('?') { "&" } else { "?" };
-    let scene = if args.draft { format!("{scene}{joint}draft") } else { scene };
-    simulated(args, &scene)
-}
-
-/// A press that is solved, or was before.
-fn simulated(args: &Args, location: &str) -> Result<Press, Failure> {
-    let Some(location) = SimulatedLocation::of(Path::new(location))? else {
-        return Err(Failure::new(format!("{location}: it names no scene"), "scenes are listed by simulate --list"));
-    };
-    let scene = location.scene()?;
-    let bar = args.output.progress("solving", Some(scene.motion.frames as u64));
-    let mut progress = |frames: usize| {
-        bar.set_position(frames as u64);
-        ControlFlow::Continue(())
-    };
-    let source = SimulatedSource::open(&location, &Options::default(), &PressCache::standard(), &mut progress)?;
-    bar.finish_and_clear();
-    let depths_mm = scene.motion.poses().iter().map(|pose| pose.depth_mm).collect();
-    Ok(Press { name: scene.name, depths_mm, source: Box::new(source) })
 }
 
 fn picture_beside(profile: &Path) -> PathBuf {

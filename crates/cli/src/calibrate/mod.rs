@@ -2,7 +2,9 @@
 
 mod camera;
 mod depth;
+mod gel;
 mod guide;
+mod press;
 
 use std::io::Write;
 
@@ -29,12 +31,14 @@ pub(crate) struct Args {
 enum Part {
     Camera(camera::Args),
     Depth(depth::Args),
+    Gel(gel::Args),
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     match &args.part {
         Some(Part::Camera(args)) => camera::run(args, out),
         Some(Part::Depth(args)) => depth::run(args, out),
+        Some(Part::Gel(args)) => gel::run(args, out),
         None => guide::run(&args.guide, out),
     }
 }

@@ -4,6 +4,7 @@
 
 mod calibrate_camera;
 mod calibrate_depth;
+mod calibrate_gel;
 mod calibrate_guide;
 mod damage;
 mod elastic;

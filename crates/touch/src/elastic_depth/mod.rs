@@ -25,6 +25,8 @@ mod traction;
 
 pub use fields::{ElasticFields, TractionGrid};
 pub use params::{ElasticMode, ElasticParams};
+pub use surface::Seen;
+pub use traction::{Limits, Tractions};
 
 use contact::ContactFinder;
 use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
@@ -32,7 +34,6 @@ use fingervision_flow::FlowField;
 use fingervision_image::Image;
 use fingervision_optics::Camera;
 use surface::Surface;
-use traction::{Limits, Tractions};
 
 use crate::TrackError;
 
@@ -56,6 +57,21 @@ const AWAY: f64 = 0.25;
 const MOST_UNEXPLAINED: f32 = 0.05;
 /// Motion away from contact below which nothing is said about the gel, px, root mean square.
 const TELLING_PX: f64 = 0.1;
+
+/// The gel's surface as square cells, row by row, its centre in the grid's middle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cells<'a> {
+    /// The cells.
+    pub grid: SurfaceGrid,
+    /// What the camera tells of each.
+    pub seen: &'a [Seen],
+    /// Whether each is touched.
+    pub touches: &'a [bool],
+    /// Depth of each that is touched, mm.
+    pub depth_mm: &'a [f32],
+    /// Size of a pixel on the undeformed surface, mm.
+    pub mm_per_px: f64,
+}
 
 /// Finds what presses the gel from how its surface moves in the image.
 ///
@@ -128,6 +144,19 @@ impl ElasticDepth {
         self.write_figures();
         self.write_force();
         &self.fields
+    }
+
+    /// What the last frame told of the gel's surface, cell by cell.
+    #[must_use]
+    pub fn cells(&self) -> Cells<'_> {
+        let ContactFinder { touches, depth_mm, .. } = &self.contact;
+        Cells {
+            grid: self.surface.grid,
+            seen: &self.surface.seen,
+            touches,
+            depth_mm,
+            mm_per_px: self.surface.mm_per_px,
+        }
     }
 
     /// The fields of the last frame; before the first one those of a gel at rest.

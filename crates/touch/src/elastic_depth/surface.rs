@@ -61,13 +61,13 @@ struct Sum {
 
 /// What the camera tells of a cell.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Seen {
+pub struct Seen {
     /// b: the apparent displacement, mm.
-    pub(super) apparent_mm: [f32; 2],
-    /// a: the slope of the ray.
-    pub(super) slope: [f32; 2],
+    pub apparent_mm: [f32; 2],
+    /// a: the slope of the ray, dimensionless.
+    pub slope: [f32; 2],
     /// Which part of the cell's pixels has a flow that holds, 0 to 1; 0 where no pixel shows the cell.
-    pub(super) trust: f32,
+    pub trust: f32,
 }
 
 impl Surface {

@@ -8,7 +8,7 @@ use fingervision_elastic::BlockOperator;
 
 /// Tractions in units of the shear modulus and the displacement that they make, with the scratch to find them.
 #[derive(Debug)]
-pub(super) struct Tractions {
+pub struct Tractions {
     pub(super) operator: BlockOperator,
     pub(super) traction: Vec<[f32; 3]>,
     pub(super) displacement_mm: Vec<[f32; 3]>,
@@ -20,14 +20,17 @@ pub(super) struct Tractions {
 
 /// When to end.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Limits {
-    /// Residual displacement relative to the wanted one, as root mean squares.
-    pub(super) tolerance: f64,
-    pub(super) most_iterations: usize,
+pub struct Limits {
+    /// Residual displacement relative to the wanted one, as root mean squares, dimensionless.
+    pub tolerance: f64,
+    /// The most iterations of conjugate gradients.
+    pub most_iterations: usize,
 }
 
 impl Tractions {
-    pub(super) fn new(operator: BlockOperator) -> Self {
+    /// A gel at rest.
+    #[must_use]
+    pub fn new(operator: BlockOperator) -> Self {
         let zero = vec![[0.0; 3]; operator.grid().len()];
         Self {
             operator,
@@ -46,8 +49,24 @@ impl Tractions {
         self.displacement_mm.fill([0.0; 3]);
     }
 
+    /// Tractions `(x, y, z)` of the cells, in units of the shear modulus.
+    #[must_use]
+    pub fn traction(&self) -> &[[f32; 3]] {
+        &self.traction
+    }
+
+    /// The displacement `(x, y, z)` of the cells' centres that they make, mm.
+    #[must_use]
+    pub fn displacement_mm(&self) -> &[[f32; 3]] {
+        &self.displacement_mm
+    }
+
     /// Brings the cells in contact to the wanted displacements, mm; those elsewhere are not read.
-    pub(super) fn hold(&mut self, in_contact: &[bool], wanted_mm: &[[f32; 3]], limits: Limits) {
+    ///
+    /// # Panics
+    ///
+    /// If a field has not one entry a cell.
+    pub fn hold(&mut self, in_contact: &[bool], wanted_mm: &[[f32; 3]], limits: Limits) {
         let restrict = |field: &mut [[f32; 3]]| {
             for (value, &held) in field.iter_mut().zip(in_contact) {
                 if !held {

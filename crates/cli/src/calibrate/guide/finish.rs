@@ -113,6 +113,11 @@ impl fmt::Display for Outcome {
         writeln!(f, "pictures  {}, {}", residuals.display(), curves.display())?;
         writeln!(f, "profile   {profile}: [camera], and depth by the {} law\n", depth::law_name(law.method))?;
         writeln!(f, "The sensor is calibrated. Track with it:")?;
-        writeln!(f, "  fingervision track RECORDING --out run --profile {profile}")
+        writeln!(f, "  fingervision track RECORDING --out run --profile {profile}\n")?;
+        writeln!(
+            f,
+            "For depth from elasticity, contact and force write what you know of the gel into its [gel], then fit it:"
+        )?;
+        writeln!(f, "  fingervision calibrate gel PRESSES --profile {profile}")
     }
 }

@@ -1,0 +1,151 @@
+//! From presses of known depth to the gel: Poisson's ratio, thickness and Young's modulus.
+//!
+//! Where the gel is touched, its displacement is known: the depth from outside, the motion along the surface from the
+//! flow. Linear elasticity then says how the gel around contact moves, and that depends on two numbers: Poisson's ratio,
+//! which says whether the gel gives way sideways or is drawn in, and the thickness, which says how far a press is felt.
+//! Both are fitted to the flow around contact. Known forces then give Young's modulus, to which they are
+//! proportional; without them it is not seen at all.
+//!
+//! Depth and outline of contact are found by the elastic inverse ([`ElasticDepth`]), with the gel that is being fitted, in
+//! rounds. Its depths are scaled until the deepest is the known one. Shallow frames alone are used: a neo-Hookean gel
+//! leaves linear elasticity with the square of depth over thickness.
+
+mod error;
+mod fit;
+mod forward;
+mod grid;
+mod look;
+mod modulus;
+mod picture;
+mod press;
+mod report;
+#[cfg(test)]
+mod tests;
+mod text;
+
+use fingervision_elastic::GelBlock;
+use fingervision_optics::Camera;
+use fingervision_touch::{ElasticDepth, Profile};
+
+pub use error::GelFitError;
+pub use grid::ResidualGrid;
+pub use press::{GelPress, GelPressRecorder};
+pub use report::{FrameReport, GelEstimate, GelPressReport, GelReport, GelTable};
+
+use fit::{Fit, Settled};
+use forward::{Explained, Models};
+use look::{Known, Look};
+
+/// What is fitted; the rest is held as the profile has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unknowns {
+    /// Poisson's ratio.
+    pub poissons_ratio: bool,
+    /// The thickness.
+    pub thickness: bool,
+    /// Young's modulus; needs forces.
+    pub youngs_modulus: bool,
+}
+
+/// Rounds of finding contact and fitting.
+const MOST_ROUNDS: usize = 4;
+/// Changes of ν and ln thickness from one round to the next below which no more follow.
+const SAME: [f64; 2] = [3e-3, 6e-3];
+/// Motion that may stay unexplained by the best gel, root mean square over the depth: the elastic inverse's own limit.
+const MISFIT: f64 = 0.05;
+/// Cells around contact that a frame needs to be compared.
+const LEAST_AROUND: usize = 100;
+
+/// Fits the gel of a profile to presses.
+///
+/// # Errors
+///
+/// [`GelFitError`] if there is nothing to fit or nothing that tells, or the fit does not converge.
+pub fn fit_gel(presses: &[GelPress], profile: &Profile, unknowns: Unknowns) -> Result<GelReport, GelFitError> {
+    if presses.is_empty() {
+        return Err(GelFitError::NoPresses);
+    }
+    let gel = profile.gel.ok_or(GelFitError::Absent { table: "gel" })?;
+    let has_forces = presses.iter().flat_map(|press| &press.frames).any(|frame| frame.force_n.is_some());
+    if unknowns.youngs_modulus && !has_forces {
+        return Err(GelFitError::NoForces { presses: presses.len() });
+    }
+    fit_in_rounds(gel, unknowns, |gel| looks(presses, profile, gel))
+        .and_then(|fitted| GelReport::new(presses, fitted, gel, unknowns))
+}
+
+/// A gel and what led to it.
+struct Fitted {
+    /// The frames as the gel of the profile found and explains them.
+    before: Vec<(Look, Explained)>,
+    looks: Vec<Look>,
+    after: Settled,
+    models: Models,
+    rounds: usize,
+}
+
+/// Alternates between finding contact in all frames for a gel and fitting the gel to them.
+fn fit_in_rounds(
+    start: GelBlock,
+    unknowns: Unknowns,
+    mut find: impl FnMut(&GelBlock) -> Result<Vec<Look>, GelFitError>,
+) -> Result<Fitted, GelFitError> {
+    // Forces are over the modulus: it has no part in the fit.
+    let start = GelBlock { youngs_modulus_mpa: None, ..start };
+    let mut looks = find(&start)?;
+    let mut models = Models::new(looks[0].grid);
+    let before = looks.iter().cloned().zip(models.explain(&start, &looks)?).collect();
+    let mut gel = start;
+    for rounds in 1.. {
+        let after = Fit::new(&looks, &mut models, &start, unknowns).settle(&gel)?;
+        let change = fit::change(&gel, &after.gel);
+        gel = after.gel;
+        if rounds == MOST_ROUNDS || !fit::is_beyond(change, SAME) {
+            let unexplained = fit::unexplained_by(&looks, &after.explained);
+            if unexplained > MISFIT {
+                return Err(GelFitError::Misfit { unexplained });
+            }
+            return Ok(Fitted { before, looks, after, models, rounds });
+        }
+        looks = find(&gel)?;
+    }
+    unreachable!("the last round returns")
+}
+
+/// Finds contact in every frame of every press.
+fn looks(presses: &[GelPress], profile: &Profile, gel: &GelBlock) -> Result<Vec<Look>, GelFitError> {
+    let camera = profile.camera.ok_or(GelFitError::Absent { table: "camera" })?;
+    let camera = Camera::new(&camera).map_err(|_| GelFitError::Absent { table: "camera" })?;
+    let mut looks = Vec::new();
+    let mut inverse: Option<((usize, usize), ElasticDepth)> = None;
+    for (press, recorded) in presses.iter().enumerate() {
+        if inverse.as_ref().is_none_or(|(size, _)| *size != recorded.size) {
+            let made = ElasticDepth::new(&camera, gel, recorded.size, &profile.elastic)
+                .map_err(crate::depth::tracking(&recorded.name))?;
+            inverse = Some((recorded.size, made));
+        }
+        let Some((_, inverse)) = &mut inverse else { continue };
+        let mut found = 0;
+        let mut widest_mm: f64 = 0.0;
+        for (number, frame) in recorded.frames.iter().enumerate() {
+            inverse.solve(&frame.flow, &frame.valid);
+            let known = Known { press, frame: number, depth_mm: frame.depth_mm, force_n: frame.force_n };
+            let Some(look) = Look::new(&inverse.cells(), known, gel) else { continue };
+            found += 1;
+            widest_mm = widest_mm.max(look.radius_mm());
+            looks.extend((look.around.len() >= LEAST_AROUND).then_some(look));
+        }
+        let name = &recorded.name;
+        if found == 0 {
+            return Err(GelFitError::NoContact { press: name.clone() });
+        }
+        if looks.last().is_none_or(|look| look.press != press) {
+            return Err(GelFitError::NoSurroundings {
+                press: name.clone(),
+                radius_mm: widest_mm,
+                thickness_mm: gel.thickness_mm,
+            });
+        }
+    }
+    Ok(looks)
+}

@@ -1,0 +1,164 @@
+//! A press of known depth on its way to the fit: tracked, with the flow of a few of its frames kept.
+
+use fingervision_flow::FlowField;
+use fingervision_image::{Frame, Image};
+use fingervision_touch::{Fields, Flag, Profile, Tracker};
+
+use crate::depth::{DepthFitError, check_camera, check_depths, tracking};
+
+use super::GelFitError;
+
+/// Frames of a press that are kept.
+const FRAMES: usize = 4;
+/// Their depths, in thicknesses: shallower ones tell little, deeper ones leave linear elasticity.
+const DEPTHS: [f64; 2] = [0.04, 0.12];
+
+/// A tracked press.
+#[derive(Debug, Clone)]
+pub struct GelPress {
+    /// What it is called.
+    pub name: String,
+    pub(super) frames: Vec<PressedFrame>,
+    /// Columns and rows of the flow, px.
+    pub(super) size: (usize, usize),
+    /// Whether the gel moved inwards at first: it does if it was pressed in the first image, and compressible gel does
+    /// under a ball.
+    pub(super) was_drawn_in: bool,
+}
+
+/// One frame of it.
+#[derive(Debug, Clone)]
+pub(super) struct PressedFrame {
+    pub(super) depth_mm: f64,
+    pub(super) force_n: Option<f64>,
+    pub(super) flow: FlowField,
+    pub(super) valid: Image<u8>,
+}
+
+/// Tracks a press.
+#[derive(Debug)]
+pub struct GelPressRecorder {
+    press: GelPress,
+    depths_mm: Vec<f64>,
+    forces_n: Option<Vec<f64>>,
+    tracker: Tracker,
+    chosen: Vec<usize>,
+    seen: usize,
+    lost: usize,
+}
+
+impl GelPressRecorder {
+    /// A recorder for a press whose images have this size, px, whose depths are known, mm, and perhaps its normal forces, N.
+    ///
+    /// # Errors
+    ///
+    /// [`GelFitError`] if the depths are none of a press or too deep or shallow for linear elasticity, or the profile does
+    /// not fit the images.
+    ///
+    /// # Panics
+    ///
+    /// If there are not as many forces as depths.
+    pub fn new(
+        name: &str,
+        depths_mm: &[f64],
+        forces_n: Option<&[f64]>,
+        profile: &Profile,
+        frame_size: (usize, usize),
+        is_colour: bool,
+    ) -> Result<Self, GelFitError> {
+        assert!(forces_n.is_none_or(|forces| forces.len() == depths_mm.len()), "one force a depth");
+        let gel = profile.gel.ok_or(GelFitError::Absent { table: "gel" })?;
+        profile.camera.ok_or(GelFitError::Absent { table: "camera" })?;
+        check_depths(name, depths_mm)?;
+        let range_mm = DEPTHS.map(|part| part * gel.thickness_mm);
+        let chosen = choose(depths_mm, range_mm);
+        if chosen.is_empty() {
+            let deepest_mm = depths_mm.iter().copied().fold(0.0, f64::max);
+            return Err(GelFitError::NoDepth { press: name.into(), range_mm, deepest_mm });
+        }
+        let mut profile = profile.clone();
+        // The depths say that the first image shows the gel at rest: it stays the reference.
+        profile.references.rest_frames = u64::MAX;
+        let tracker = Tracker::new(&profile, frame_size, is_colour, Fields::NONE).map_err(tracking(name))?;
+        let size = tracker.size();
+        check_camera(name, &profile, size)?;
+        Ok(Self {
+            press: GelPress { name: name.into(), frames: Vec::with_capacity(chosen.len()), size, was_drawn_in: false },
+            depths_mm: depths_mm.to_vec(),
+            forces_n: forces_n.map(<[f64]>::to_vec),
+            tracker,
+            chosen,
+            seen: 0,
+            lost: 0,
+        })
+    }
+
+    /// Takes the next image. Says whether more are needed: what comes after the last frame that is kept is not tracked.
+    ///
+    /// # Errors
+    ///
+    /// [`GelFitError::Press`] if it cannot be tracked.
+    pub fn push(&mut self, frame: &Frame) -> Result<bool, GelFitError> {
+        let name = &self.press.name;
+        let reading = self.tracker.track(frame).map_err(tracking(name))?;
+        self.press.was_drawn_in |= reading.flags.has(Flag::PressedAtStart);
+        let number = self.seen;
+        self.seen += 1;
+        if self.chosen.contains(&number) {
+            if reading.flags.has(Flag::Lost) || reading.flags.has(Flag::NoTexture) {
+                self.lost += 1;
+            } else {
+                self.press.frames.push(PressedFrame {
+                    depth_mm: self.depths_mm[number],
+                    force_n: self.forces_n.as_ref().map(|forces| forces[number]),
+                    flow: reading.flow.clone(),
+                    valid: reading.valid.clone(),
+                });
+            }
+        }
+        Ok(self.chosen.iter().any(|&chosen| chosen >= self.seen))
+    }
+
+    /// The press, after the last image that is needed.
+    ///
+    /// # Errors
+    ///
+    /// [`GelFitError::Press`] if images are missing or half of those that are kept were lost.
+    pub fn finish(self) -> Result<GelPress, GelFitError> {
+        let (press, kept) = (self.press.name.clone(), self.chosen.len());
+        if self.chosen.iter().any(|&chosen| chosen >= self.seen) {
+            let depths = self.depths_mm.len() as u64;
+            return Err(DepthFitError::Count { press, images: self.seen as u64, depths }.into());
+        }
+        if 2 * self.lost > kept {
+            return Err(DepthFitError::Lost { press, lost: self.lost, frames: kept }.into());
+        }
+        Ok(self.press)
+    }
+}
+
+/// The first frames whose depths lie nearest to even steps through a range.
+fn choose(depths_mm: &[f64], [low, high]: [f64; 2]) -> Vec<usize> {
+    let within = |&frame: &usize| (low..=high).contains(&depths_mm[frame]);
+    let mut chosen: Vec<usize> = Vec::with_capacity(FRAMES);
+    for step in 0..FRAMES {
+        let wanted = low + (high - low) * step as f64 / (FRAMES - 1) as f64;
+        let far = |frame: &usize| (depths_mm[*frame] - wanted).abs();
+        let nearest = (0..depths_mm.len()).filter(within).min_by(|a, b| far(a).total_cmp(&far(b)));
+        chosen.extend(nearest.filter(|frame| !chosen.contains(frame)));
+    }
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_spread_over_the_linear_range() {
+        let depths: Vec<f64> = (0..21).map(|frame| 0.1 * f64::from(frame)).collect();
+        assert_eq!(choose(&depths, [0.39, 1.31]), [4, 7, 10, 13]);
+        assert_eq!(choose(&[0.0, 0.5, 2.0], [0.39, 1.31]), [1]);
+        assert_eq!(choose(&[0.0, 0.1, 2.0], [0.39, 1.31]), [0; 0]);
+    }
+}

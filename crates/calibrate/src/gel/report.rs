@@ -1,0 +1,322 @@
+//! What presses tell of a gel, how well, and what of it goes into the profile.
+
+use fingervision_elastic::GelBlock;
+use fingervision_image::Image;
+use serde::Serialize;
+
+use super::fit::{self, Settled};
+use super::forward::Explained;
+use super::look::Look;
+use super::modulus::{Modulus, modulus};
+use super::{Fitted, GelFitError, GelPress, ResidualGrid, Unknowns};
+
+/// What linear elasticity, the search for contact and the grid leave of error whatever the data, one standard deviation:
+/// of ν, of ln thickness and of ln E. Root mean squares over simulated presses; `docs/elasticity.md` has them.
+const MODEL: [f64; 3] = [0.015, 0.04, 0.05];
+/// What is added to it for every unit of the mismatch, as a logarithm, between the depth that was found and the known one.
+const BY_MISMATCH: [f64; 3] = [0.1, 0.5, 0.5];
+/// Deviations beyond which a value is not determined: of ν, of ln thickness and of ln E.
+const DETERMINED: [f64; 3] = [0.05, 0.1, 0.15];
+/// A correlation beyond which ν and thickness change the surface alike.
+const ALIKE: f64 = 0.97;
+/// Contact that is wider than this, as radius over thickness, leaves little around it.
+const WIDE: f64 = 1.0;
+/// Motion that may stay unexplained, as a part of the depth, before a warning.
+const MOST_UNEXPLAINED: f64 = 0.02;
+/// Depths in the images that differ by more than this factor from the known ones are warned of.
+const MOST_FACTOR: f64 = 1.5;
+
+/// One value of the gel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GelEstimate {
+    /// Its key in the profile's `[gel]`.
+    pub key: &'static str,
+    /// What the profile had.
+    pub before: Option<f64>,
+    /// What the presses tell; what the profile had where it is held, none where neither is.
+    pub value: Option<f64>,
+    /// Its standard deviation, the error of the linear model included; none where it is held.
+    pub deviation: Option<f64>,
+    /// The part of it that is the scatter between presses, or around contact where they are few.
+    pub scatter: Option<f64>,
+    /// Whether the presses determine it: only then it is written.
+    pub is_determined: bool,
+    /// What there is to say.
+    pub remark: String,
+}
+
+/// What one frame says.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct FrameReport {
+    /// The known depth, mm.
+    pub depth_mm: f64,
+    /// The depth that was found in the images before it was brought to the known one, mm.
+    pub found_mm: f64,
+    /// The radius of a circle as large as contact, mm.
+    pub contact_radius_mm: f64,
+    /// Motion around contact that the gel of the profile leaves unexplained, root mean square over the depth.
+    pub unexplained_before: Option<f64>,
+    /// The same by the fitted gel.
+    pub unexplained: f64,
+    /// Measured normal force, N.
+    pub force_n: Option<f64>,
+    /// Normal force by the fitted gel, N; none where its modulus is not known.
+    pub predicted_force_n: Option<f64>,
+}
+
+/// What one press says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GelPressReport {
+    /// What it is called.
+    pub name: String,
+    /// The frames that were used.
+    pub frames: Vec<FrameReport>,
+}
+
+/// What the profile's `[gel]` takes: what was fitted and determined.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GelTable {
+    /// Poisson's ratio.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub poissons_ratio: Option<f64>,
+    /// Thickness, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness_mm: Option<f64>,
+    /// Young's modulus, `MPa`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub youngs_modulus_mpa: Option<f64>,
+}
+
+/// What presses tell of a gel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GelReport {
+    /// Poisson's ratio, thickness, Young's modulus.
+    pub estimates: [GelEstimate; 3],
+    /// Correlation of Poisson's ratio with thickness; none where one is held.
+    pub correlation: Option<f64>,
+    /// Motion around contact that stays unexplained, root mean square over the depth: by the gel of the profile.
+    pub unexplained_before: f64,
+    /// The same by the fitted gel.
+    pub unexplained: f64,
+    /// One a press, as they were given.
+    pub presses: Vec<GelPressReport>,
+    /// The residual about the fitted gel.
+    pub residual: ResidualGrid,
+    /// What stays unexplained around contact in the deepest frame, as parts of its depth: by the gel of the profile and by
+    /// the fitted one.
+    #[serde(skip)]
+    pub(super) maps: [Image<f32>; 2],
+    /// Rounds of finding contact and fitting.
+    pub rounds: usize,
+    /// What is out of order.
+    pub warnings: Vec<String>,
+}
+
+impl GelReport {
+    pub(super) fn new(
+        presses: &[GelPress],
+        fitted: Fitted,
+        start: GelBlock,
+        unknowns: Unknowns,
+    ) -> Result<Self, GelFitError> {
+        let Fitted { after, looks, before, mut models, rounds } = fitted;
+        let gel = after.gel;
+        let free = [unknowns.poissons_ratio, unknowns.thickness];
+        let model = model(&looks);
+        let covariance = with_model(after.covariance, free, model);
+        let stiff = unknowns.youngs_modulus.then(|| modulus(&looks, &after, covariance)).flatten();
+        let has_forces = looks.iter().any(|look| look.force_n.is_some());
+        let modulus_mpa = stiff.map(|stiff| stiff.youngs_modulus_mpa).or(start.youngs_modulus_mpa);
+        let correlation = after.correlation;
+        let is_wide = looks.iter().all(|look| look.radius_mm() > WIDE * gel.thickness_mm);
+        let why = why_not(correlation, is_wide);
+        let [ratio, thickness] =
+            [0, 1].map(|i| free[i].then(|| (covariance[i][i].sqrt(), after.covariance[i][i].sqrt())));
+        let h = gel.thickness_mm;
+        let estimates = [
+            estimate(
+                "poissons_ratio",
+                Some(start.poissons_ratio),
+                Some(gel.poissons_ratio),
+                ratio,
+                DETERMINED[0],
+                &why,
+            ),
+            estimate(
+                "thickness_mm",
+                Some(start.thickness_mm),
+                Some(h),
+                thickness.map(|(all, scatter)| (h * all, h * scatter)),
+                h * DETERMINED[1],
+                &why,
+            ),
+            modulus_estimate(start.youngs_modulus_mpa, stiff, (unknowns.youngs_modulus, has_forces), model[2], &why),
+        ];
+        let reports = press_reports(presses, (&looks, &after), &before, modulus_mpa);
+        let unexplained = fit::unexplained_by(&looks, &after.explained);
+        let maps = maps(&looks, &after, &before);
+        let (before_looks, explained): (Vec<_>, Vec<_>) = before.into_iter().unzip();
+        Ok(Self {
+            warnings: warnings(presses, &reports, unexplained, gel),
+            residual: ResidualGrid::about(&gel, &looks, &mut models, &covariance)?,
+            unexplained_before: fit::unexplained_by(&before_looks, &explained),
+            unexplained,
+            estimates,
+            correlation,
+            presses: reports,
+            maps,
+            rounds,
+        })
+    }
+
+    /// What the profile's `[gel]` takes; none where nothing is determined.
+    #[must_use]
+    pub fn table(&self) -> Option<GelTable> {
+        let [poissons_ratio, thickness_mm, youngs_modulus_mpa] =
+            [0, 1, 2].map(|i| self.estimates[i].value.filter(|_| self.estimates[i].is_determined));
+        let table = GelTable { poissons_ratio, thickness_mm, youngs_modulus_mpa };
+        self.estimates.iter().any(|estimate| estimate.is_determined).then_some(table)
+    }
+}
+
+/// What the model itself errs by: of ν, of ln thickness and of ln E.
+fn model(looks: &[Look]) -> [f64; 3] {
+    let weight = |look: &Look| (look.weight_per_mm * look.depth_mm).powi(2);
+    let mismatch =
+        looks.iter().map(|look| weight(look) * look.mismatch()).sum::<f64>() / looks.iter().map(weight).sum::<f64>();
+    [0, 1, 2].map(|i| MODEL[i].hypot(BY_MISMATCH[i] * mismatch))
+}
+
+fn with_model(mut covariance: [[f64; 2]; 2], free: [bool; 2], model: [f64; 3]) -> [[f64; 2]; 2] {
+    for i in 0..2 {
+        if free[i] {
+            covariance[i][i] += model[i].powi(2);
+        }
+    }
+    covariance
+}
+
+/// The deepest frame as the gel of the profile and as the fitted one leave it.
+fn maps(looks: &[Look], after: &Settled, before: &[(Look, Explained)]) -> [Image<f32>; 2] {
+    let depth = |look: &Look| look.depth_mm;
+    let deepest = |a: &(&Look, &Explained), b: &(&Look, &Explained)| depth(a.0).total_cmp(&depth(b.0));
+    let map = |(look, made)| fit::unexplained_map(look, made);
+    let empty = || Image::filled(1, 1, f32::NAN);
+    [
+        before.iter().map(|(look, made)| (look, made)).max_by(deepest).map_or_else(empty, map),
+        looks.iter().zip(&after.explained).max_by(deepest).map_or_else(empty, map),
+    ]
+}
+
+fn why_not(correlation: Option<f64>, is_wide: bool) -> String {
+    if is_wide {
+        "every contact is wider than the gel is thick, and little of it moves beside: press with something smaller"
+            .into()
+    } else if correlation.is_some_and(|correlation| correlation.abs() > ALIKE) {
+        "Poisson's ratio and thickness move the surface alike here: hold one that you measured".into()
+    } else {
+        "the presses contradict each other or tell too little: check their depths, or press elsewhere and with other shapes".into()
+    }
+}
+
+fn estimate(
+    key: &'static str,
+    before: Option<f64>,
+    value: Option<f64>,
+    deviation: Option<(f64, f64)>,
+    limit: f64,
+    why: &str,
+) -> GelEstimate {
+    let is_determined = deviation.is_some_and(|(all, _)| all <= limit);
+    let remark = match deviation {
+        None => "held, as the profile has it".into(),
+        Some(_) if is_determined => "determined".into(),
+        Some(_) => format!("not determined: {why}"),
+    };
+    let (deviation, scatter) = (deviation.map(|(all, _)| all), deviation.map(|(_, scatter)| scatter));
+    GelEstimate { key, before, value, deviation, scatter, is_determined, remark }
+}
+
+/// Young's modulus; `is_asked` and `has_forces` say whether it was to be fitted and could be.
+fn modulus_estimate(
+    before: Option<f64>,
+    stiff: Option<Modulus>,
+    (is_asked, has_forces): (bool, bool),
+    model: f64,
+    why: &str,
+) -> GelEstimate {
+    let key = "youngs_modulus_mpa";
+    let unknown = |remark: &str| GelEstimate { remark: remark.into(), ..estimate(key, before, before, None, 0.0, why) };
+    match stiff {
+        Some(stiff) if stiff.youngs_modulus_mpa > 0.0 => {
+            let value = stiff.youngs_modulus_mpa;
+            let deviations = (value * stiff.deviation.hypot(model), value * stiff.deviation);
+            estimate(key, before, Some(value), Some(deviations), value * DETERMINED[2], why)
+        }
+        Some(_) => unknown("not determined: the forces pull; a press is a positive force. Left as it was"),
+        None if is_asked => unknown("not determined: the forces are all zero; left as it was"),
+        None if has_forces => unknown("held, as the profile has it"),
+        None => unknown("not determined: there are no forces to tell it; left as it was"),
+    }
+}
+
+fn press_reports(
+    presses: &[GelPress],
+    (looks, after): (&[Look], &Settled),
+    before: &[(Look, Explained)],
+    modulus_mpa: Option<f64>,
+) -> Vec<GelPressReport> {
+    let unexplained_before = |look: &Look| {
+        let same = |other: &Look| other.press == look.press && other.frame == look.frame;
+        before.iter().find(|(other, _)| same(other)).map(|(look, made)| fit::unexplained(look, made))
+    };
+    let report = |(number, press): (usize, &GelPress)| {
+        let of = looks.iter().zip(&after.explained).filter(|(look, _)| look.press == number);
+        let frame = |(look, made): (&Look, _)| FrameReport {
+            depth_mm: look.depth_mm,
+            found_mm: look.found_mm,
+            contact_radius_mm: look.radius_mm(),
+            unexplained_before: unexplained_before(look),
+            unexplained: fit::unexplained(look, made),
+            force_n: look.force_n,
+            predicted_force_n: modulus_mpa.map(|modulus| modulus * made.force_per_modulus_mm2),
+        };
+        GelPressReport { name: press.name.clone(), frames: of.map(frame).collect() }
+    };
+    presses.iter().enumerate().map(report).collect()
+}
+
+fn warnings(recorded: &[GelPress], presses: &[GelPressReport], unexplained: f64, gel: GelBlock) -> Vec<String> {
+    let drawn_in = recorded.iter().filter(|press| press.was_drawn_in);
+    let mut warnings: Vec<_> = drawn_in
+        .map(|press| {
+            format!(
+                "{}: the gel moves inwards at first, as compressible gel does under a ball, and any gel that is touched in the \
+                 first image",
+                press.name
+            )
+        })
+        .collect();
+    if unexplained > MOST_UNEXPLAINED {
+        warnings.push(format!(
+            "{:.1} % of the depth stay unexplained, {:.0} % at most are usual: is the gel bonded to a flat window, the camera \
+             calibrated, the depth right?",
+            100.0 * unexplained,
+            100.0 * MOST_UNEXPLAINED
+        ));
+    }
+    for press in presses {
+        let Some(deepest) = press.frames.iter().max_by(|a, b| a.depth_mm.total_cmp(&b.depth_mm)) else { continue };
+        let factor = deepest.found_mm / deepest.depth_mm;
+        if !(1.0 / MOST_FACTOR..MOST_FACTOR).contains(&factor) {
+            warnings.push(format!(
+                "{}: at {:.2} mm its images look {:.2} mm deep: check its depths, and the distance in [camera]",
+                press.name, deepest.depth_mm, deepest.found_mm
+            ));
+        }
+    }
+    if gel.poissons_ratio > 0.498 {
+        warnings.push("Poisson's ratio is at the upper end, 0.499: as good as incompressible".into());
+    }
+    warnings
+}

@@ -1,0 +1,155 @@
+//! `fingervision calibrate gel`: from presses of known depth, and perhaps force, to the gel itself.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use fingervision_calibrate::depth::DepthFitError;
+use fingervision_calibrate::gel::{GelPress, GelPressRecorder, GelReport, GelTable, Unknowns, fit_gel};
+use fingervision_calibrate::update_profile;
+use fingervision_sink::write_png;
+use fingervision_touch::Profile;
+use serde::Serialize;
+
+use super::depth::load;
+use super::press::Press;
+use crate::failure::Failure;
+use crate::output::OutputArgs;
+
+/// Find Poisson's ratio, thickness and Young's modulus of the gel, from presses of known depth
+///
+/// Every press is tracked with the profile; four of its frames, 4 to 12 % of the thickness deep, are used. How the
+/// gel moves around contact tells Poisson's ratio and thickness; forces, where a scale or a force sensor gives them, tell
+/// Young's modulus. The report says how well each is determined, and the profile's `[gel]` takes those that are. The
+/// profile needs `[camera]`, and a `[gel]` to begin with.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Presses: folders of images with their depths, or simulated scenes, as in sim:circle?draft
+    ///
+    /// A folder holds images, in it or in its subfolder frames/, and depth.csv: a line `frame,depth_mm,force_z_n`, then a
+    /// row for every image, from 0; the column of normal forces, N, may be left out. A folder that `simulate` wrote has all
+    /// that. The first image shows the gel untouched. Small contacts tell most: no wider than the gel is thick.
+    #[arg(required = true)]
+    presses: Vec<String>,
+    /// Solve simulated scenes on a coarse mesh: seconds instead of minutes
+    #[arg(long)]
+    draft: bool,
+    /// The profile of the sensor: tracks the presses and takes what is determined
+    #[arg(long, value_name = "FILE")]
+    profile: PathBuf,
+    /// What to fit; what is not named is held as the profile has it. Without it all that the presses can tell
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "VALUES")]
+    fit: Vec<Value>,
+    /// The picture of the residual over Poisson's ratio and thickness; without it PROFILE-gel.png beside the profile
+    ///
+    /// With forces a second one, its name with -force, shows them as measured and as the gel has them.
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// What `--fit` takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Value {
+    /// `gel.poissons_ratio`
+    PoissonsRatio,
+    /// `gel.thickness_mm`
+    Thickness,
+    /// `gel.youngs_modulus_mpa`; needs forces
+    YoungsModulus,
+}
+
+#[derive(Debug, Serialize)]
+struct GelResult<'a> {
+    #[serde(flatten)]
+    report: &'a GelReport,
+    written: Option<GelTable>,
+    profile: &'a Path,
+    pictures: &'a [PathBuf],
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    let profile = load(&args.profile)?;
+    let mut has_forces = false;
+    let mut presses = Vec::with_capacity(args.presses.len());
+    for press in &args.presses {
+        let press = Press::open(press, args.draft, args.output)?;
+        has_forces |= press.forces_n.is_some();
+        presses.push(record(press, &profile, args.output)?);
+    }
+    let asks = |value: Value, can: bool| if args.fit.is_empty() { can } else { args.fit.contains(&value) };
+    let unknowns = Unknowns {
+        poissons_ratio: asks(Value::PoissonsRatio, true),
+        thickness: asks(Value::Thickness, true),
+        youngs_modulus: asks(Value::YoungsModulus, has_forces),
+    };
+    args.output.note("fitting the gel: this takes some seconds a press");
+    let report = fit_gel(&presses, &profile, unknowns)?;
+    let pictures = draw(args, &report)?;
+    let written = report.table();
+    if let Some(table) = &written {
+        update_profile(&args.profile, "gel", table)?;
+    }
+    let text = text(&report, written.as_ref(), &args.profile, &pictures);
+    let result = GelResult { report: &report, written, profile: &args.profile, pictures: &pictures };
+    args.output.result(out, &result, &text)
+}
+
+/// Tracks a press up to the last frame that is used.
+fn record(press: Press, profile: &Profile, output: OutputArgs) -> Result<GelPress, Failure> {
+    let Press { name, depths_mm, forces_n, mut source } = press;
+    let depths = depths_mm.len() as u64;
+    if let Some(images) = source.frame_count().filter(|&count| count != depths) {
+        return Err(DepthFitError::Count { press: name, images, depths }.into());
+    }
+    let mut recorder: Option<GelPressRecorder> = None;
+    let bar = output.progress("tracking", source.frame_count());
+    let size = source.size();
+    while let Some(frame) = source.next_frame()? {
+        let recorder = match &mut recorder {
+            Some(recorder) => recorder,
+            none => {
+                let is_colour = frame.pixels.is_colour();
+                let forces = forces_n.as_deref();
+                none.insert(GelPressRecorder::new(&name, &depths_mm, forces, profile, size, is_colour)?)
+            }
+        };
+        bar.inc(1);
+        if !recorder.push(&frame)? {
+            break;
+        }
+    }
+    bar.finish_and_clear();
+    let recorder = recorder.ok_or(DepthFitError::Count { press: name, images: 0, depths })?;
+    Ok(recorder.finish()?)
+}
+
+fn draw(args: &Args, report: &GelReport) -> Result<Vec<PathBuf>, Failure> {
+    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let beside = || args.profile.with_file_name(format!("{}-gel.png", stem(&args.profile)));
+    let map = args.picture.clone().unwrap_or_else(beside);
+    write_png(&report.draw(), &map)?;
+    let mut pictures = vec![map];
+    if let Some(forces) = report.draw_forces() {
+        let path = pictures[0].with_file_name(format!("{}-force.png", stem(&pictures[0])));
+        write_png(&forces, &path)?;
+        pictures.push(path);
+    }
+    Ok(pictures)
+}
+
+fn text(report: &GelReport, written: Option<&GelTable>, profile: &Path, pictures: &[PathBuf]) -> String {
+    let mut text = report.to_string();
+    for picture in pictures {
+        let _ = writeln!(text, "picture             {}", picture.display());
+    }
+    let keys: Vec<_> =
+        report.estimates.iter().filter(|estimate| estimate.is_determined).map(|estimate| estimate.key).collect();
+    let (file, keys) = (profile.display(), keys.join(", "));
+    let _ = match written {
+        Some(_) => writeln!(text, "profile             {file}: [gel] has a new {keys}"),
+        None => writeln!(text, "profile             {file} is as it was: nothing is determined"),
+    };
+    text
+}
