@@ -11,7 +11,7 @@ use super::modulus::{Modulus, modulus};
 use super::{Fitted, GelFitError, GelPress, ResidualGrid, Unknowns};
 
 /// What linear elasticity, the search for contact and the grid leave of error whatever the data, one standard deviation:
-/// of ν, of ln thickness and of ln E. Root mean squares over simulated presses; `docs/elasticity.md` has them.
+/// of ν, of ln thickness and of ln E. Root mean squares over simulated presses; `docs/gel-from-presses.md` has them.
 const MODEL: [f64; 3] = [0.015, 0.04, 0.05];
 /// What is added to it for every unit of the mismatch, as a logarithm, between the depth that was found and the known one.
 const BY_MISMATCH: [f64; 3] = [0.1, 0.5, 0.5];
