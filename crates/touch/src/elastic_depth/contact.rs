@@ -21,6 +21,9 @@ const DEVIATION: f32 = std::f32::consts::SQRT_2 * 1.0;
 /// Standard deviation of the depth of a face that the gel sticks to, mm.
 const FACE_DEVIATION_MM: f32 = 0.02;
 
+/// Cells that tell of a face's motion: more than so many add time and no precision.
+const MOST_POINTS: usize = 600;
+
 /// Looks for contact in every frame.
 #[derive(Debug)]
 pub(super) struct ContactFinder {
@@ -199,7 +202,7 @@ impl ContactFinder {
         });
     }
 
-    /// Collects the cells in contact that are at least [`RIM_CELLS`] away from its border.
+    /// Collects cells in contact that are at least [`RIM_CELLS`] away from its border, evenly where there are too many.
     fn erode(&mut self, grid: SurfaceGrid) {
         let [from, to] = &mut self.eroded;
         from.copy_from_slice(&self.touches);
@@ -210,8 +213,10 @@ impl ContactFinder {
             }
             std::mem::swap(from, to);
         }
+        let every = from.iter().filter(|inner| **inner).count().div_ceil(MOST_POINTS).max(1);
+        let inner = from.iter().enumerate().filter(|(_, inner)| **inner).map(|(cell, _)| cell);
         self.inner.clear();
-        self.inner.extend(from.iter().enumerate().filter(|(_, inner)| **inner).map(|(cell, _)| cell));
+        self.inner.extend(inner.step_by(every));
     }
 }
 

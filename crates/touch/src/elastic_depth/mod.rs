@@ -85,8 +85,8 @@ pub struct ElasticDepth {
     tractions: Tractions,
     limits: Limits,
     wanted_mm: Vec<[f32; 3]>,
-    /// Depth, its deviation and the share in contact of the cells, on their way to the pixels.
-    told: Vec<[f32; 3]>,
+    /// Depth, its deviation and the share in contact of the cells, on their way to the pixels; a fourth number fills the lanes.
+    told: Vec<[f32; 4]>,
     /// Distance of the cells from contact.
     distance: Vec<f32>,
     fields: ElasticFields,
@@ -109,7 +109,7 @@ impl ElasticDepth {
         let operator = BlockOperator::new(gel, surface.grid)?;
         let limits = match params.mode {
             ElasticMode::Exact => Limits { tolerance: 1e-3, most_iterations: 30 },
-            ElasticMode::Live => Limits { tolerance: 1e-2, most_iterations: 2 },
+            ElasticMode::Live => Limits { tolerance: 1e-2, most_iterations: 1 },
         };
         let fields = ElasticFields::at_rest(gel, surface.grid, size, |pixel| surface.shows(pixel));
         let cells = surface.grid.len();
@@ -120,7 +120,7 @@ impl ElasticDepth {
             tractions: Tractions::new(operator),
             limits,
             wanted_mm: vec![[0.0; 3]; cells],
-            told: vec![[0.0; 3]; cells],
+            told: vec![[0.0; 4]; cells],
             distance: vec![0.0; cells],
             fields,
         })
@@ -205,13 +205,13 @@ impl ElasticDepth {
         for (cell, told) in self.told.iter_mut().enumerate() {
             let is_told = is_learned || self.contact.touches[cell];
             let depth = if is_told { self.contact.depth_mm[cell] } else { moved[cell][2] };
-            *told = [depth, self.contact.deviation_mm(cell, moved[cell][2]), self.contact.share[cell]];
+            *told = [depth, self.contact.deviation_mm(cell, moved[cell][2]), self.contact.share[cell], 0.0];
         }
         let depth_mm = self.fields.depth_mm.values_mut();
         let deviation_mm = self.fields.deviation_mm.values_mut();
         let contact = self.fields.contact.values_mut();
         self.surface.to_pixels(&self.told, |pixel, told| {
-            let [depth, deviation, share] = told.unwrap_or([0.0, f32::INFINITY, 0.0]);
+            let [depth, deviation, share, _] = told.unwrap_or([0.0, f32::INFINITY, 0.0, 0.0]);
             (depth_mm[pixel], deviation_mm[pixel], contact[pixel]) = (depth, deviation, u8::from(share > 0.5));
         });
     }
