@@ -1,14 +1,12 @@
 //! What linear elasticity makes of frames: the motion around contact and the force, for any gel.
 
 use fingervision_elastic::{BlockOperator, GelBlock, LayerError, SurfaceGrid};
-use fingervision_touch::{Limits, Tractions};
+use fingervision_touch::{Limits, STIFFENING, Tractions};
 
 use super::look::Look;
 
 /// When tractions are found: well below what a small change of the gel does to the motion.
 const LIMITS: Limits = Limits { tolerance: 5e-4, most_iterations: 60 };
-/// Relative stiffening of a neo-Hookean block by depth over thickness, as in the elastic inverse.
-const STIFFENING: f64 = 0.17;
 
 /// Operators that are kept; making one takes as long as explaining some fifty frames.
 const KEPT: usize = 16;

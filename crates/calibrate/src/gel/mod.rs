@@ -25,7 +25,7 @@ mod text;
 
 use fingervision_elastic::GelBlock;
 use fingervision_optics::Camera;
-use fingervision_touch::{ElasticDepth, Profile};
+use fingervision_touch::{ElasticDepth, MOST_UNEXPLAINED, Profile};
 
 pub use error::GelFitError;
 pub use grid::ResidualGrid;
@@ -51,8 +51,6 @@ pub struct Unknowns {
 const MOST_ROUNDS: usize = 4;
 /// Changes of ν and ln thickness from one round to the next below which no more follow.
 const SAME: [f64; 2] = [3e-3, 6e-3];
-/// Motion that may stay unexplained by the best gel, root mean square over the depth: the elastic inverse's own limit.
-const MISFIT: f64 = 0.05;
 /// Cells around contact that a frame needs to be compared.
 const LEAST_AROUND: usize = 100;
 
@@ -96,20 +94,21 @@ fn fit_in_rounds(
     let mut models = Models::new(looks[0].grid);
     let before = looks.iter().cloned().zip(models.explain(&start, &looks)?).collect();
     let mut gel = start;
-    for rounds in 1.. {
+    let mut rounds = 0;
+    loop {
+        rounds += 1;
         let after = Fit::new(&looks, &mut models, &start, unknowns).settle(&gel)?;
         let change = fit::change(&gel, &after.gel);
         gel = after.gel;
         if rounds == MOST_ROUNDS || !fit::is_beyond(change, SAME) {
             let unexplained = fit::unexplained_by(&looks, &after.explained);
-            if unexplained > MISFIT {
+            if unexplained > MOST_UNEXPLAINED {
                 return Err(GelFitError::Misfit { unexplained });
             }
             return Ok(Fitted { before, looks, after, models, rounds });
         }
         looks = find(&gel)?;
     }
-    unreachable!("the last round returns")
 }
 
 /// Finds contact in every frame of every press.

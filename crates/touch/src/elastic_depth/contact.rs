@@ -15,9 +15,9 @@ const LEAST_MATCHING: f64 = 0.6;
 /// Rings of cells left out at the border of contact where a face's motion is fitted: walls are not the face.
 const RIM_CELLS: usize = 3;
 
-/// Standard deviation of a depth over its mean absolute error as the network foretells it: √2 for the Laplace distribution
-/// that it was trained for, times what errors on unseen presses exceed the foretold ones.
-const DEVIATION: f32 = std::f32::consts::SQRT_2 * 1.0;
+/// Standard deviation of a depth over its mean absolute error as the network foretells it: that of the Laplace distribution
+/// that it was trained for. Errors on unseen presses are as large as foretold.
+const DEVIATION: f32 = std::f32::consts::SQRT_2;
 /// Standard deviation of the depth of a face that the gel sticks to, mm.
 const FACE_DEVIATION_MM: f32 = 0.02;
 

@@ -43,7 +43,7 @@ const CELLS: usize = 120;
 const STILL_PX: f64 = 0.15;
 /// Relative stiffening of a neo-Hookean block by depth over thickness: the mean over presses of a circle, a square and a
 /// sphere, ν .35 and .48, where linear forces are some 4 % low at a depth of a fifth of the thickness.
-const STIFFENING: f64 = 0.17;
+pub const STIFFENING: f64 = 0.17;
 /// The same for shear forces and torque, which a pressed block resists more: the mean over 60 presses of a circle, a sphere
 /// and a rectangle, ν .35 and .48, that were then slid by up to 1.5 mm or turned by .3 rad; single forces are within 4 %,
 /// torques within 12 %.
@@ -53,8 +53,9 @@ const LINEAR_RANGE: f64 = 0.25;
 /// How far from contact the gel's motion is compared with what elasticity makes of it, in thicknesses: nearer, strain is
 /// too large for a linear law.
 const AWAY: f64 = 0.25;
-/// Motion there that may stay unexplained, root mean square, as a part of the largest depth.
-const MOST_UNEXPLAINED: f32 = 0.05;
+/// Motion well away from contact that may stay unexplained, root mean square, as a part of the largest depth: more, and the gel
+/// is not the one that was described.
+pub const MOST_UNEXPLAINED: f64 = 0.05;
 /// Motion away from contact below which nothing is said about the gel, px, root mean square.
 const TELLING_PX: f64 = 0.1;
 
@@ -225,7 +226,7 @@ impl ElasticDepth {
         self.fields.is_cut = self.contact.is_cut(&self.surface);
         self.fields.unexplained = self.unexplained().map(|part| part as f32);
         // Once found not to fit, a gel has to fit well or to come to rest.
-        let most = if self.fields.is_misfit { 0.5 * MOST_UNEXPLAINED } else { MOST_UNEXPLAINED };
+        let most = if self.fields.is_misfit { 0.5 * MOST_UNEXPLAINED } else { MOST_UNEXPLAINED } as f32;
         self.fields.is_misfit = self.fields.unexplained.map_or(self.fields.is_misfit, |part| part > most);
     }
 

@@ -1,8 +1,9 @@
 //! What was learned from simulated presses: where the gel is touched, and how deep it is there.
 //!
-//! A convolutional network in the shape of a U ([Ronneberger2015]): it looks at the apparent motion of the surface and at the rays along
-//! which it is seen, in mm, at three resolutions, and tells depth and contact at every cell. It was trained on presses of
-//! random bodies, gels and cameras by our own simulator alone (`learn/`), none of them a ready-made scene.
+//! A convolutional network in the shape of a U ([Ronneberger2015]): it looks at the apparent motion of the surface and at the
+//! rays along which it is seen, in mm, at three resolutions, and tells depth, contact and the error to expect of the depth at
+//! every cell. It was trained on presses of random bodies, gels and cameras by our own simulator alone (`learn/`), none of them a
+//! ready-made scene.
 //!
 //! The order of sums is fixed, but products are fused into them where the processor can: one machine gives the same bits
 //! again, instruction sets differ in the last ones.
