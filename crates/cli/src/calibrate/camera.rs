@@ -17,6 +17,7 @@ use fingervision_source::{Options, open};
 use fingervision_touch::Profile;
 use serde::Serialize;
 
+use super::beside;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
@@ -142,7 +143,7 @@ pub(super) fn fit(args: &Args) -> Result<(CameraReport, PathBuf), Failure> {
     if [Unknown::Distance, Unknown::FocalLength].iter().all(|&unknown| !priors.is_given(unknown)) && flows.len() == 1 {
         args.output.note("neither distance nor focal length is known: only their ratio is found; see --prior");
     }
-    let picture = args.picture.clone().unwrap_or_else(|| beside(&args.profile));
+    let picture = args.picture.clone().unwrap_or_else(|| beside(&args.profile, "camera"));
     write_png(&report.draw(), &picture)?;
     update_profile(&args.profile, "camera", &report.camera)?;
     Ok((report, picture))
@@ -275,11 +276,6 @@ fn other_size(board: &Path, (width, height): (usize, usize), first: (usize, usiz
     let message =
         format!("{}: images of {width}x{height} px after a slide of {}x{} px", board.display(), first.0, first.1);
     Failure::new(message, "take all slides with the same camera at the same size")
-}
-
-fn beside(profile: &Path) -> PathBuf {
-    let stem = profile.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    profile.with_file_name(format!("{stem}-camera.png"))
 }
 
 pub(super) fn positive(text: &str) -> Result<f64, String> {

@@ -12,6 +12,7 @@ use fingervision_touch::{DepthLaw, DepthMethod, Profile};
 use serde::Serialize;
 
 use super::press::Press;
+use super::{beside, load};
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
@@ -67,7 +68,7 @@ enum MethodName {
 enum MaximumName {
     /// The largest value, as published
     Plain,
-    /// The largest median over squares of a fifteenth of the image, which a rim or a fault does not move
+    /// The largest median over squares of a seventh of the image, which a rim or a fault does not move
     Robust,
 }
 
@@ -143,7 +144,7 @@ pub(super) fn fit(args: &Args, profile: &Profile) -> Result<DepthFit, Failure> {
 /// Writes the picture, and the law of this form into the profile; gives the law and the picture's file.
 pub(super) fn write<'a>(args: &Args, fit: &'a DepthFit, method: Method) -> Result<(&'a FittedLaw, PathBuf), Failure> {
     let written = fit.law(method)?;
-    let picture = args.picture.clone().unwrap_or_else(|| picture_beside(&args.profile));
+    let picture = args.picture.clone().unwrap_or_else(|| beside(&args.profile, "depth"));
     write_png(&fit.draw(), &picture)?;
     update_profile(&args.profile, "depth", &DepthTable { density: &written.law })?;
     Ok((written, picture))
@@ -165,41 +166,14 @@ pub(super) fn law_name(method: Method) -> &'static str {
     }
 }
 
-pub(super) fn load(path: &Path) -> Result<Profile, Failure> {
-    Profile::load(path).map_err(|error| {
-        let begin_one = "begin one: a file with the line name = \"my sensor\", or take that of a simulation";
-        let hint = if path.exists() { error.hint() } else { Some(begin_one.into()) };
-        Failure::Stated { message: error.to_string(), hint }
-    })
-}
-
 /// Tracks a press.
 fn record(args: &Args, press: &str, profile: &Profile) -> Result<PressCurve, Failure> {
-    let Press { name, depths_mm, mut source, .. } = Press::open(press, args.draft, args.output)?;
-    let is_short = |count: u64| count != depths_mm.len() as u64;
-    if let Some(images) = source.frame_count().filter(|&count| is_short(count)) {
-        return Err(DepthFitError::Count { press: name, images, depths: depths_mm.len() as u64 }.into());
-    }
-    let mut recorder: Option<PressRecorder> = None;
-    let bar = args.output.progress("tracking", source.frame_count());
-    let size = source.size();
-    while let Some(frame) = source.next_frame()? {
-        let recorder = match &mut recorder {
-            Some(recorder) => recorder,
-            none => {
-                let is_colour = frame.pixels.is_colour();
-                none.insert(PressRecorder::new(&name, &depths_mm, profile, size, is_colour, args.maximum.into())?)
-            }
-        };
-        recorder.push(&frame)?;
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    let no_images = || DepthFitError::Count { press: name.clone(), images: 0, depths: depths_mm.len() as u64 };
-    Ok(recorder.ok_or_else(no_images)?.finish()?)
-}
-
-fn picture_beside(profile: &Path) -> PathBuf {
-    let stem = profile.file_stem().unwrap_or_default().to_string_lossy();
-    profile.with_file_name(format!("{stem}-depth.png"))
+    let recorder = Press::open(press, args.draft, args.output)?.record(
+        args.output,
+        |Press { name, depths_mm, .. }, size, is_colour| {
+            PressRecorder::new(name, depths_mm, profile, size, is_colour, args.maximum.into())
+        },
+        |recorder, frame| recorder.push(frame).map(|()| true),
+    )?;
+    Ok(recorder.finish()?)
 }

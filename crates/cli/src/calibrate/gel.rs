@@ -4,15 +4,14 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use fingervision_calibrate::depth::DepthFitError;
 use fingervision_calibrate::gel::{GelPress, GelPressRecorder, GelReport, GelTable, Unknowns, fit_gel};
 use fingervision_calibrate::update_profile;
 use fingervision_sink::write_png;
 use fingervision_touch::Profile;
 use serde::Serialize;
 
-use super::depth::load;
 use super::press::Press;
+use super::{beside, load};
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
@@ -98,41 +97,22 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 
 /// Tracks a press up to the last frame that is used.
 fn record(press: Press, profile: &Profile, output: OutputArgs) -> Result<GelPress, Failure> {
-    let Press { name, depths_mm, forces_n, mut source } = press;
-    let depths = depths_mm.len() as u64;
-    if let Some(images) = source.frame_count().filter(|&count| count != depths) {
-        return Err(DepthFitError::Count { press: name, images, depths }.into());
-    }
-    let mut recorder: Option<GelPressRecorder> = None;
-    let bar = output.progress("tracking", source.frame_count());
-    let size = source.size();
-    while let Some(frame) = source.next_frame()? {
-        let recorder = match &mut recorder {
-            Some(recorder) => recorder,
-            none => {
-                let is_colour = frame.pixels.is_colour();
-                let forces = forces_n.as_deref();
-                none.insert(GelPressRecorder::new(&name, &depths_mm, forces, profile, size, is_colour)?)
-            }
-        };
-        bar.inc(1);
-        if !recorder.push(&frame)? {
-            break;
-        }
-    }
-    bar.finish_and_clear();
-    let recorder = recorder.ok_or(DepthFitError::Count { press: name, images: 0, depths })?;
+    let recorder = press.record(
+        output,
+        |Press { name, depths_mm, forces_n, .. }, size, is_colour| {
+            GelPressRecorder::new(name, depths_mm, forces_n.as_deref(), profile, size, is_colour)
+        },
+        GelPressRecorder::push,
+    )?;
     Ok(recorder.finish()?)
 }
 
 fn draw(args: &Args, report: &GelReport) -> Result<Vec<PathBuf>, Failure> {
-    let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let beside = || args.profile.with_file_name(format!("{}-gel.png", stem(&args.profile)));
-    let map = args.picture.clone().unwrap_or_else(beside);
+    let map = args.picture.clone().unwrap_or_else(|| beside(&args.profile, "gel"));
     write_png(&report.draw(), &map)?;
     let mut pictures = vec![map];
     if let Some(forces) = report.draw_forces() {
-        let path = pictures[0].with_file_name(format!("{}-force.png", stem(&pictures[0])));
+        let path = beside(&pictures[0], "force");
         write_png(&forces, &path)?;
         pictures.push(path);
     }

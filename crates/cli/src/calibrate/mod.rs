@@ -7,8 +7,10 @@ mod guide;
 mod press;
 
 use std::io::Write;
+use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use fingervision_touch::Profile;
 
 use crate::failure::Failure;
 
@@ -41,4 +43,19 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
         Some(Part::Gel(args)) => gel::run(args, out),
         None => guide::run(&args.guide, out),
     }
+}
+
+/// The profile of a sensor that is to be calibrated further.
+fn load(path: &Path) -> Result<Profile, Failure> {
+    Profile::load(path).map_err(|error| {
+        let begin_one = "begin one: a file with the line name = \"my sensor\", or take that of a simulation";
+        let hint = if path.exists() { error.hint() } else { Some(begin_one.into()) };
+        Failure::Stated { message: error.to_string(), hint }
+    })
+}
+
+/// A picture beside a file: its name without the ending, then what the picture shows.
+fn beside(file: &Path, shown: &str) -> PathBuf {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    file.with_file_name(format!("{stem}-{shown}.png"))
 }

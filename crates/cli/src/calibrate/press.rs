@@ -3,8 +3,9 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use fingervision_calibrate::depth::PressFolder;
+use fingervision_calibrate::depth::{DepthFitError, PressFolder};
 use fingervision_gel::{PressCache, ReadyMade};
+use fingervision_image::Frame;
 use fingervision_source::{Options, SimulatedLocation, SimulatedSource, Source, open};
 
 use crate::failure::Failure;
@@ -40,6 +41,36 @@ impl Press {
         let joint = if scene.contains('?') { "&" } else { "?" };
         let scene = if draft { format!("{scene}{joint}draft") } else { scene };
         Self::simulated(&scene, output)
+    }
+
+    /// Hands the images to a recorder, which `make` makes for their size, px, and whether they have colour, until `push` says
+    /// that it needs no more.
+    pub(super) fn record<R, E>(
+        mut self,
+        output: OutputArgs,
+        make: impl FnOnce(&Self, (usize, usize), bool) -> Result<R, E>,
+        mut push: impl FnMut(&mut R, &Frame) -> Result<bool, E>,
+    ) -> Result<R, Failure>
+    where
+        Failure: From<E>,
+    {
+        let depths = self.depths_mm.len() as u64;
+        let miscounted = |press: String, images: u64| DepthFitError::Count { press, images, depths };
+        let count = self.source.frame_count();
+        if let Some(images) = count.filter(|&count| count != depths) {
+            return Err(miscounted(self.name, images).into());
+        }
+        let bar = output.progress("tracking", count);
+        let Some(first) = self.source.next_frame()? else { return Err(miscounted(self.name, 0).into()) };
+        let mut recorder = make(&self, self.source.size(), first.pixels.is_colour())?;
+        let mut frame = Some(first);
+        while let Some(image) = frame {
+            bar.inc(1);
+            let needs_more = push(&mut recorder, &image)?;
+            frame = if needs_more { self.source.next_frame()? } else { None };
+        }
+        bar.finish_and_clear();
+        Ok(recorder)
     }
 
     /// A press that is solved, or was before.
