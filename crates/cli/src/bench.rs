@@ -9,11 +9,11 @@ use std::time::Instant;
 
 use fingervision_elastic::GelBlock;
 use fingervision_image::Frame;
-use fingervision_optics::{CameraParams, Distortion};
 use fingervision_touch::{DepthLine, DepthSection, ElasticMode, Fields, Profile, Reading, Tracker};
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
+use crate::pattern::simulated_camera;
 use crate::profile_args::ProfileArgs;
 
 use press::{FRAMES, Press};
@@ -119,16 +119,9 @@ fn elastic_times(press: &Press, frames: &[Frame], mut tick: impl FnMut()) -> Res
 
 /// A sensor whose gel fills the image; its figures are made up.
 fn elastic(press: &Press) -> Profile {
-    let (width, height) = press.size();
-    let (focal_length_px, distance_mm) = (400.0, 25.0);
-    let size_mm = [width, height].map(|pixels| distance_mm * pixels as f64 / focal_length_px);
-    let camera = CameraParams {
-        focal_length_px: [focal_length_px; 2],
-        principal_point_px: [width, height].map(|pixels| 0.5 * (pixels as f64 - 1.0)),
-        distortion: Distortion::default(),
-        rotation_rad: [0.0; 3],
-        translation_mm: [0.0, 0.0, distance_mm],
-    };
+    let size_px = <[usize; 2]>::from(press.size());
+    let camera = simulated_camera(size_px);
+    let size_mm = size_px.map(|pixels| pixels as f64 * camera.translation_mm[2] / camera.focal_length_px[0]);
     Profile {
         camera: Some(camera),
         gel: Some(GelBlock { size_mm, thickness_mm: 10.0, poissons_ratio: 0.48, youngs_modulus_mpa: Some(0.6) }),

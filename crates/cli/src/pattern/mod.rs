@@ -13,6 +13,7 @@ use crate::output::OutputArgs;
 use crate::profile_args::ProfileArgs;
 
 use choice::PatternArgs;
+pub(crate) use score::simulated_camera;
 
 /// Write a pattern at true scale, or say how well a camera will track it
 ///

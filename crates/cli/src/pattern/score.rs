@@ -90,7 +90,7 @@ fn view(args: &Args, profile: &Profile) -> Result<View, Failure> {
 }
 
 /// 25 mm from the gel, a px seeing 1/16 mm of it.
-fn simulated_camera(size_px: [usize; 2]) -> CameraParams {
+pub(crate) fn simulated_camera(size_px: [usize; 2]) -> CameraParams {
     CameraParams {
         focal_length_px: [400.0; 2],
         principal_point_px: size_px.map(|size| 0.5 * (size as f64 - 1.0)),
