@@ -96,6 +96,10 @@ impl<T: FftNum> Transform<T> {
                 for (column, target) in self.row[..columns].iter_mut().enumerate() {
                     *target = value(column, row);
                 }
+                if self.row[..columns].iter().all(T::is_zero) {
+                    target.fill(zero());
+                    continue;
+                }
                 self.row[columns..].fill(T::zero());
                 self.forward_rows
                     .process_with_scratch(&mut self.row, target, &mut self.scratch)

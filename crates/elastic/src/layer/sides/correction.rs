@@ -93,7 +93,9 @@ impl Part {
         for (from, field) in from.iter_mut().zip(&self.fields) {
             *from = field.iter().map(|&(place, factor)| factor * forces[place]).sum();
         }
-        for (rows, from) in self.matrix.chunks_exact(ROWS * size).zip(from.chunks_exact(ROWS)) {
+        let rows = self.matrix.chunks_exact(ROWS * size).zip(from.chunks_exact(ROWS));
+        // What touches a gel leaves most of it free.
+        for (rows, from) in rows.filter(|(_, from)| from.iter().any(|&force| force != 0.0)) {
             let row: [&[f32]; ROWS] = std::array::from_fn(|n| &rows[n * size..][..size]);
             for column in 0..size {
                 let mut sum = to[column];
