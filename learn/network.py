@@ -8,7 +8,7 @@ CELLS = 120
 INPUTS = 5  # apparent displacement (x, y), slope of the ray (x, y), divergence
 CONSTANTS = 2  # Poisson's ratio, thickness
 OUTPUTS = 3  # depth, contact, error of the depth
-LAYERS = ("enter0", "enter1", "down0", "down1", "deep0", "deep1", "deep2",
+LAYERS = ("enter0", "enter1", "down0", "down1", "deep0", "deep1", "deep2", "whole",
           "lift0", "up0", "up1", "lift1", "leave0", "leave1", "output")
 
 
@@ -26,6 +26,10 @@ class ContactNetwork(nn.Module):
         self.down0, self.down1 = layer(fine, middle, stride=2), layer(middle, middle)
         self.deep0 = layer(middle, coarse, stride=2)
         self.deep1, self.deep2 = layer(coarse, coarse), layer(coarse, coarse)
+        # Every cell is told of the gel as a whole: how much of it moved, and how far.
+        self.whole = layer(coarse, coarse, side=1)
+        nn.init.zeros_(self.whole.weight)
+        nn.init.zeros_(self.whole.bias)
         # What comes up is brought to the channels of its place before it grows: a third of the work of a 3 by 3 layer over both.
         self.lift0, self.up0, self.up1 = layer(coarse, middle, side=1), layer(middle, middle), layer(middle, middle)
         self.lift1, self.leave0, self.leave1 = layer(middle, fine, side=1), layer(fine, fine), layer(fine, fine)
@@ -42,6 +46,7 @@ class ContactNetwork(nn.Module):
         x = relu(self.deep0(middle))
         x = relu(self.deep1(x)) + x
         x = relu(self.deep2(x)) + x
+        x = relu(x + self.whole(x.mean((2, 3), keepdim=True)))
         x = relu(self.up0(middle) + grow(self.lift0(x)))
         x = relu(self.up1(x)) + x
         x = relu(self.leave0(fine) + grow(self.lift1(x)))

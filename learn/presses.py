@@ -78,18 +78,20 @@ def scene(draw, folder):
     thickness = 10.0 if draw.random() < 0.6 else uniform(7, 13)
     ratio = draw.choice([0.35, 0.48]) if draw.random() < 0.3 else uniform(0.3, 0.495)
     chance = draw.random()
-    law = '"stick"' if chance < 0.2 else '"frictionless"' if chance < 0.85 else f"{{ friction = {uniform(0.2, 1):.3f} }}"
+    law = '"stick"' if chance < 0.15 else '"frictionless"' if chance < 0.85 else f"{{ friction = {uniform(0.2, 1):.3f} }}"
+    # Without friction the way down does not matter: few steps will do.
+    pressed = 3 if "frictionless" in law else 10
     x, y = uniform(-1, 1, 2) * 0.36 * side * draw.choice([0.3, 1])
     # Deep faces that slide are the hardest to tell.
-    depth, tilt, more, frames = uniform(*draw.choice([[0.4, 2.4], [1.6, 2.4]])), "", "", 11
+    depth, tilt, more, frames = uniform(*draw.choice([[0.4, 2.4], [1.6, 2.4], [1.6, 2.4]])), "", "", pressed + 1
     if draw.random() < 0.25:
         tilt = f", tilt_rad = [{uniform(-0.1, 0.1):.4f}, {uniform(-0.1, 0.1):.4f}]"
     if draw.random() < 0.25:
-        depth, frames = min(depth, 1.5), 16
+        depth, frames = min(depth, 1.5), pressed + 6
         if draw.random() < 0.6:
-            more = f", {{ at = 15, shear_mm = [{uniform(-1.3, 1.3):.3f}, {uniform(-1.3, 1.3):.3f}] }}"
+            more = f", {{ at = {frames - 1}, shear_mm = [{uniform(-1.3, 1.3):.3f}, {uniform(-1.3, 1.3):.3f}] }}"
         else:
-            more = f", {{ at = 15, twist_rad = {uniform(-0.3, 0.3):.4f} }}"
+            more = f", {{ at = {frames - 1}, twist_rad = {uniform(-0.3, 0.3):.4f} }}"
     shape = draw.choice(list(SHAPES), p=list(SHAPES.values()))
     focal_length = PIXELS / side * 25
     (folder / "scene.toml").write_text(f"""name = "press"
@@ -110,7 +112,7 @@ rotation_rad = {uniform(0, 2 * math.pi):.4f}
 [motion]
 centre_mm = [{x:.3f}, {y:.3f}]
 frames = {frames}
-keyframes = [{{ at = 10, depth_mm = {depth:.3f}{tilt} }}{more}]
+keyframes = [{{ at = {pressed}, depth_mm = {depth:.3f}{tilt} }}{more}]
 """)
     return side, thickness, ratio, frames
 

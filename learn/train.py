@@ -67,7 +67,7 @@ def main():
     network = ContactNetwork().to(memory_format=torch.channels_last)
     if arguments.start:
         network.load_state_dict(torch.load(arguments.start))
-    optimizer = torch.optim.AdamW(network.parameters(), arguments.rate, weight_decay=1e-3)
+    optimizer = torch.optim.AdamW(network.parameters(), arguments.rate, weight_decay=1e-2)
     draw, begin, step = numpy.random.default_rng(), time.time(), 0
     while (part := (time.time() - begin) / (60 * arguments.minutes)) < 1:
         step += 1

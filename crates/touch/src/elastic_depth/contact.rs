@@ -3,10 +3,10 @@
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 
 use super::face_search::{self, Room};
-use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE};
+use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Way};
 use super::rigid;
 use super::surface::{self, Surface};
-use super::{CELLS, ElasticParams};
+use super::{CELLS, ElasticMode, ElasticParams};
 
 /// What a point of the gel may differ from a stuck face's motion, px at the distance of the gel: the flow's error.
 const NOISE_PX: f64 = 0.04;
@@ -33,6 +33,10 @@ pub(super) struct ContactFinder {
     /// The size of the network's grid: the surface's, filled up to a multiple of what the network needs.
     padded: (usize, usize),
     constants: [f32; CONSTANTS],
+    /// In which ways the network looks.
+    ways: Vec<Way>,
+    /// Sums of what it tells of the cells.
+    told: Vec<[f32; OUTPUTS]>,
     /// From mm to the mm of training.
     scale: f32,
     noise_mm: f64,
@@ -54,16 +58,22 @@ pub(super) struct ContactFinder {
 impl ContactFinder {
     pub(super) fn new(surface: &Surface, gel: &GelBlock, params: ElasticParams) -> Self {
         let SurfaceGrid { columns, rows, cell_mm } = surface.grid;
-        let padded = [columns, rows].map(|count| count.next_multiple_of(MULTIPLE).max(LEAST_SIDE));
+        let [columns, rows] = [columns, rows].map(|count| count.next_multiple_of(MULTIPLE).max(LEAST_SIDE));
+        let padded = (columns, rows);
         let cells = surface.grid.len();
         // Elasticity knows no scale: every gel is brought to one size.
         let scale = network::SIZE_MM / (cell_mm * CELLS as f64);
         let constants = network::constants(gel.poissons_ratio, gel.thickness_mm * scale);
         Self {
             network: (params.learned && network::is_trained_for(gel.poissons_ratio, gel.thickness_mm * scale))
-                .then(|| ContactNetwork::new((padded[0], padded[1]))),
+                .then(|| ContactNetwork::new(padded)),
+            ways: match params.mode {
+                ElasticMode::Exact => Way::all(padded),
+                ElasticMode::Live => vec![Way::PLAIN],
+            },
+            told: vec![[0.0; OUTPUTS]; cells],
             room: Room::new(cells),
-            padded: (padded[0], padded[1]),
+            padded,
             constants,
             scale: scale as f32,
             noise_mm: NOISE_PX * surface.mm_per_px,
@@ -144,18 +154,15 @@ impl ContactFinder {
         for (distance, &touches) in distance.iter_mut().zip(&self.touches) {
             *distance = if touches { 0.0 } else { FAR };
         }
-        let (columns, rows) = (grid.columns, grid.rows);
-        for row in 0..rows {
-            for column in 0..columns {
-                let back = [(0, -1, 1.0), (-1, 0, 1.0), (-1, -1, 4.0 / 3.0), (-1, 1, 4.0 / 3.0)];
-                relax(distance, (columns, rows), (column, row), back);
-            }
+        let columns = grid.columns;
+        relax_along(&mut distance[..columns]);
+        for row in 1..grid.rows {
+            let (above, below) = distance.split_at_mut(row * columns);
+            relax(&mut below[..columns], &above[(row - 1) * columns..]);
         }
-        for row in (0..rows).rev() {
-            for column in (0..columns).rev() {
-                let ahead = [(0, 1, 1.0), (1, 0, 1.0), (1, 1, 4.0 / 3.0), (1, -1, 4.0 / 3.0)];
-                relax(distance, (columns, rows), (column, row), ahead);
-            }
+        for row in (1..grid.rows).rev() {
+            let (above, below) = distance.split_at_mut(row * columns);
+            relax(&mut above[(row - 1) * columns..], &below[..columns]);
         }
     }
 
@@ -172,34 +179,32 @@ impl ContactFinder {
         sum.map(|sum| if count > 0.0 { sum / count } else { 0.0 })
     }
 
-    /// The network's depth and contact.
+    /// The network's depth and contact: the mean over the ways in which it looks.
     fn look(&mut self, surface: &Surface) {
-        let SurfaceGrid { columns, rows, cell_mm } = surface.grid;
-        let seen = |column: usize, row: usize| &surface.seen[row.min(rows - 1) * columns + column.min(columns - 1)];
-        let (cell_mm, scale) = (cell_mm as f32, self.scale);
-        let (padded_columns, padded_rows) = self.padded;
-        let input = |column: usize, row: usize| -> [f32; INPUTS] {
-            let here = seen(column, row);
-            let [left, right] = neighbours(column, padded_columns);
-            let [above, below] = neighbours(row, padded_rows);
-            let along_x = seen(right, row).apparent_mm[0] - seen(left, row).apparent_mm[0];
-            let along_y = seen(column, below).apparent_mm[1] - seen(column, above).apparent_mm[1];
-            let spread = along_x / ((right - left) as f32 * cell_mm) + along_y / ((below - above) as f32 * cell_mm);
-            let [x, y] = here.apparent_mm.map(|value| scale * value);
-            [2.0 * x, 2.0 * y, here.slope[0], here.slope[1], 3.0 * spread]
-        };
-        let (touches, share) = (&mut self.touches, &mut self.share);
-        let (depth, deviation) = (&mut self.depth_mm, &mut self.told_deviation_mm);
         let Some(network) = &mut self.network else { return };
-        network.run(self.constants, input, |column, row, [depth_mm, odds, error]| {
-            if column < columns && row < rows {
-                let cell = row * columns + column;
-                share[cell] = if depth_mm > 0.0 { 1.0 / (1.0 + (-odds).exp()) } else { 0.0 };
-                touches[cell] = share[cell] > 0.5;
-                depth[cell] = depth_mm / scale;
-                deviation[cell] = DEVIATION * error.exp() / scale;
-            }
-        });
+        let SurfaceGrid { columns, rows, .. } = surface.grid;
+        self.told.fill([0.0; OUTPUTS]);
+        for &way in &self.ways {
+            let input = |column: usize, row: usize| {
+                way.inputs(input(surface, self.padded, way.place(self.padded, (column, row)), self.scale))
+            };
+            network.run(self.constants, input, |column, row, outputs| {
+                let (column, row) = way.place(self.padded, (column, row));
+                if column < columns && row < rows {
+                    for (sum, output) in self.told[row * columns + column].iter_mut().zip(outputs) {
+                        *sum += output;
+                    }
+                }
+            });
+        }
+        let count = self.ways.len() as f32;
+        for (cell, told) in self.told.iter().enumerate() {
+            let [depth_mm, odds, error] = told.map(|sum| sum / count);
+            let share = if depth_mm > 0.0 { 1.0 / (1.0 + (-odds).exp()) } else { 0.0 };
+            (self.share[cell], self.touches[cell]) = (share, share > 0.5);
+            self.depth_mm[cell] = depth_mm / self.scale;
+            self.told_deviation_mm[cell] = DEVIATION * error.exp() / self.scale;
+        }
     }
 
     /// Collects cells in contact that are at least [`RIM_CELLS`] away from its border, evenly where there are too many.
@@ -220,23 +225,52 @@ impl ContactFinder {
     }
 }
 
+/// What the network gets of a cell of a grid of so many columns and rows; beyond the surface that of the last cell.
+fn input(
+    surface: &Surface,
+    (columns, rows): (usize, usize),
+    (column, row): (usize, usize),
+    scale: f32,
+) -> [f32; INPUTS] {
+    let SurfaceGrid { columns: last_column, rows: last_row, cell_mm } = surface.grid;
+    let seen =
+        |column: usize, row: usize| &surface.seen[row.min(last_row - 1) * last_column + column.min(last_column - 1)];
+    let cell_mm = cell_mm as f32;
+    let [left, right] = neighbours(column, columns);
+    let [above, below] = neighbours(row, rows);
+    let along_x = seen(right, row).apparent_mm[0] - seen(left, row).apparent_mm[0];
+    let along_y = seen(column, below).apparent_mm[1] - seen(column, above).apparent_mm[1];
+    let spread = along_x / ((right - left) as f32 * cell_mm) + along_y / ((below - above) as f32 * cell_mm);
+    let here = seen(column, row);
+    let [x, y] = here.apparent_mm.map(|value| scale * value);
+    [2.0 * x, 2.0 * y, here.slope[0], here.slope[1], 3.0 * spread]
+}
+
 /// The places on both sides of one on an axis of so many, itself where there is none.
 fn neighbours(at: usize, count: usize) -> [usize; 2] {
     [at.saturating_sub(1), (at + 1).min(count - 1)]
 }
 
-/// Lowers a cell's distance to what its neighbours, given by rows and columns away, allow.
-fn relax(
-    distance: &mut [f32],
-    (columns, rows): (usize, usize),
-    (column, row): (usize, usize),
-    neighbours: [(isize, isize, f32); 4],
-) {
-    let at = row * columns + column;
-    for (down, right, length) in neighbours {
-        let (Some(y), Some(x)) = (row.checked_add_signed(down), column.checked_add_signed(right)) else { continue };
-        if y < rows && x < columns {
-            distance[at] = distance[at].min(distance[y * columns + x] + length);
-        }
+/// Lowers the distances of a row of cells to what the row beside it and then its own cells allow.
+fn relax(row: &mut [f32], beside: &[f32]) {
+    const DIAGONAL: f32 = 4.0 / 3.0;
+    for (distance, &beside) in row.iter_mut().zip(beside) {
+        *distance = distance.min(beside + 1.0);
+    }
+    for (distance, &beside) in row[1..].iter_mut().zip(beside) {
+        *distance = distance.min(beside + DIAGONAL);
+    }
+    for (distance, &beside) in row.iter_mut().zip(&beside[1..]) {
+        *distance = distance.min(beside + DIAGONAL);
+    }
+    relax_along(row);
+}
+
+fn relax_along(row: &mut [f32]) {
+    for at in 1..row.len() {
+        row[at] = row[at].min(row[at - 1] + 1.0);
+    }
+    for at in (1..row.len()).rev() {
+        row[at - 1] = row[at - 1].min(row[at] + 1.0);
     }
 }

@@ -33,7 +33,7 @@ use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 use fingervision_optics::Camera;
-use surface::Surface;
+use surface::{KNOWN, Surface};
 
 use crate::TrackError;
 
@@ -87,7 +87,7 @@ pub struct ElasticDepth {
     limits: Limits,
     wanted_mm: Vec<[f32; 3]>,
     /// Depth, its deviation and the share in contact of the cells, on their way to the pixels; a fourth number fills the lanes.
-    told: Vec<[f32; 4]>,
+    told: Vec<[f32; KNOWN]>,
     /// Distance of the cells from contact.
     distance: Vec<f32>,
     fields: ElasticFields,
@@ -121,7 +121,7 @@ impl ElasticDepth {
             tractions: Tractions::new(operator),
             limits,
             wanted_mm: vec![[0.0; 3]; cells],
-            told: vec![[0.0; 4]; cells],
+            told: vec![[0.0; KNOWN]; cells],
             distance: vec![0.0; cells],
             fields,
         })
@@ -208,12 +208,12 @@ impl ElasticDepth {
             let depth = if is_told { self.contact.depth_mm[cell] } else { moved[cell][2] };
             *told = [depth, self.contact.deviation_mm(cell, moved[cell][2]), self.contact.share[cell], 0.0];
         }
-        let depth_mm = self.fields.depth_mm.values_mut();
-        let deviation_mm = self.fields.deviation_mm.values_mut();
-        let contact = self.fields.contact.values_mut();
-        self.surface.to_pixels(&self.told, |pixel, told| {
+        let ElasticFields { depth_mm, deviation_mm, contact, .. } = &mut self.fields;
+        let depths = depth_mm.values_mut().iter_mut().zip(deviation_mm.values_mut());
+        let targets = depths.zip(contact.values_mut());
+        self.surface.to_pixels(&self.told, targets, |((depth_mm, deviation_mm), contact), told| {
             let [depth, deviation, share, _] = told.unwrap_or([0.0, f32::INFINITY, 0.0, 0.0]);
-            (depth_mm[pixel], deviation_mm[pixel], contact[pixel]) = (depth, deviation, u8::from(share > 0.5));
+            (*depth_mm, *deviation_mm, *contact) = (depth, deviation, u8::from(share > 0.5));
         });
     }
 

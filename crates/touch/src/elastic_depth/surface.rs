@@ -10,6 +10,8 @@
 //!
 //! Three unknowns a point: the depth d is left free, and is what elasticity has to find.
 
+use fearless_simd::{Level, dispatch, f32x4, f32x8, prelude::*};
+use fearless_simd_macros::simd;
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
@@ -17,10 +19,13 @@ use fingervision_optics::Camera;
 
 /// Marks a pixel that does not show the gel.
 const NOWHERE: u32 = u32::MAX;
+/// Numbers of a cell that are brought to the pixels together: two cells of them are a register.
+pub(super) const KNOWN: usize = 4;
 
 /// The cells of a gel's surface, seen by a camera.
 #[derive(Debug, Clone)]
 pub(super) struct Surface {
+    level: Level,
     camera: Camera,
     pub(super) grid: SurfaceGrid,
     /// The cell of each pixel.
@@ -59,6 +64,15 @@ struct Sum {
     valid: f32,
 }
 
+impl Sum {
+    fn add(&mut self, other: Self) {
+        self.flow[0] += other.flow[0];
+        self.flow[1] += other.flow[1];
+        self.count += other.count;
+        self.valid += other.valid;
+    }
+}
+
 /// What the camera tells of a cell.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Seen {
@@ -75,7 +89,8 @@ impl Surface {
     pub(super) fn new(camera: &Camera, gel: &GelBlock, size: (usize, usize), cells: usize) -> Option<Self> {
         let [width_mm, height_mm] = gel.size_mm;
         let cell_mm = width_mm.max(height_mm) / cells as f64;
-        let count = |length: f64| ((length / cell_mm).round() as usize).max(1);
+        // What lies between cells needs two of them.
+        let count = |length: f64| ((length / cell_mm).round() as usize).max(2);
         let grid = SurfaceGrid { columns: count(width_mm), rows: count(height_mm), cell_mm };
         let place = |x: usize, y: usize| {
             let [x_mm, y_mm] = camera.surface_point([x as f64, y as f64], 0.0)?;
@@ -97,6 +112,7 @@ impl Surface {
         let pixels = cell_of.iter().filter(|&&cell| cell != NOWHERE).count();
         let cells_seen = grid.len() - filled.len();
         Some(Self {
+            level: Level::new(),
             camera: camera.clone(),
             grid,
             cell_of,
@@ -124,7 +140,8 @@ impl Surface {
     /// The largest apparent displacement of a cell whose flow holds, mm.
     pub(super) fn largest_apparent_mm(&self) -> f64 {
         let trusted = self.seen.iter().filter(|seen| seen.trust > 0.5);
-        f64::from(trusted.map(|seen| seen.apparent_mm[0].hypot(seen.apparent_mm[1])).fold(0.0, f32::max))
+        let squares = trusted.map(|seen| seen.apparent_mm[0].powi(2) + seen.apparent_mm[1].powi(2));
+        f64::from(squares.fold(0.0, f32::max)).sqrt()
     }
 
     /// Cells at the border of what the camera sees of the gel where the gel goes on.
@@ -136,15 +153,18 @@ impl Surface {
     pub(super) fn look(&mut self, flow: &FlowField, valid: &Image<u8>) {
         self.sums.fill(Sum::default());
         let pixels = flow.u.values().iter().zip(flow.v.values()).zip(valid.values());
+        // Neighbours in a row mostly show the same cell: they are summed before they are added to it.
+        let (mut last, mut run) = (0, Sum::default());
         for (&cell, ((&u, &v), &valid)) in self.cell_of.iter().zip(pixels) {
             if cell != NOWHERE && u.is_finite() && v.is_finite() {
-                let sum = &mut self.sums[cell as usize];
-                sum.flow[0] += u;
-                sum.flow[1] += v;
-                sum.count += 1.0;
-                sum.valid += f32::from(valid);
+                if cell != last {
+                    self.sums[last as usize].add(std::mem::take(&mut run));
+                    last = cell;
+                }
+                run.add(Sum { flow: [u, v], count: 1.0, valid: f32::from(valid) });
             }
         }
+        self.sums[last as usize].add(run);
         let [camera_x, camera_y, height] = self.camera.position_mm();
         for ((seen, sum), rest) in self.seen.iter_mut().zip(&self.sums).zip(&self.rest) {
             let Some(rest) = rest else { continue };
@@ -162,27 +182,36 @@ impl Surface {
         }
     }
 
-    /// Brings what is known of the cells to the pixels, linear between centres: calls `write` for every pixel, row by row, with
-    /// nothing where it does not show the gel.
-    pub(super) fn to_pixels<const N: usize>(&self, cells: &[[f32; N]], mut write: impl FnMut(usize, Option<[f32; N]>)) {
-        let SurfaceGrid { columns, rows, .. } = self.grid;
-        let (next, below) = (usize::from(columns > 1), if rows > 1 { columns } else { 0 });
-        for (pixel, &Corners { cell, right, down }) in self.corners.iter().enumerate() {
+    /// Brings what is known of the cells to the pixels, linear between centres: calls `write` for every pixel and its target,
+    /// row by row, with nothing where it does not show the gel.
+    pub(super) fn to_pixels<T>(
+        &self,
+        cells: &[[f32; KNOWN]],
+        targets: impl Iterator<Item = T>,
+        write: impl FnMut(T, Option<[f32; KNOWN]>),
+    ) {
+        dispatch!(self.level, simd => self.blend(simd, cells, targets, write));
+    }
+
+    #[simd]
+    fn blend<S: Simd, T>(
+        &self,
+        simd: S,
+        cells: &[[f32; KNOWN]],
+        targets: impl Iterator<Item = T>,
+        mut write: impl FnMut(T, Option<[f32; KNOWN]>),
+    ) {
+        // Two cells side by side fill one register.
+        let pair = |cell: usize| f32x8::from_slice(simd, cells[cell..cell + 2].as_flattened());
+        for (&Corners { cell, right, down }, target) in self.corners.iter().zip(targets) {
             if cell == NOWHERE {
-                write(pixel, None);
+                write(target, None);
                 continue;
             }
-            let cell = cell as usize;
-            let (upper, lower) =
-                ([&cells[cell], &cells[cell + next]], [&cells[cell + below], &cells[cell + below + next]]);
-            let between = |[left, other]: [&[f32; N]; 2], k: usize| left[k] + right * (other[k] - left[k]);
-            write(
-                pixel,
-                Some(std::array::from_fn(|k| {
-                    let top = between(upper, k);
-                    top + down * (between(lower, k) - top)
-                })),
-            );
+            let (upper, lower) = (pair(cell as usize), pair(cell as usize + self.grid.columns));
+            let (left, other) = simd.split_f32x8(upper + f32x8::splat(simd, down) * (lower - upper));
+            let known = left + f32x4::splat(simd, right) * (other - left);
+            write(target, Some(*known.as_slice().first_chunk().expect("as many lanes")));
         }
     }
 
@@ -200,7 +229,7 @@ impl Corners {
         let Some([x, y]) = place else { return Self { cell: NOWHERE, right: 0.0, down: 0.0 } };
         let split = |place: f64, count: usize| {
             let place = place.clamp(0.0, (count - 1) as f64);
-            let whole = (place as usize).min(count.saturating_sub(2));
+            let whole = (place as usize).min(count - 2);
             (whole, (place - whole as f64) as f32)
         };
         let ((column, right), (row, down)) = (split(x, grid.columns), split(y, grid.rows));

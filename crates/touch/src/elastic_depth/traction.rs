@@ -75,9 +75,9 @@ impl Tractions {
             }
         };
         restrict(&mut self.traction);
-        self.operator.displacement_into(&self.traction, &mut self.image);
-        for (residual, (wanted, image)) in self.residual.iter_mut().zip(wanted_mm.iter().zip(&self.image)) {
-            *residual = [0, 1, 2].map(|axis| wanted[axis] - image[axis]);
+        self.operator.displacement_into(&self.traction, &mut self.displacement_mm);
+        for (residual, (wanted, moved)) in self.residual.iter_mut().zip(wanted_mm.iter().zip(&self.displacement_mm)) {
+            *residual = [0, 1, 2].map(|axis| wanted[axis] - moved[axis]);
         }
         restrict(&mut self.residual);
         let size: f64 = in_contact.iter().zip(wanted_mm).filter(|(held, _)| **held).map(|(_, w)| square(w)).sum();
@@ -97,12 +97,12 @@ impl Tractions {
                 *direction = [0, 1, 2].map(|axis| preconditioned[axis] + share * direction[axis]);
             }
             self.operator.displacement_into(&self.direction, &mut self.image);
-            restrict(&mut self.image);
             let length = (slope / dot(&self.direction, &self.image)) as f32;
             add_scaled(&mut self.traction, length, &self.direction);
+            add_scaled(&mut self.displacement_mm, length, &self.image);
             add_scaled(&mut self.residual, -length, &self.image);
+            restrict(&mut self.residual);
         }
-        self.operator.displacement_into(&self.traction, &mut self.displacement_mm);
     }
 }
 

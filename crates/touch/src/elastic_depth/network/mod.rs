@@ -12,11 +12,15 @@ mod convolution;
 mod plane;
 #[cfg(test)]
 mod tests;
+mod way;
+mod whole;
 
 use fearless_simd::Level;
 
 use convolution::{Convolution, Shape, Then};
 use plane::Plane;
+pub(super) use way::Way;
+use whole::Whole;
 
 /// Weights and biases, as `learn/export.py` writes them: three numbers of channels as little-endian u32, then f32.
 const WEIGHTS: &[u8] = include_bytes!("../../../weights/contact.bin");
@@ -38,7 +42,7 @@ pub(super) fn is_trained_for(poissons_ratio: f64, thickness_mm: f64) -> bool {
 }
 
 /// Depth, the logarithm of the odds of contact and that of the error expected of the depth.
-const OUTPUTS: usize = 3;
+pub(super) const OUTPUTS: usize = 3;
 /// Sides of the grid must be multiples of this, and at least [`LEAST_SIDE`].
 pub(super) const MULTIPLE: usize = 8;
 /// The least side of a grid, cells: at the coarsest resolution what a layer takes together.
@@ -63,6 +67,7 @@ struct Layers {
     enter: [Convolution; 2],
     down: [Convolution; 2],
     deep: [Convolution; 3],
+    whole: Whole,
     up: [Convolution; 3],
     leave: [Convolution; 3],
     output: Convolution,
@@ -126,7 +131,7 @@ impl ContactNetwork {
 
     fn forward(&mut self) {
         use Then::{AddGrownAndRectify, Keep, Rectify, RectifyAndAdd};
-        let (level, layers) = (self.level, &self.layers);
+        let (level, layers) = (self.level, &mut self.layers);
         let [fine, fine_kept] = &mut self.fine;
         let [middle, middle_kept] = &mut self.middle;
         let [coarse, coarse_kept] = &mut self.coarse;
@@ -137,6 +142,7 @@ impl ContactNetwork {
         layers.deep[0].apply(level, middle_kept, coarse, Rectify);
         layers.deep[1].apply(level, coarse, coarse_kept, RectifyAndAdd);
         layers.deep[2].apply(level, coarse_kept, coarse, RectifyAndAdd);
+        layers.whole.apply(coarse);
         layers.up[0].apply(level, coarse, &mut self.middle_lifted, Keep);
         layers.up[1].apply(level, middle_kept, middle, AddGrownAndRectify(&self.middle_lifted));
         layers.up[2].apply(level, middle, middle_kept, RectifyAndAdd);
@@ -154,23 +160,38 @@ impl Layers {
         assert!(rest.is_empty(), "a file of weights is whole words");
         let channels = [0, 1, 2].map(|i| u32::from_le_bytes(words[i]) as usize);
         let values: Vec<f32> = words[3..].iter().map(|&word| f32::from_le_bytes(word)).collect();
-        let mut left = values.as_slice();
-        let mut next = |inputs, outputs, side, stride| {
-            let shape = Shape { inputs, outputs, side, stride };
-            let (own, others) = left.split_at(shape.len());
-            left = others;
-            Convolution::new(shape, own)
-        };
+        let mut file = Reader(&values);
         let [fine, middle, coarse] = channels;
         let layers = Self {
-            enter: [next(4 * INPUTS + CONSTANTS, fine, 3, 1), next(fine, fine, 3, 1)],
-            down: [next(fine, middle, 3, 2), next(middle, middle, 3, 1)],
-            deep: [next(middle, coarse, 3, 2), next(coarse, coarse, 3, 1), next(coarse, coarse, 3, 1)],
-            up: [next(coarse, middle, 1, 1), next(middle, middle, 3, 1), next(middle, middle, 3, 1)],
-            leave: [next(middle, fine, 1, 1), next(fine, fine, 3, 1), next(fine, fine, 3, 1)],
-            output: next(fine, 4 * OUTPUTS, 1, 1),
+            enter: [file.layer(4 * INPUTS + CONSTANTS, fine, 3, 1), file.layer(fine, fine, 3, 1)],
+            down: [file.layer(fine, middle, 3, 2), file.layer(middle, middle, 3, 1)],
+            deep: [
+                file.layer(middle, coarse, 3, 2),
+                file.layer(coarse, coarse, 3, 1),
+                file.layer(coarse, coarse, 3, 1),
+            ],
+            whole: Whole::new(coarse, file.take(Whole::len(coarse))),
+            up: [file.layer(coarse, middle, 1, 1), file.layer(middle, middle, 3, 1), file.layer(middle, middle, 3, 1)],
+            leave: [file.layer(middle, fine, 1, 1), file.layer(fine, fine, 3, 1), file.layer(fine, fine, 3, 1)],
+            output: file.layer(fine, 4 * OUTPUTS, 1, 1),
         };
-        assert!(left.is_empty(), "a file of weights holds the layers and nothing else");
+        assert!(file.0.is_empty(), "a file of weights holds the layers and nothing else");
         (channels, layers)
+    }
+}
+
+/// What is left of a file of weights.
+struct Reader<'a>(&'a [f32]);
+
+impl<'a> Reader<'a> {
+    fn take(&mut self, count: usize) -> &'a [f32] {
+        let (own, others) = self.0.split_at(count);
+        self.0 = others;
+        own
+    }
+
+    fn layer(&mut self, inputs: usize, outputs: usize, side: usize, stride: usize) -> Convolution {
+        let shape = Shape { inputs, outputs, side, stride };
+        Convolution::new(shape, self.take(shape.len()))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::convolution::{Convolution, Shape, Then};
 use super::plane::Plane;
+use super::whole::Whole;
 use super::*;
 
 /// Numbers without a pattern, from −1 to 1.
@@ -72,6 +73,42 @@ fn a_coarser_plane_is_added_to_two_by_two_cells() {
     for (row, column) in [(0, 0), (3, 6), (7, 7)] {
         let grown = coarse.row(row / 2)[column / 2 * 16..][..16].iter().map(|value| value.max(0.0));
         assert!(to.row(row)[column * 16..][..16].iter().copied().eq(grown), "row {row}, column {column}");
+    }
+}
+
+#[test]
+fn every_cell_is_told_of_the_mean_over_all() {
+    let values: Vec<_> = (0..Whole::len(16)).map(scatter).collect();
+    let before = filled((9, 7), 16);
+    let mut after = before.clone();
+    Whole::new(16, &values).apply(&mut after);
+    let mean = |channel: usize| {
+        let cells = (0..7).flat_map(|row| before.row(row).iter().skip(channel).step_by(16));
+        cells.map(|&value| f64::from(value)).sum::<f64>() / 63.0
+    };
+    for (row, column, output) in [(0, 0, 0), (3, 8, 7), (6, 4, 15)] {
+        let change: f64 = (0..16).map(|input| f64::from(values[16 * output + input]) * mean(input)).sum();
+        let at = 16 * column + output;
+        let expected = (f64::from(before.row(row)[at]) + change + f64::from(values[256 + output])).max(0.0);
+        assert!((f64::from(after.row(row)[at]) - expected).abs() < 1e-5, "{expected}");
+    }
+}
+
+#[test]
+fn a_way_back_leads_to_the_same_cell() {
+    assert_eq!(Way::all((72, 64)).len(), 4);
+    let ways = Way::all((72, 72));
+    assert_eq!(ways.len(), 8);
+    for way in ways {
+        // A motion that grows from the middle looks the same in every way.
+        let middle = |place: (usize, usize)| [place.0 as f32 - 35.5, place.1 as f32 - 35.5];
+        for place in [(0, 0), (71, 3), (20, 50)] {
+            let [x, y] = middle(way.place((72, 72), place));
+            assert_eq!(way.inputs([x, y, x, y, 1.0])[..2], middle(place), "{way:?} at {place:?}");
+        }
+        let seen: std::collections::HashSet<_> =
+            (0..72).flat_map(|row| (0..72).map(move |column| way.place((72, 72), (column, row)))).collect();
+        assert_eq!(seen.len(), 72 * 72, "{way:?} shows every cell once");
     }
 }
 

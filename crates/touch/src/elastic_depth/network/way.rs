@@ -1,0 +1,56 @@
+//! The ways to look at a gel: as it is, in mirrors and turned by quarters.
+//!
+//! What presses a gel does not depend on where left is, and the network only nearly learned that. The mean of what it tells
+//! in all ways errs less than what it tells in one.
+
+use super::INPUTS;
+
+/// A mirror, a quarter turn or both of a grid of cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::elastic_depth) struct Way {
+    /// Left and right change places,
+    across: bool,
+    /// above and below do,
+    down: bool,
+    /// and then columns and rows do.
+    transposed: bool,
+}
+
+impl Way {
+    /// As it is.
+    pub(in crate::elastic_depth) const PLAIN: Self = Self { across: false, down: false, transposed: false };
+
+    /// All ways that keep the size of a grid: eight for a square, else four.
+    pub(in crate::elastic_depth) fn all((columns, rows): (usize, usize)) -> Vec<Self> {
+        let mirrors = |transposed: bool| {
+            [(false, false), (true, false), (false, true), (true, true)].map(|(across, down)| Self {
+                across,
+                down,
+                transposed,
+            })
+        };
+        let mut ways = mirrors(false).to_vec();
+        if columns == rows {
+            ways.extend(mirrors(true));
+        }
+        ways
+    }
+
+    /// The cell of a grid that is seen at a place.
+    pub(in crate::elastic_depth) fn place(
+        self,
+        (columns, rows): (usize, usize),
+        (column, row): (usize, usize),
+    ) -> (usize, usize) {
+        let (column, row) = if self.transposed { (row, column) } else { (column, row) };
+        (if self.across { columns - 1 - column } else { column }, if self.down { rows - 1 - row } else { row })
+    }
+
+    /// The inputs of a cell as they are seen.
+    pub(in crate::elastic_depth) fn inputs(self, [x, y, slope_x, slope_y, spread]: [f32; INPUTS]) -> [f32; INPUTS] {
+        let turned = |is_mirrored: bool, value: f32| if is_mirrored { -value } else { value };
+        let [x, slope_x] = [x, slope_x].map(|value| turned(self.across, value));
+        let [y, slope_y] = [y, slope_y].map(|value| turned(self.down, value));
+        if self.transposed { [y, x, slope_y, slope_x, spread] } else { [x, y, slope_x, slope_y, spread] }
+    }
+}

@@ -1,0 +1,48 @@
+//! What every cell is told of the gel as a whole.
+
+use super::plane::Plane;
+
+/// Adds to every cell what a matrix makes of the mean over all cells, then makes negative values zero.
+#[derive(Debug, Clone)]
+pub(super) struct Whole {
+    /// `[output][input]`.
+    weights: Vec<f32>,
+    bias: Vec<f32>,
+    mean: Vec<f32>,
+    change: Vec<f32>,
+}
+
+impl Whole {
+    /// Weights and biases of a matrix from so many channels to as many.
+    pub(super) fn len(channels: usize) -> usize {
+        channels * (channels + 1)
+    }
+
+    /// From the weights `[output][input]` followed by a bias for each output.
+    pub(super) fn new(channels: usize, values: &[f32]) -> Self {
+        let (weights, bias) = values.split_at(channels * channels);
+        Self { weights: weights.to_vec(), bias: bias.to_vec(), mean: vec![0.0; channels], change: vec![0.0; channels] }
+    }
+
+    /// Changes all cells.
+    pub(super) fn apply(&mut self, plane: &mut Plane) {
+        debug_assert_eq!(plane.channels, self.bias.len(), "channels of the layer");
+        self.mean.fill(0.0);
+        for row in 0..plane.rows {
+            for cell in plane.row(row).chunks_exact(plane.channels) {
+                self.mean.iter_mut().zip(cell).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        let count = (plane.columns * plane.rows) as f32;
+        self.mean.iter_mut().for_each(|sum| *sum /= count);
+        let rows = self.weights.chunks_exact(plane.channels);
+        for ((change, weights), bias) in self.change.iter_mut().zip(rows).zip(&self.bias) {
+            *change = bias + weights.iter().zip(&self.mean).map(|(weight, mean)| weight * mean).sum::<f32>();
+        }
+        for row in 0..plane.rows {
+            for cell in plane.row_mut(row).chunks_exact_mut(self.bias.len()) {
+                cell.iter_mut().zip(&self.change).for_each(|(value, change)| *value = (*value + change).max(0.0));
+            }
+        }
+    }
+}
