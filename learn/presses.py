@@ -13,6 +13,7 @@ from PIL import Image
 CELLS = 120
 PIXELS = 480  # the simulator's frame, each cell 4 by 4 of it
 FRAMES_KEPT = 5
+PATIENCE_S = 120  # a few presses do not settle
 SHAPES = {
     "circle": 0.14, "rectangle": 0.14, "triangle": 0.1, "polygon": 0.2, "crossing": 0.08,
     "sphere": 0.08, "ring": 0.08, "pins": 0.06, "letter": 0.06, "height-map": 0.06,
@@ -71,13 +72,14 @@ def sizes(draw, shape, folder):
             return height_map(draw, folder)
 
 
-def scene(draw, folder):
-    """Writes a random scene; returns the gel's side, thickness and Poisson's ratio, and the number of frames."""
+def scene(draw, folder, slides=False):
+    """Writes a random scene, without friction if it `slides`; returns the gel's side, thickness and Poisson's ratio, and the
+    number of frames."""
     uniform = draw.uniform
     side = 30.0 if draw.random() < 0.6 else uniform(24, 36)
     thickness = 10.0 if draw.random() < 0.6 else uniform(7, 13)
     ratio = draw.choice([0.35, 0.48]) if draw.random() < 0.3 else uniform(0.3, 0.495)
-    chance = draw.random()
+    chance = 0.5 if slides else draw.random()
     law = '"stick"' if chance < 0.15 else '"frictionless"' if chance < 0.85 else f"{{ friction = {uniform(0.2, 1):.3f} }}"
     # Without friction the way down does not matter: few steps will do.
     pressed = 3 if "frictionless" in law else 10
@@ -86,7 +88,7 @@ def scene(draw, folder):
     depth, tilt, more, frames = uniform(*draw.choice([[0.4, 2.4], [1.6, 2.4], [1.6, 2.4]])), "", "", pressed + 1
     if draw.random() < 0.25:
         tilt = f", tilt_rad = [{uniform(-0.1, 0.1):.4f}, {uniform(-0.1, 0.1):.4f}]"
-    if draw.random() < 0.25:
+    if draw.random() < 0.25 and not slides:
         depth, frames = min(depth, 1.5), pressed + 6
         if draw.random() < 0.6:
             more = f", {{ at = {frames - 1}, shear_mm = [{uniform(-1.3, 1.3):.3f}, {uniform(-1.3, 1.3):.3f}] }}"
@@ -123,13 +125,17 @@ def cells(plane):
     return numpy.asarray(plane, numpy.float32).reshape(CELLS, part, CELLS, part, -1).mean((1, 3))
 
 
-def solve(seed, command, out):
+def solve(seed, command, out, fine):
     draw = numpy.random.default_rng(seed)
     folder = pathlib.Path(tempfile.mkdtemp(prefix="press"))
     try:
-        side, thickness, ratio, frames = scene(draw, folder)
-        arguments = ["simulate", folder / "scene.toml", "--draft", "--truth-only", "--no-cache", "--quiet"]
-        done = subprocess.run([command, *arguments, "--out", folder / "run"], capture_output=True, text=True)
+        side, thickness, ratio, frames = scene(draw, folder, slides=fine)
+        arguments = ["simulate", folder / "scene.toml", "--truth-only", "--no-cache", "--quiet", *([] if fine else ["--draft"])]
+        try:
+            done = subprocess.run([command, *arguments, "--out", folder / "run"], capture_output=True, text=True, timeout=PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            print(f"seed {seed}: not solved in {PATIENCE_S} s", flush=True)
+            return
         if done.returncode != 0:
             print(f"seed {seed}: {done.stderr.strip().splitlines()[0]}", flush=True)
             return
@@ -151,12 +157,13 @@ def main():
     arguments.add_argument("first", type=int, help="the first seed")
     arguments.add_argument("end", type=int, help="the seed after the last")
     arguments.add_argument("--out", type=pathlib.Path, required=True)
+    arguments.add_argument("--fine", action="store_true", help="on the fine mesh, which takes ten times as long, and without friction")
     arguments.add_argument("--command", default="target/release/fingervision")
     arguments = arguments.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     for seed in range(arguments.first, arguments.end):
         if not (arguments.out / f"{seed:05d}.npz").exists():
-            solve(seed, arguments.command, arguments.out)
+            solve(seed, arguments.command, arguments.out, arguments.fine)
 
 
 if __name__ == "__main__":

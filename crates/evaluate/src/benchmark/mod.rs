@@ -9,7 +9,6 @@
 //! Any other program takes part by its files: see [`Entry`].
 
 mod cases;
-mod elastic;
 mod entry;
 mod methods;
 mod page;

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::{Extent, Method, Variation};
-use crate::experiment::DepthScore;
+use crate::experiment::{DepthScore, ElasticScore};
 
 /// One method's errors on a case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,6 +30,14 @@ impl MethodScore {
     pub(super) fn new(method: &str, score: DepthScore) -> Self {
         let (contact_overlap, normal_force, shear_force, torque) = (None, None, None, None);
         Self { method: method.into(), score, contact_overlap, normal_force, shear_force, torque }
+    }
+}
+
+impl From<ElasticScore> for MethodScore {
+    fn from(elastic: ElasticScore) -> Self {
+        let ElasticScore { depth, contact_overlap, normal_force, shear_force, torque } = elastic;
+        let method = Method::Elastic.name().into();
+        Self { method, score: depth, contact_overlap: Some(contact_overlap), normal_force, shear_force, torque }
     }
 }
 

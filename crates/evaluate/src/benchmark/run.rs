@@ -10,9 +10,8 @@ use fingervision_image::Image;
 use rayon::prelude::*;
 
 use super::cases::adapt;
-use super::elastic;
 use super::{BenchmarkReport, Case, CaseReport, Entry, Extent, Method, MethodScore, Variation};
-use crate::experiment::{ExperimentError, Following, Recording, calibrate, follow_last};
+use crate::experiment::{ElasticScore, ExperimentError, Following, Recording, calibrate, follow_last};
 
 /// What to benchmark.
 #[derive(Debug)]
@@ -140,7 +139,8 @@ fn report(case: &Case, fits: &Fits, benchmark: &Benchmark) -> Result<CaseReport,
             scores.push(MethodScore::new(method.name(), scorer.score(&depth, &found.valid)));
         }
     }
-    scores.push(elastic::score(case, &recording, (&dense.flow, &dense.valid), &scorer)?);
+    let (elastic, _) = ElasticScore::of(&recording, (&dense.flow, &dense.valid), &scorer)?;
+    scores.push(elastic.into());
     for entry in benchmark.entries {
         if let Some([depth, valid]) = entry.read(case)? {
             let score = scorer.score(&depth.values, &valid.mask());

@@ -6,6 +6,7 @@
 
 mod calibration;
 mod depth;
+mod elastic;
 mod error;
 mod extent;
 mod following;
@@ -14,6 +15,7 @@ mod score;
 
 pub use calibration::{CALIBRATION, calibrate};
 pub use depth::{clipped, depth_of};
+pub use elastic::ElasticScore;
 pub use error::ExperimentError;
 pub use extent::Extent;
 pub use following::{Followed, Following, follow, follow_last};

@@ -1,6 +1,8 @@
-//! Figures 6 and 7: depth maps of four indenters, by the dense pattern and by dots, against the truth.
+//! Figures 6 and 7: depth maps of four indenters, by the dense pattern and by dots, against the truth; and what elasticity
+//! makes of the same flow.
 
 use fingervision_calibrate::depth::{DepthFit, DepthFitError, Method};
+use fingervision_flow::FlowField;
 use fingervision_gel::Scene;
 use fingervision_image::Image;
 use fingervision_sink::HeatScale;
@@ -9,7 +11,9 @@ use serde::Serialize;
 use super::law::Fits;
 use super::{Lab, Setting, pictures};
 use crate::benchmark::with_dots;
-use crate::experiment::{DepthScore, ExperimentError, Following, Recording, clipped, depth_of, follow_last};
+use crate::experiment::{
+    DepthScore, ElasticScore, ExperimentError, Following, Recording, clipped, depth_of, follow_last,
+};
 use crate::page::{Cell, HtmlTable, Section};
 
 /// Depth errors of one indenter.
@@ -29,6 +33,8 @@ pub struct IndenterErrors {
     pub dots_clipped: DepthScore,
     /// Of predicting no depth.
     pub nothing: DepthScore,
+    /// Of the dense pattern and the gel's elasticity, which the paper does not have.
+    pub elastic: ElasticScore,
 }
 
 /// All indenters on a sensor.
@@ -40,10 +46,11 @@ pub struct Indenters {
     pub errors: Vec<IndenterErrors>,
 }
 
-/// Depth maps of one way of following, by the published line and by the clipped one.
+/// What one way of following saw, and depth maps of it by the published line and by the clipped one.
 struct Maps {
     line: Image<f32>,
     clipped: Image<f32>,
+    flow: FlowField,
     valid: Image<u8>,
 }
 
@@ -53,13 +60,15 @@ struct Measured {
     seen: Image<u8>,
     dense: Maps,
     dots: Maps,
+    elastic: Image<f32>,
 }
 
-pub(super) fn measure(lab: &Lab, setting: Setting, fits: &Fits) -> Result<(Indenters, [Section; 2]), ExperimentError> {
+pub(super) fn measure(lab: &Lab, setting: Setting, fits: &Fits) -> Result<(Indenters, [Section; 3]), ExperimentError> {
     // One after another: a fine mesh already keeps all threads busy.
     let measured =
         lab.extent.indenters().iter().map(|name| indenter(lab, setting, fits, name)).collect::<Result<Vec<_>, _>>()?;
-    let sections = [depth_maps(setting, &measured)?, against_dots(setting, &measured)?];
+    let sections =
+        [depth_maps(setting, &measured)?, against_dots(setting, &measured)?, by_elasticity(setting, &measured)?];
     let errors = measured.into_iter().map(|measured| measured.errors).collect();
     Ok((Indenters { setting, errors }, sections))
 }
@@ -75,6 +84,7 @@ fn indenter(lab: &Lab, setting: Setting, fits: &Fits, name: &'static str) -> Res
     let (dense, dots) = (dense?, dots?);
     let scorer = recording.scorer();
     let nothing = Image::filled(dense.line.width(), dense.line.height(), 0.0);
+    let (elastic_score, elastic) = ElasticScore::of(&recording, (&dense.flow, &dense.valid), &scorer)?;
     let errors = IndenterErrors {
         indenter: name,
         force_n: recording.force_n[2],
@@ -83,15 +93,21 @@ fn indenter(lab: &Lab, setting: Setting, fits: &Fits, name: &'static str) -> Res
         dense_clipped: scorer.score(&dense.clipped, &dense.valid),
         dots_clipped: scorer.score(&dots.clipped, &dots.valid),
         nothing: scorer.score(&nothing, &dense.valid),
+        elastic: elastic_score,
     };
     let (truth, seen) = (recording.truth.depth.clone(), recording.truth.visible.clone());
-    Ok(Measured { errors, truth, seen, dense, dots })
+    Ok(Measured { errors, truth, seen, dense, dots, elastic })
 }
 
 fn maps(recording: &Recording, following: Following, fit: &DepthFit) -> Result<Maps, ExperimentError> {
     let maps = follow_last(recording, &recording.profile, following, |found| {
         let of = |method| depth_of(found.feature, fit, method, recording);
-        Ok(Maps { line: of(Method::Line)?, clipped: clipped(of(Method::Origin)?), valid: found.valid.clone() })
+        Ok(Maps {
+            line: of(Method::Line)?,
+            clipped: clipped(of(Method::Origin)?),
+            flow: found.flow.clone(),
+            valid: found.valid.clone(),
+        })
     })?;
     maps.map_err(DepthFitError::into)
 }
@@ -153,12 +169,54 @@ fn against_dots(setting: Setting, measured: &[Measured]) -> Result<Section, Expe
         section.table(table);
     }
     let scale = HeatScale::around_zero(2.0);
-    for Measured { errors, truth, seen, dense, dots } in measured {
+    for Measured { errors, truth, seen, dense, dots, .. } in measured {
         let shown = [
             (pictures::map(&dense.line, seen, scale), "dense, line"),
             (pictures::map(&pictures::difference(&dense.line, truth), seen, scale), "dense − truth"),
             (pictures::map(&dots.line, seen, scale), "dots, line"),
             (pictures::map(&pictures::difference(&dots.line, truth), seen, scale), "dots − truth"),
+        ];
+        let caption = |name| format!("{}: {name}", errors.indenter);
+        section.gallery(4, shown.iter().map(|(map, name)| (map, caption(name))))?;
+    }
+    Ok(section)
+}
+
+/// What the paper does not have: depth from elasticity, and with it contact and force.
+fn by_elasticity(setting: Setting, measured: &[Measured]) -> Result<Section, ExperimentError> {
+    let title = format!("Beyond the paper: depth from elasticity, {}", setting.name());
+    let mut section = Section::new(&format!("elastic-{}", setting.word()), title);
+    section.text(
+        "The same flow, read by perspective and the gel's elasticity instead of density: camera and gel are the scene's own, and no          press was calibrated with. It tells contact and force as well.",
+    );
+    for (caption, figure) in REGIONS {
+        let mut table = HtmlTable::new(
+            format!("Mean absolute error of depth {caption}, mm"),
+            ["indenter", "density, line", "density, clipped", "elasticity", "nothing"],
+        );
+        for Measured { errors, .. } in measured {
+            let scores = [errors.dense, errors.dense_clipped, errors.elastic.depth, errors.nothing];
+            table.row(errors.indenter, scores.map(|score| Cell::figure(figure(&score), 3)));
+        }
+        section.table(table);
+    }
+    let mut table = HtmlTable::new(
+        "Contact and normal force by elasticity",
+        ["indenter", "contact, intersection over union", "true force, N", "error of force, %"],
+    );
+    for Measured { errors: IndenterErrors { indenter, force_n, elastic, .. }, .. } in measured {
+        let error = elastic.normal_force.map_or(f64::NAN, |part| 100.0 * part);
+        let cells = [(elastic.contact_overlap, 2), (*force_n, 2), (error, 1)];
+        table.row(*indenter, cells.map(|(value, digits)| Cell::figure(value, digits)));
+    }
+    section.table(table);
+    let scale = HeatScale::around_zero(2.0);
+    for Measured { errors, truth, seen, dense, elastic, .. } in measured {
+        let shown = [
+            (pictures::map(truth, seen, scale), "truth"),
+            (pictures::map(elastic, seen, scale), "elasticity"),
+            (pictures::map(&pictures::difference(elastic, truth), seen, scale), "elasticity − truth"),
+            (pictures::map(&pictures::difference(&dense.clipped, truth), seen, scale), "density, clipped − truth"),
         ];
         let caption = |name| format!("{}: {name}", errors.indenter);
         section.gallery(4, shown.iter().map(|(map, name)| (map, caption(name))))?;

@@ -69,13 +69,14 @@ impl fmt::Display for Reproduction {
             for errors in &indenters.errors {
                 writeln!(
                     f,
-                    "depth error   {:?}, {}: dense {:.3} mm, dots {:.3} mm; clipped {:.3} and {:.3} mm",
+                    "depth error   {:?}, {}: dense {:.3} mm, dots {:.3} mm; clipped {:.3} and {:.3} mm; elastic {:.3} mm",
                     indenters.setting,
                     errors.indenter,
                     errors.dense.everywhere_mm,
                     errors.dots.everywhere_mm,
                     errors.dense_clipped.everywhere_mm,
-                    errors.dots_clipped.everywhere_mm
+                    errors.dots_clipped.everywhere_mm,
+                    errors.elastic.depth.everywhere_mm
                 )?;
             }
         }

@@ -20,11 +20,13 @@ mod fields;
 mod network;
 mod params;
 mod rigid;
+mod stiffening;
 mod surface;
 mod traction;
 
 pub use fields::{ElasticFields, TractionGrid};
 pub use params::{ElasticMode, ElasticParams};
+pub use stiffening::{spread, stiffening};
 pub use surface::Seen;
 pub use traction::{Limits, Tractions};
 
@@ -41,13 +43,6 @@ use crate::TrackError;
 const CELLS: usize = 120;
 /// The gel is taken for untouched where no point of it seems to move by more than this, px.
 const STILL_PX: f64 = 0.15;
-/// Relative stiffening of a neo-Hookean block by depth over thickness: the mean over presses of a circle, a square and a
-/// sphere, ν .35 and .48, where linear forces are some 4 % low at a depth of a fifth of the thickness.
-pub const STIFFENING: f64 = 0.17;
-/// The same for shear forces and torque, which a pressed block resists more: the mean over 60 presses of a circle, a sphere
-/// and a rectangle, ν .35 and .48, that were then slid by up to 1.5 mm or turned by .3 rad; single forces are within 4 %,
-/// torques within 12 %.
-const SHEAR_STIFFENING: f64 = 0.72;
 /// Depth over thickness beyond which the flag for large strain is raised.
 const LINEAR_RANGE: f64 = 0.25;
 /// How far from contact the gel's motion is compared with what elasticity makes of it, in thicknesses: nearer, strain is
@@ -258,9 +253,9 @@ impl ElasticDepth {
     fn write_force(&mut self) {
         let Some(modulus) = self.gel.youngs_modulus_mpa else { return };
         let shear_modulus = modulus / (2.0 * (1.0 + self.gel.poissons_ratio));
-        let strain = self.deepest_mm() / self.gel.thickness_mm;
+        let spread = spread(self.surface.grid, &self.contact.touches, &self.wanted_mm);
         let stiffened =
-            [SHEAR_STIFFENING, SHEAR_STIFFENING, STIFFENING].map(|share| shear_modulus * (1.0 + share * strain));
+            stiffening(self.deepest_mm() / self.gel.thickness_mm, spread).map(|factor| factor * shear_modulus);
         let scaled = |traction: &[f32; 3]| [0, 1, 2].map(|axis| stiffened[axis] * f64::from(traction[axis]));
         let area = self.surface.grid.cell_mm.powi(2);
         let centre = self.contact.centre_mm(&self.surface, &self.wanted_mm);

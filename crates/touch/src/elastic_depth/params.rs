@@ -17,10 +17,11 @@ pub struct ElasticParams {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ElasticMode {
-    /// Tractions are solved for to their tolerance.
+    /// What was learned is asked in eight mirrors and quarter turns of the gel (four if it is no square), tractions are solved
+    /// for to their tolerance.
     #[default]
     Exact,
-    /// A fixed number of steps from the tractions of the frame before.
+    /// What was learned is asked once, tractions take a fixed number of steps from those of the frame before.
     Live,
 }
 

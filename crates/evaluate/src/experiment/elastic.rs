@@ -1,0 +1,96 @@
+//! Depth from elasticity on a recording: how far its depth, contact and force are from the truth.
+
+use fingervision_flow::FlowField;
+use fingervision_image::Image;
+use fingervision_touch::{ElasticDepth, ElasticFields};
+use serde::Serialize;
+
+use super::{DepthScore, ExperimentError, Recording, Scorer};
+use crate::run::{LEAST_ARM_MM, LEAST_SHEAR};
+
+/// How far the elastic inverse is from the truth. Forces are those of a gel whose Young's modulus is known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ElasticScore {
+    /// Errors of depth.
+    pub depth: DepthScore,
+    /// Pixels that both it and the truth call contact over those that either does, 0 to 1.
+    pub contact_overlap: f64,
+    /// Error of the normal force over the true one, dimensionless; none for a frame that does not fit the gel.
+    pub normal_force: Option<f64>,
+    /// Distance of the shear force from the true one over its size; none where that is below 5 % of the normal force.
+    pub shear_force: Option<f64>,
+    /// Error of the torque about z over the true one; none where that is below the normal force on an arm of 0.1 mm.
+    pub torque: Option<f64>,
+}
+
+impl ElasticScore {
+    /// Of the last frame of a recording, from its flow and where that holds; with the depth, mm. A frame that does not fit the
+    /// gel has depth 0.
+    ///
+    /// # Errors
+    ///
+    /// [`ExperimentError`] if the gel's elasticity cannot be had.
+    ///
+    /// # Panics
+    ///
+    /// If the recording's profile has no gel.
+    pub fn of(
+        recording: &Recording,
+        (flow, valid): (&FlowField, &Image<u8>),
+        scorer: &Scorer,
+    ) -> Result<(Self, Image<f32>), ExperimentError> {
+        let gel = recording.profile.gel.as_ref().expect("a simulated sensor has a gel");
+        let mut inverse = ElasticDepth::new(recording.camera(), gel, flow.size(), &recording.profile.elastic)?;
+        let found = inverse.solve(flow, valid);
+        let (depth_mm, holds) = if found.is_misfit {
+            (Image::filled(valid.width(), valid.height(), 0.0), Image::filled(valid.width(), valid.height(), 0))
+        } else {
+            (found.depth_mm.clone(), found.on_gel.clone())
+        };
+        let mut score = Self {
+            depth: scorer.score(&depth_mm, &holds),
+            contact_overlap: overlap(found, recording),
+            normal_force: None,
+            shear_force: None,
+            torque: None,
+        };
+        if let Some(([x, y, z], torque)) = found.force_n.zip(found.torque_nmm).filter(|_| !found.is_misfit) {
+            let ([true_x, true_y, true_z], true_torque) = (recording.force_n, recording.torque_z_nmm);
+            let shear = true_x.hypot(true_y);
+            score.normal_force = part(f64::from(z) - true_z, true_z, 0.0);
+            score.shear_force = part((f64::from(x) - true_x).hypot(f64::from(y) - true_y), shear, LEAST_SHEAR * true_z);
+            score.torque = part(f64::from(torque) - true_torque, true_torque, LEAST_ARM_MM * true_z);
+        }
+        Ok((score, depth_mm))
+    }
+}
+
+/// An error as a part of the true value; none where that is not above the least.
+fn part(error: f64, truth: f64, least: f64) -> Option<f64> {
+    (truth.abs() > least).then(|| error.abs() / truth.abs())
+}
+
+/// Pixels that both masks call contact over those that either does, over what is seen; 0 for a frame that does not fit.
+fn overlap(found: &ElasticFields, recording: &Recording) -> f64 {
+    let truth = &recording.truth;
+    let seen = truth.visible.values().iter().zip(truth.contact.values()).zip(found.contact.values());
+    let (mut both, mut either) = (0.0, 0.0);
+    for ((_, &truth), &estimate) in seen.filter(|((visible, _), _)| **visible != 0) {
+        let (truth, estimate) = (truth != 0, estimate != 0 && !found.is_misfit);
+        both += f64::from(u8::from(truth && estimate));
+        either += f64::from(u8::from(truth || estimate));
+    }
+    if either > 0.0 { both / either } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_no_part_of_nothing() {
+        assert_eq!(part(-0.5, 2.0, 0.1), Some(0.25));
+        assert_eq!(part(0.5, -2.0, 0.1), Some(0.25));
+        assert_eq!((part(0.5, 0.05, 0.1), part(0.5, 0.0, 0.0)), (None, None));
+    }
+}
