@@ -13,7 +13,7 @@ from PIL import Image
 CELLS = 120
 PIXELS = 480  # the simulator's frame, each cell 4 by 4 of it
 FRAMES_KEPT = 5
-PATIENCE_S = 120  # a few presses do not settle
+PATIENCE_S = 300  # a few presses do not settle
 SHAPES = {
     "circle": 0.14, "rectangle": 0.14, "triangle": 0.1, "polygon": 0.2, "crossing": 0.08,
     "sphere": 0.08, "ring": 0.08, "pins": 0.06, "letter": 0.06, "height-map": 0.06,

@@ -63,7 +63,7 @@ impl Motion {
 /// Distance between where a motion puts a cell and where the camera sees it, mm.
 pub(super) fn distance_mm(surface: &Surface, cell: usize, motion: &Motion) -> f64 {
     let [x, y] = residual(&point(surface, cell), motion);
-    x.hypot(y)
+    (x * x + y * y).sqrt()
 }
 
 /// Fits the motion of a face to some cells of the surface; none where they are too few or do not fix it.
