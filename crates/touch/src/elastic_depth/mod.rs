@@ -161,6 +161,11 @@ impl ElasticDepth {
         &self.fields
     }
 
+    /// The same, to take its planes out; the next frame writes all of those that are left in their place.
+    pub(crate) fn fields_mut(&mut self) -> &mut ElasticFields {
+        &mut self.fields
+    }
+
     /// Displacement `(x, y, z)`, mm, at every pixel, from the last frame's depth and its flow: each point lies on the ray
     /// of the pixel where it is seen, at its depth. Zero where the pixel does not show the gel.
     pub fn displacement_into(&self, flow: &FlowField, displacement_mm: &mut [Image<f32>; 3]) {

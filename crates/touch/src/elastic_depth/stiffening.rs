@@ -60,12 +60,12 @@ mod tests {
         let moved: Vec<_> = (0..grid.len()).map(moved).collect();
         let touches: Vec<_> = (0..grid.len()).map(|cell| (3..9).contains(&(cell % 12)) && cell / 12 > 4).collect();
         assert!((spread(grid, &touches, &moved) - 0.1).abs() < 1e-6);
-        assert_eq!(spread(grid, &vec![false; grid.len()], &moved), 0.0);
+        assert!(spread(grid, &vec![false; grid.len()], &moved).abs() < 1e-12, "nothing is touched");
     }
 
     #[test]
     fn a_shallow_press_that_does_not_spread_is_linear() {
-        assert_eq!(stiffening(0.0, 0.0), [1.0; 3]);
+        assert!(stiffening(0.0, 0.0).iter().all(|factor| (factor - 1.0).abs() < 1e-12));
         assert!((stiffening(0.2, 0.1)[2] - 1.08).abs() < 1e-12);
     }
 }

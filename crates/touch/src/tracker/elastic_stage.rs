@@ -50,28 +50,28 @@ impl ElasticStage {
             clear(reading);
             return;
         }
-        copy(self.inverse.fields(), reading);
         if let Some(displacement) = &mut reading.displacement {
             self.inverse.displacement_into(&reading.flow, displacement);
         }
+        take(self.inverse.fields_mut(), reading);
     }
 }
 
-/// Takes over what was found.
-fn copy(found: &ElasticFields, reading: &mut Reading) {
+/// Takes over what was found. Planes change places: the next frame writes all of them anew.
+fn take(found: &mut ElasticFields, reading: &mut Reading) {
+    reading.max_depth_mm = super::largest_valid(&found.depth_mm, &found.on_gel);
     if let Some(depth) = &mut reading.depth {
-        depth.copy_from(&found.depth_mm);
+        std::mem::swap(depth, &mut found.depth_mm);
     }
     if let Some(deviation) = &mut reading.depth_deviation {
-        deviation.copy_from(&found.deviation_mm);
+        std::mem::swap(deviation, &mut found.deviation_mm);
     }
     if let Some(contact) = &mut reading.contact {
-        contact.copy_from(&found.contact);
+        std::mem::swap(contact, &mut found.contact);
     }
     if let (Some(traction), Some(found)) = (&mut reading.traction, &found.traction_mpa) {
         traction.traction_mpa.copy_from_slice(&found.traction_mpa);
     }
-    reading.max_depth_mm = super::largest_valid(&found.depth_mm, &found.on_gel);
     reading.contact_area_mm2 = Some(found.contact_area_mm2);
     (reading.force_n, reading.torque_nmm) = (found.force_n, found.torque_nmm);
 }
