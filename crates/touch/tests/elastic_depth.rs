@@ -8,7 +8,7 @@ use fingervision_elastic::GelBlock;
 use fingervision_flow::FlowField;
 use fingervision_gel::{PressCache, Scene, Simulation};
 use fingervision_image::Image;
-use fingervision_optics::Camera;
+use fingervision_optics::{Camera, CameraParams};
 use fingervision_touch::{ElasticDepth, ElasticFields, ElasticMode, ElasticParams};
 
 const SIZE: (usize, usize) = (240, 240);
@@ -147,6 +147,22 @@ fn a_mirrored_press_has_the_mirrored_depth() {
     let found = &inverse.solve(&flow, &valid).depth_mm;
     let mean = mean_difference(found, &mirrored(&depth, 1.0));
     assert!(mean < 1e-3, "{mean} mm");
+}
+
+#[test]
+fn a_camera_too_far_for_perspective_takes_no_depth_from_it() {
+    let mut press = stuck_circle();
+    let far = CameraParams {
+        focal_length_px: press.camera.params().focal_length_px.map(|length| 1000.0 * length),
+        translation_mm: press.camera.params().translation_mm.map(|length| 1000.0 * length),
+        ..*press.camera.params()
+    };
+    // A face that grows in the image by perspective would have to come a thousand times closer to so far a camera.
+    press.camera = Camera::new(&far).unwrap();
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let depths = &inverse.solve(&press.flow, &press.valid).depth_mm;
+    let deepest = depths.values().iter().copied().fold(0.0, f32::max);
+    assert!((0.5..3.0).contains(&deepest), "{deepest} mm");
 }
 
 /// Mean absolute difference of two maps.

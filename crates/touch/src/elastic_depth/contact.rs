@@ -12,6 +12,8 @@ use super::{CELLS, ElasticMode, ElasticParams};
 const NOISE_PX: f64 = 0.04;
 /// A face sticks if at least this part of its inner cells moves with it.
 const LEAST_MATCHING: f64 = 0.6;
+/// Standard deviation of a face's depth, mm, above which the rays are too parallel to tell it.
+const MOST_DEVIATION_MM: f64 = 0.05;
 /// Rings of cells left out at the border of contact where a face's motion is fitted: walls are not the face.
 const RIM_CELLS: usize = 3;
 
@@ -121,7 +123,7 @@ impl ContactFinder {
     fn hold_to_face(&mut self, surface: &Surface) {
         self.erode(surface.grid);
         let face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
-            .filter(|face| face.matching >= LEAST_MATCHING);
+            .filter(|face| face.matching >= LEAST_MATCHING && face.depth_deviation_mm <= MOST_DEVIATION_MM);
         self.on_face.fill(false);
         let Some(face) = face else { return };
         for cell in 0..self.depth_mm.len() {

@@ -27,6 +27,9 @@ pub(super) struct StuckFace {
     pub(super) residual_mm: f64,
     /// Which part of the points matches, 0 to 1.
     pub(super) matching: f64,
+    /// Standard deviation of the depth in the middle of the points, mm, if each errs by the tolerance on its own: large where
+    /// the rays are as good as parallel.
+    pub(super) depth_deviation_mm: f64,
 }
 
 /// A point at rest and what the camera tells of it.
@@ -81,7 +84,8 @@ pub(super) fn fit(surface: &Surface, cells: &[usize], tolerance_mm: f64, scratch
         scale = (1.5 * residual_mm).max(tolerance_mm);
     }
     let matching = scratch.iter().filter(|&&distance| distance < 3.0 * tolerance_mm).count() as f64;
-    Some(StuckFace { motion, residual_mm, matching: matching / cells.len() as f64 })
+    let depth_deviation_mm = tolerance_mm * depth_variance(surface, cells, &motion, scale)?.sqrt();
+    Some(StuckFace { motion, residual_mm, matching: matching / cells.len() as f64, depth_deviation_mm })
 }
 
 fn point(surface: &Surface, cell: usize) -> Point {
@@ -96,6 +100,27 @@ fn residual(point: &Point, motion: &Motion) -> [f64; 2] {
 
 /// One step of Gauss–Newton with weights for residuals of this scale: a rotation and a translation.
 fn step(surface: &Surface, cells: &[usize], motion: &Motion, scale: f64) -> Option<[f64; 6]> {
+    let (matrix, right) = normal_equations(surface, cells, motion, scale);
+    solve(matrix, right)
+}
+
+/// Variance of the depth in the middle of the points for residuals of variance one; none where the points do not fix it.
+fn depth_variance(surface: &Surface, cells: &[usize], motion: &Motion, scale: f64) -> Option<f64> {
+    let (matrix, _) = normal_equations(surface, cells, motion, scale);
+    let mut middle = [0.0; 2];
+    for &cell in cells {
+        let to = motion.apply(surface.centre_mm(cell));
+        for axis in 0..2 {
+            middle[axis] += (to[axis] - motion.translation_mm[axis]) / cells.len() as f64;
+        }
+    }
+    let along = [middle[1], -middle[0], 0.0, 0.0, 0.0, 1.0];
+    let spread = solve(matrix, along)?;
+    Some(along.iter().zip(spread).map(|(along, spread)| along * spread).sum())
+}
+
+/// The normal equations of a step.
+fn normal_equations(surface: &Surface, cells: &[usize], motion: &Motion, scale: f64) -> ([[f64; 6]; 6], [f64; 6]) {
     let (mut matrix, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
     for &cell in cells {
         let point = point(surface, cell);
@@ -116,7 +141,7 @@ fn step(surface: &Surface, cells: &[usize], motion: &Motion, scale: f64) -> Opti
             }
         }
     }
-    solve(matrix, right)
+    (matrix, right)
 }
 
 /// Cholesky; none where the matrix is singular to rounding.
