@@ -56,7 +56,7 @@ impl Method {
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
-            Self::Nothing => "0 mm everywhere",
+            Self::Nothing => "no depth anywhere",
             Self::Density => "the published line with its intercept",
             Self::DensityOrigin => "a line through the origin",
             Self::DensityPerspective => "through the origin, its slope at every pixel that of the camera's perspective",
