@@ -9,6 +9,8 @@
 
 use fingervision_elastic::SurfaceGrid;
 
+use super::surface::neighbours;
+
 /// Relative stiffening by depth over thickness, along the normal.
 const BY_DEPTH: f64 = 0.25;
 /// The same for shear forces and torque, which a pressed block resists more: the mean over 60 presses of a circle, a sphere
@@ -35,16 +37,13 @@ pub fn stiffening(depth_over_thickness: f64, spread: f64) -> [f64; 3] {
 pub fn spread(grid: SurfaceGrid, in_contact: &[bool], moved_mm: &[[f32; 3]]) -> f64 {
     assert!(in_contact.len() == grid.len() && moved_mm.len() == grid.len(), "one entry a cell");
     let (mut sum, mut count) = (0.0, 0.0);
-    for row in 1..grid.rows.saturating_sub(1) {
-        for cell in (row * grid.columns + 1)..((row + 1) * grid.columns).saturating_sub(1) {
-            let (above, below) = (cell - grid.columns, cell + grid.columns);
-            if [cell, cell - 1, cell + 1, above, below].iter().all(|&near| in_contact[near]) {
-                let along_x = moved_mm[cell + 1][0] - moved_mm[cell - 1][0];
-                let along_y = moved_mm[below][1] - moved_mm[above][1];
-                sum += f64::from(along_x + along_y) / (2.0 * grid.cell_mm);
-                count += 1.0;
-            }
-        }
+    for cell in (0..grid.len()).filter(|&cell| in_contact[cell]) {
+        let near = neighbours(grid, cell).filter(|near| near.iter().all(|&near| in_contact[near]));
+        let Some([left, right, above, below]) = near else { continue };
+        let along_x = moved_mm[right][0] - moved_mm[left][0];
+        let along_y = moved_mm[below][1] - moved_mm[above][1];
+        sum += f64::from(along_x + along_y) / (2.0 * grid.cell_mm);
+        count += 1.0;
     }
     if count > 0.0 { sum / count } else { 0.0 }
 }
