@@ -149,38 +149,6 @@ impl ContactFinder {
         surface.border().any(|cell| self.touches[cell])
     }
 
-    /// Distance of each cell from the nearest one in contact, in cells, to a tenth (a chamfer of 3 and 4 thirds of a cell,
-    /// [Borgefors1986]); large where nothing is in contact.
-    pub(super) fn distance_into(&self, grid: SurfaceGrid, distance: &mut [f32]) {
-        const FAR: f32 = 1e6;
-        for (distance, &touches) in distance.iter_mut().zip(&self.touches) {
-            *distance = if touches { 0.0 } else { FAR };
-        }
-        let columns = grid.columns;
-        relax_along(&mut distance[..columns]);
-        for row in 1..grid.rows {
-            let (above, below) = distance.split_at_mut(row * columns);
-            relax(&mut below[..columns], &above[(row - 1) * columns..]);
-        }
-        for row in (1..grid.rows).rev() {
-            let (above, below) = distance.split_at_mut(row * columns);
-            relax(&mut above[(row - 1) * columns..], &below[..columns]);
-        }
-    }
-
-    /// The middle of contact where it is now, mm.
-    pub(super) fn centre_mm(&self, surface: &Surface, moved_mm: &[[f32; 3]]) -> [f64; 2] {
-        let (mut sum, mut count) = ([0.0; 2], 0.0);
-        for (cell, moved) in moved_mm.iter().enumerate().filter(|&(cell, _)| self.touches[cell]) {
-            let at = surface.centre_mm(cell);
-            for axis in 0..2 {
-                sum[axis] += at[axis] + f64::from(moved[axis]);
-            }
-            count += 1.0;
-        }
-        sum.map(|sum| if count > 0.0 { sum / count } else { 0.0 })
-    }
-
     /// The network's depth and contact: the mean over the ways in which it looks.
     fn look(&mut self, surface: &Surface) {
         let Some(network) = &mut self.network else { return };
@@ -251,28 +219,4 @@ fn input(
 /// The places on both sides of one on an axis of so many, itself where there is none.
 fn neighbours(at: usize, count: usize) -> [usize; 2] {
     [at.saturating_sub(1), (at + 1).min(count - 1)]
-}
-
-/// Lowers the distances of a row of cells to what the row beside it and then its own cells allow.
-fn relax(row: &mut [f32], beside: &[f32]) {
-    const DIAGONAL: f32 = 4.0 / 3.0;
-    for (distance, &beside) in row.iter_mut().zip(beside) {
-        *distance = distance.min(beside + 1.0);
-    }
-    for (distance, &beside) in row[1..].iter_mut().zip(beside) {
-        *distance = distance.min(beside + DIAGONAL);
-    }
-    for (distance, &beside) in row.iter_mut().zip(&beside[1..]) {
-        *distance = distance.min(beside + DIAGONAL);
-    }
-    relax_along(row);
-}
-
-fn relax_along(row: &mut [f32]) {
-    for at in 1..row.len() {
-        row[at] = row[at].min(row[at - 1] + 1.0);
-    }
-    for at in (1..row.len()).rev() {
-        row[at - 1] = row[at - 1].min(row[at] + 1.0);
-    }
 }

@@ -15,8 +15,10 @@
 //! a depth of about a fifth of the thickness it is an approximation.
 
 mod contact;
+mod distance;
 mod face_search;
 mod fields;
+mod held;
 mod network;
 mod params;
 mod rigid;
@@ -31,10 +33,11 @@ pub use surface::Seen;
 pub use traction::{Limits, Tractions};
 
 use contact::ContactFinder;
-use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
+use fingervision_elastic::{GelBlock, SurfaceGrid};
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 use fingervision_optics::Camera;
+use held::HeldGel;
 use surface::{KNOWN, Surface};
 
 use crate::TrackError;
@@ -45,14 +48,14 @@ const CELLS: usize = 120;
 const STILL_PX: f64 = 0.15;
 /// Depth over thickness beyond which the flag for large strain is raised.
 const LINEAR_RANGE: f64 = 0.25;
-/// How far from contact the gel's motion is compared with what elasticity makes of it, in thicknesses: nearer, strain is
-/// too large for a linear law.
-const AWAY: f64 = 0.25;
 /// Motion well away from contact that may stay unexplained, root mean square, as a part of the largest depth: more, and the gel
 /// is not the one that was described.
 pub const MOST_UNEXPLAINED: f64 = 0.05;
-/// Motion away from contact below which nothing is said about the gel, px, root mean square.
-const TELLING_PX: f64 = 0.1;
+
+/// When tractions are found in exact mode.
+const EXACT: Limits = Limits { tolerance: 1e-3, most_iterations: 30 };
+/// The same live: a fixed number of steps from those of the frame before.
+const LIVE: Limits = Limits { tolerance: 1e-2, most_iterations: 1 };
 
 /// The gel's surface as square cells, row by row, its centre in the grid's middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,13 +81,9 @@ pub struct ElasticDepth {
     gel: GelBlock,
     surface: Surface,
     contact: ContactFinder,
-    tractions: Tractions,
-    limits: Limits,
-    wanted_mm: Vec<[f32; 3]>,
+    held: HeldGel,
     /// Depth, its deviation and the share in contact of the cells, on their way to the pixels; a fourth number fills the lanes.
     told: Vec<[f32; KNOWN]>,
-    /// Distance of the cells from contact.
-    distance: Vec<f32>,
     fields: ElasticFields,
 }
 
@@ -102,24 +101,16 @@ impl ElasticDepth {
         params: &ElasticParams,
     ) -> Result<Self, TrackError> {
         let surface = Surface::new(camera, gel, size, CELLS).ok_or(TrackError::NoSurface)?;
-        let operator = BlockOperator::new(gel, surface.grid)?;
-        let limits = match params.mode {
-            ElasticMode::Exact => Limits { tolerance: 1e-3, most_iterations: 30 },
-            ElasticMode::Live => Limits { tolerance: 1e-2, most_iterations: 1 },
+        let contact = ContactFinder::new(&surface, gel, *params);
+        let (part, limits) = match params.mode {
+            // What was learned tells depth everywhere: tractions make the force alone, and twice the cells will do.
+            ElasticMode::Live if contact.is_learned() => (2, LIVE),
+            ElasticMode::Live => (1, LIVE),
+            ElasticMode::Exact => (1, EXACT),
         };
-        let fields = ElasticFields::at_rest(gel, surface.grid, size, |pixel| surface.shows(pixel));
-        let cells = surface.grid.len();
-        Ok(Self {
-            gel: *gel,
-            contact: ContactFinder::new(&surface, gel, *params),
-            surface,
-            tractions: Tractions::new(operator),
-            limits,
-            wanted_mm: vec![[0.0; 3]; cells],
-            told: vec![[0.0; KNOWN]; cells],
-            distance: vec![0.0; cells],
-            fields,
-        })
+        let held = HeldGel::new(gel, surface.grid, part, limits)?;
+        let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
+        Ok(Self { gel: *gel, contact, held, told: vec![[0.0; KNOWN]; surface.grid.len()], surface, fields })
     }
 
     /// The fields of one frame, from its flow, px, and where that holds.
@@ -135,7 +126,7 @@ impl ElasticDepth {
             return &self.fields;
         }
         self.contact.find(&self.surface);
-        self.hold();
+        self.held.hold(&self.surface, &self.contact);
         self.write_fields();
         self.write_figures();
         self.write_force();
@@ -186,27 +177,19 @@ impl ElasticDepth {
     }
 
     fn rest(&mut self) {
-        self.tractions.rest();
+        self.held.rest();
         self.contact.rest();
         self.fields.rest();
     }
 
-    /// Tractions that give the gel in contact its displacement.
-    fn hold(&mut self) {
-        for ((wanted, seen), &depth) in self.wanted_mm.iter_mut().zip(&self.surface.seen).zip(&self.contact.depth_mm) {
-            let [x, y] = [0, 1].map(|axis| seen.apparent_mm[axis] - seen.slope[axis] * depth);
-            *wanted = [x, y, depth];
-        }
-        self.tractions.hold(&self.contact.touches, &self.wanted_mm, self.limits);
-    }
-
     fn write_fields(&mut self) {
-        let moved = &self.tractions.displacement_mm;
-        let is_learned = self.contact.is_learned();
+        // Where nothing learned tells of the free gel, the tractions do.
+        let moved = (!self.contact.is_learned()).then(|| self.held.displacement_mm());
         for (cell, told) in self.told.iter_mut().enumerate() {
-            let is_told = is_learned || self.contact.touches[cell];
-            let depth = if is_told { self.contact.depth_mm[cell] } else { moved[cell][2] };
-            *told = [depth, self.contact.deviation_mm(cell, moved[cell][2]), self.contact.share[cell], 0.0];
+            let around_mm = moved.map_or(0.0, |moved| moved[cell][2]);
+            let is_told = moved.is_none() || self.contact.touches[cell];
+            let depth = if is_told { self.contact.depth_mm[cell] } else { around_mm };
+            *told = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
         }
         let ElasticFields { depth_mm, deviation_mm, contact, .. } = &mut self.fields;
         let depths = depth_mm.values_mut().iter_mut().zip(deviation_mm.values_mut());
@@ -219,12 +202,13 @@ impl ElasticDepth {
 
     /// Area, flags and force.
     fn write_figures(&mut self) {
+        let (deepest_mm, thickness_mm) = (self.deepest_mm(), self.gel.thickness_mm);
         let touched = self.contact.touches.iter().filter(|touches| **touches).count();
-        let SurfaceGrid { cell_mm, .. } = self.surface.grid;
-        self.fields.contact_area_mm2 = (touched as f64 * cell_mm * cell_mm) as f32;
-        self.fields.is_beyond_linear = self.deepest_mm() > LINEAR_RANGE * self.gel.thickness_mm;
+        self.fields.contact_area_mm2 = (touched as f64 * self.surface.grid.cell_area_mm2()) as f32;
+        self.fields.is_beyond_linear = deepest_mm > LINEAR_RANGE * thickness_mm;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
-        self.fields.unexplained = self.unexplained().map(|part| part as f32);
+        let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
+        self.fields.unexplained = unexplained.map(|part| part as f32);
         // Once found not to fit, a gel has to fit well or to come to rest.
         let most = if self.fields.is_misfit { 0.5 * MOST_UNEXPLAINED } else { MOST_UNEXPLAINED } as f32;
         self.fields.is_misfit = self.fields.unexplained.map_or(self.fields.is_misfit, |part| part > most);
@@ -235,55 +219,17 @@ impl ElasticDepth {
         f64::from(depths.map(|(&depth, _)| depth).fold(0.0, f32::max))
     }
 
-    /// How far the motion along the surface, well away from contact, is from what the tractions make there: root mean
-    /// square over the largest depth; none where there is no contact, or the motion is too small to tell.
-    fn unexplained(&mut self) -> Option<f64> {
-        let away = (AWAY * self.gel.thickness_mm / self.surface.grid.cell_mm) as f32;
-        self.contact.distance_into(self.surface.grid, &mut self.distance);
-        let (mut left, mut all, mut count) = (0.0, 0.0, 0.0);
-        let cells = self.surface.seen.iter().zip(&self.tractions.displacement_mm).zip(&self.distance);
-        for ((seen, moved), _) in cells.filter(|((seen, _), distance)| seen.trust > 0.5 && **distance > away) {
-            for axis in 0..2 {
-                let explained = moved[axis] + seen.slope[axis] * moved[2];
-                left += f64::from(seen.apparent_mm[axis] - explained).powi(2);
-                all += f64::from(seen.apparent_mm[axis]).powi(2);
-            }
-            count += 1.0;
-        }
-        let telling_mm = TELLING_PX * self.surface.mm_per_px;
-        let deepest_mm = self.deepest_mm().max(telling_mm);
-        (all > count * telling_mm * telling_mm).then(|| (left / count).sqrt() / deepest_mm)
-    }
-
     fn write_force(&mut self) {
         let Some(modulus) = self.gel.youngs_modulus_mpa else { return };
         let shear_modulus = modulus / (2.0 * (1.0 + self.gel.poissons_ratio));
-        let spread = spread(self.surface.grid, &self.contact.touches, &self.wanted_mm);
-        let stiffened =
-            stiffening(self.deepest_mm() / self.gel.thickness_mm, spread).map(|factor| factor * shear_modulus);
-        let scaled = |traction: &[f32; 3]| [0, 1, 2].map(|axis| stiffened[axis] * f64::from(traction[axis]));
-        let area = self.surface.grid.cell_mm.powi(2);
-        let centre = self.contact.centre_mm(&self.surface, &self.wanted_mm);
-        let (mut force, mut torque) = ([0.0; 3], 0.0);
-        for (cell, traction) in self.tractions.traction.iter().enumerate() {
-            if !self.contact.touches[cell] {
-                continue;
+        let depth = self.deepest_mm() / self.gel.thickness_mm;
+        let grid = &mut self.fields.traction_mpa;
+        let (force, torque) = self.held.force(shear_modulus, depth, |cell, traction| {
+            if let Some(grid) = grid {
+                grid.traction_mpa[cell] = traction.map(|value| value as f32);
             }
-            let traction = scaled(traction);
-            let [x, y] = self.surface.centre_mm(cell);
-            let moved = &self.wanted_mm[cell];
-            let arm = [x + f64::from(moved[0]) - centre[0], y + f64::from(moved[1]) - centre[1]];
-            for axis in 0..3 {
-                force[axis] += area * traction[axis];
-            }
-            torque += area * (arm[0] * traction[1] - arm[1] * traction[0]);
-        }
+        });
         self.fields.force_n = Some(force.map(|value| value as f32));
         self.fields.torque_nmm = Some(torque as f32);
-        if let Some(grid) = &mut self.fields.traction_mpa {
-            for (target, traction) in grid.traction_mpa.iter_mut().zip(&self.tractions.traction) {
-                *target = scaled(traction).map(|value| value as f32);
-            }
-        }
     }
 }

@@ -9,9 +9,9 @@ use fingervision_elastic::BlockOperator;
 /// Tractions in units of the shear modulus and the displacement that they make, with the scratch to find them.
 #[derive(Debug)]
 pub struct Tractions {
-    pub(super) operator: BlockOperator,
-    pub(super) traction: Vec<[f32; 3]>,
-    pub(super) displacement_mm: Vec<[f32; 3]>,
+    operator: BlockOperator,
+    traction: Vec<[f32; 3]>,
+    displacement_mm: Vec<[f32; 3]>,
     residual: Vec<[f32; 3]>,
     preconditioned: Vec<[f32; 3]>,
     direction: Vec<[f32; 3]>,
