@@ -194,6 +194,20 @@ fn an_untouched_gel_has_no_depth() {
 }
 
 #[test]
+fn gel_that_has_left_the_view_invents_no_contact() {
+    let mut press = stuck_circle();
+    // Nothing of the pattern is left there to follow.
+    for y in 0..SIZE.1 {
+        press.flow.u.row_mut(y)[..12].fill(-14.0);
+        press.flow.v.row_mut(y)[..12].fill(6.0);
+        press.valid.row_mut(y)[..12].fill(0);
+    }
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let (error_mm, overlap) = press.judge(inverse.solve(&press.flow, &press.valid));
+    assert!(error_mm < 0.025 && overlap > 0.8, "{error_mm} mm, {overlap}");
+}
+
+#[test]
 fn a_gel_of_unknown_stiffness_has_depth_but_no_force() {
     let mut press = stuck_circle();
     let with = press.inverse(ElasticMode::Exact).solve(&press.flow, &press.valid).depth_mm.clone();

@@ -19,6 +19,7 @@ mod distance;
 mod face_search;
 mod fields;
 mod held;
+mod nearest;
 mod network;
 mod params;
 mod rigid;

@@ -17,6 +17,10 @@ use fingervision_flow::FlowField;
 use fingervision_image::Image;
 use fingervision_optics::Camera;
 
+use super::nearest::{Place, cell_at, is_somewhere, nearest_into};
+
+/// Nearer to the image's border a flow that does not hold is that of gel that has left the view, px.
+const MARGIN_PX: f64 = 8.0;
 /// Marks a pixel that does not show the gel.
 const NOWHERE: u32 = u32::MAX;
 /// Numbers of a cell that are brought to the pixels together: two cells of them are a register.
@@ -34,8 +38,13 @@ pub(super) struct Surface {
     corners: Vec<Corners>,
     /// The mean place of each cell's pixels in the reference image, px, and where that is on the gel, mm.
     rest: Vec<Option<Rest>>,
-    /// Cells that no pixel shows, each with the nearest that one does.
-    filled: Vec<(usize, usize)>,
+    /// Cells at the border of what the camera sees of the gel where the gel goes on.
+    border: Vec<usize>,
+    /// Width and height of the image, px.
+    size: (usize, usize),
+    /// Whether each cell is seen in the last frame, and the nearest one that is.
+    is_seen: Vec<bool>,
+    nearest: Vec<Place>,
     sums: Vec<Sum>,
     /// Size of a pixel on the undeformed surface, mm: the root of the mean area of what the pixels on the gel see.
     pub(super) mm_per_px: f64,
@@ -108,16 +117,26 @@ impl Surface {
             })
             .collect();
         let rest = rest_of(camera, &cell_of, size.0, grid.len());
-        let filled = nearest_seen(&rest, grid)?;
+        let is_seen: Vec<_> = rest.iter().map(Option::is_some).collect();
+        let mut nearest = vec![Place::default(); grid.len()];
+        nearest_into(grid.columns, &is_seen, &mut nearest);
+        if !is_somewhere(nearest[0]) {
+            return None;
+        }
+        let unseen = nearest.iter().zip(&is_seen).filter(|(_, is_seen)| !**is_seen);
+        let border = unseen.map(|(&nearest, _)| cell_at(grid.columns, nearest)).collect();
         let pixels = cell_of.iter().filter(|&&cell| cell != NOWHERE).count();
-        let cells_seen = grid.len() - filled.len();
+        let cells_seen = is_seen.iter().filter(|is_seen| **is_seen).count();
         Some(Self {
             level: Level::new(),
             camera: camera.clone(),
             grid,
             cell_of,
             corners: places.into_iter().map(|place| Corners::around(grid, place)).collect(),
-            filled,
+            border,
+            size,
+            is_seen,
+            nearest,
             sums: vec![Sum::default(); grid.len()],
             mm_per_px: cell_mm * (cells_seen as f64 / pixels as f64).sqrt(),
             seen: vec![Seen::default(); grid.len()],
@@ -146,10 +165,10 @@ impl Surface {
 
     /// Cells at the border of what the camera sees of the gel where the gel goes on.
     pub(super) fn border(&self) -> impl Iterator<Item = usize> {
-        self.filled.iter().map(|&(_, nearest)| nearest)
+        self.border.iter().copied()
     }
 
-    /// Takes a frame's flow, px, and where it holds.
+    /// Takes a frame's flow, px, and where it holds. What a cell outside the view does is taken from the nearest inside.
     pub(super) fn look(&mut self, flow: &FlowField, valid: &Image<u8>) {
         self.sums.fill(Sum::default());
         let pixels = flow.u.values().iter().zip(flow.v.values()).zip(valid.values());
@@ -166,18 +185,31 @@ impl Surface {
         }
         self.sums[last as usize].add(run);
         let [camera_x, camera_y, height] = self.camera.position_mm();
-        for ((seen, sum), rest) in self.seen.iter_mut().zip(&self.sums).zip(&self.rest) {
+        let cells = self.seen.iter_mut().zip(&mut self.is_seen).zip(&self.sums).zip(&self.rest);
+        for (((seen, is_seen), sum), rest) in cells {
             let Some(rest) = rest else { continue };
             let flow = sum.flow.map(|total| f64::from(total / sum.count.max(1.0)));
-            let now = self.camera.surface_point([rest.px[0] + flow[0], rest.px[1] + flow[1]], 0.0);
+            let px = [rest.px[0] + flow[0], rest.px[1] + flow[1]];
+            let now = self.camera.surface_point(px, 0.0);
             let [x, y] = now.unwrap_or(rest.gel_mm);
             *seen = Seen {
                 apparent_mm: [(x - rest.gel_mm[0]) as f32, (y - rest.gel_mm[1]) as f32],
                 slope: [((x - camera_x) / height) as f32, ((y - camera_y) / height) as f32],
                 trust: if now.is_some() { sum.valid / sum.count.max(1.0) } else { 0.0 },
             };
+            *is_seen = seen.trust >= 0.5 || is_within(self.size, px);
         }
-        for &(cell, from) in &self.filled {
+        self.fill();
+    }
+
+    /// Gives cells that are not seen what the nearest one tells that is.
+    fn fill(&mut self) {
+        nearest_into(self.grid.columns, &self.is_seen, &mut self.nearest);
+        if !is_somewhere(self.nearest[0]) {
+            return;
+        }
+        for cell in (0..self.seen.len()).filter(|&cell| !self.is_seen[cell]) {
+            let from = cell_at(self.grid.columns, self.nearest[cell]);
             self.seen[cell] = Seen { trust: 0.0, ..self.seen[from] };
         }
     }
@@ -262,20 +294,8 @@ fn rest_of(camera: &Camera, cell_of: &[u32], width: usize, cells: usize) -> Vec<
     sums.into_iter().map(rest).collect()
 }
 
-/// For every cell that no pixel shows the nearest that one does; none if there is no such cell.
-fn nearest_seen(rest: &[Option<Rest>], grid: SurfaceGrid) -> Option<Vec<(usize, usize)>> {
-    let place = |cell: usize| ((cell % grid.columns) as f64, (cell / grid.columns) as f64);
-    let seen: Vec<_> = (0..rest.len()).filter(|&cell| rest[cell].is_some()).collect();
-    // Only the outline of what is seen can be nearest to what is not.
-    let is_rim = |cell: usize| neighbours(grid, cell).is_none_or(|near| near.iter().any(|&near| rest[near].is_none()));
-    let rim: Vec<_> = seen.iter().copied().filter(|&cell| is_rim(cell)).collect();
-    let nearest = |cell: usize| {
-        let (x, y) = place(cell);
-        let squared = |&other: &usize| {
-            let (i, j) = place(other);
-            (i - x).powi(2) + (j - y).powi(2)
-        };
-        rim.iter().copied().min_by(|a, b| squared(a).total_cmp(&squared(b)))
-    };
-    (0..rest.len()).filter(|&cell| rest[cell].is_none()).map(|cell| Some((cell, nearest(cell)?))).collect()
+/// Whether a place in the image is at least [`MARGIN_PX`] away from its border.
+fn is_within((width, height): (usize, usize), px: [f64; 2]) -> bool {
+    let is_inner = |at: f64, count: usize| at >= MARGIN_PX && at <= count as f64 - 1.0 - MARGIN_PX;
+    is_inner(px[0], width) && is_inner(px[1], height)
 }

@@ -1,0 +1,97 @@
+//! The nearest marked cell of every cell of a grid.
+
+/// Column and row of a cell.
+pub(super) type Place = [isize; 2];
+
+/// Where there is no marked cell: farther from any cell than all others are.
+const NOWHERE: Place = [-20_000, -20_000];
+
+/// Finds the nearest marked cell of every cell, itself where it is marked, by passing places from cell to cell
+/// ([Danielsson1980]); now and then the one that is found lies a fraction of a cell farther than the nearest. All are the same
+/// impossible place where none is marked.
+pub(super) fn nearest_into(columns: usize, marks: &[bool], nearest: &mut [Place]) {
+    for (cell, (nearest, &mark)) in nearest.iter_mut().zip(marks).enumerate() {
+        *nearest = if mark { place(columns, cell) } else { NOWHERE };
+    }
+    let rows = marks.len() / columns;
+    along(columns, nearest, 0);
+    for row in 1..rows {
+        pass(columns, nearest, row, row - 1);
+    }
+    for row in (1..rows).rev() {
+        pass(columns, nearest, row - 1, row);
+    }
+}
+
+/// Whether a place is one of a cell.
+pub(super) fn is_somewhere(place: Place) -> bool {
+    place[0] >= 0
+}
+
+/// The cell at a place.
+pub(super) fn cell_at(columns: usize, [column, row]: Place) -> usize {
+    row.cast_unsigned() * columns + column.cast_unsigned()
+}
+
+fn place(columns: usize, cell: usize) -> Place {
+    [(cell % columns).cast_signed(), (cell / columns).cast_signed()]
+}
+
+/// Brings what the row beside one knows to it, then what its own cells know to each other.
+fn pass(columns: usize, nearest: &mut [Place], row: usize, beside: usize) {
+    for column in 0..columns {
+        for other in column.saturating_sub(1)..(column + 2).min(columns) {
+            take(columns, nearest, row * columns + column, beside * columns + other);
+        }
+    }
+    along(columns, nearest, row);
+}
+
+fn along(columns: usize, nearest: &mut [Place], row: usize) {
+    let first = row * columns;
+    for cell in first + 1..first + columns {
+        take(columns, nearest, cell, cell - 1);
+    }
+    for cell in (first + 1..first + columns).rev() {
+        take(columns, nearest, cell - 1, cell);
+    }
+}
+
+/// Takes over the place that another cell knows if it is nearer.
+fn take(columns: usize, nearest: &mut [Place], cell: usize, other: usize) {
+    let (own, known, here) = (nearest[cell], nearest[other], place(columns, cell));
+    if own != here && squared(here, known) < squared(here, own) {
+        nearest[cell] = known;
+    }
+}
+
+fn squared(from: Place, to: Place) -> isize {
+    (to[0] - from[0]).pow(2) + (to[1] - from[1]).pow(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_mark_is_found() {
+        let (columns, rows) = (37, 29);
+        let marks: Vec<_> = (0..columns * rows).map(|cell| (cell * cell) % 53 == 1 && cell % columns > 6).collect();
+        let mut nearest = vec![NOWHERE; marks.len()];
+        nearest_into(columns, &marks, &mut nearest);
+        for (cell, &found) in nearest.iter().enumerate() {
+            assert!(marks[cell_at(columns, found)]);
+            let distance = |other: Place| (squared(place(columns, cell), other) as f64).sqrt();
+            let marked = (0..marks.len()).filter(|&other| marks[other]).map(|other| distance(place(columns, other)));
+            let least = marked.fold(f64::INFINITY, f64::min);
+            assert!(distance(found) <= least + 0.3, "cell {cell}: {} instead of {least}", distance(found));
+        }
+    }
+
+    #[test]
+    fn without_a_mark_there_is_no_nearest() {
+        let mut nearest = vec![[0, 0]; 12];
+        nearest_into(4, &[false; 12], &mut nearest);
+        assert!(nearest.iter().all(|&place| !is_somewhere(place)));
+    }
+}
