@@ -25,6 +25,8 @@ pub enum Resolution {
     /// 0.3 mm: for figures.
     #[default]
     Fine,
+    /// 0.45 mm: for many presses.
+    Medium,
     /// 0.75 mm: for tests and demonstrations.
     Draft,
 }
@@ -59,6 +61,7 @@ impl MeshParams {
         }
         let (spacing, growth) = match self.resolution {
             Resolution::Fine => (0.3, 1.2),
+            Resolution::Medium => (0.45, 1.3),
             Resolution::Draft => (0.75, 1.4),
         };
         let [x, y] = [0, 1].map(|axis| {
@@ -139,9 +142,12 @@ mod tests {
             GelBlock { size_mm: [30.0, 20.0], thickness_mm: 10.0, poissons_ratio: 0.4, youngs_modulus_mpa: None };
         let slide = Pose { depth_mm: 1.0, shear_mm: [1.5, 0.0], ..Pose::default() };
         let region = swept_region(&Plate, [0.7, -2.0], &[Pose::default(), slide]);
-        for resolution in [Resolution::Fine, Resolution::Draft] {
+        let mut nodes = usize::MAX;
+        for resolution in [Resolution::Fine, Resolution::Medium, Resolution::Draft] {
             let mesh = MeshParams { resolution, cells: None }.mesh(&block, &region);
-            let [x, y, _] = mesh.lines();
+            let [x, y, z] = mesh.lines();
+            assert!(x.len() * y.len() * z.len() < nodes, "{resolution:?} is finer than the one before");
+            nodes = x.len() * y.len() * z.len();
             for (lines, edges) in [(x, [-2.3, 3.7]), (y, [-3.5, -1.0])] {
                 for edge in edges {
                     assert!(lines.iter().any(|line| (line - edge).abs() < 1e-9), "{edge} mm is not in {lines:?}");
