@@ -14,6 +14,7 @@ CELLS = 120
 PIXELS = 480  # the simulator's frame, each cell 4 by 4 of it
 FRAMES_KEPT = 5
 PATIENCE_S = 300  # a few presses do not settle
+MESHES = ["draft", "medium", "fine"]
 SHAPES = {
     "circle": 0.14, "rectangle": 0.14, "triangle": 0.1, "polygon": 0.2, "crossing": 0.08,
     "sphere": 0.08, "ring": 0.08, "pins": 0.06, "letter": 0.06, "height-map": 0.06,
@@ -72,23 +73,26 @@ def sizes(draw, shape, folder):
             return height_map(draw, folder)
 
 
-def scene(draw, folder, slides=False):
-    """Writes a random scene, without friction if it `slides`; returns the gel's side, thickness and Poisson's ratio, and the
-    number of frames."""
+def scene(draw, folder, mesh):
+    """Writes a random scene, one that takes few steps if the mesh is no draft; returns the gel's side, thickness and Poisson's
+    ratio, and the number of frames."""
     uniform = draw.uniform
     side = 30.0 if draw.random() < 0.6 else uniform(24, 36)
     thickness = 10.0 if draw.random() < 0.6 else uniform(7, 13)
     ratio = draw.choice([0.35, 0.48]) if draw.random() < 0.3 else uniform(0.3, 0.495)
-    chance = 0.5 if slides else draw.random()
-    law = '"stick"' if chance < 0.15 else '"frictionless"' if chance < 0.85 else f"{{ friction = {uniform(0.2, 1):.3f} }}"
+    chance, is_draft = draw.random(), mesh == "draft"
+    stuck, held_by_friction = (0.15, 0.15) if is_draft else (0.4, 0)
+    law = '"stick"' if chance < stuck else '"frictionless"'
+    if chance > 1 - held_by_friction:
+        law = f"{{ friction = {uniform(0.2, 1):.3f} }}"
     # Without friction the way down does not matter: few steps will do.
-    pressed = 3 if "frictionless" in law else 10
+    pressed = 3 if "frictionless" in law else 10 if is_draft else 5
     x, y = uniform(-1, 1, 2) * 0.36 * side * draw.choice([0.3, 1])
     # Deep faces that slide are the hardest to tell.
     depth, tilt, more, frames = uniform(*draw.choice([[0.4, 2.4], [1.6, 2.4], [1.6, 2.4]])), "", "", pressed + 1
     if draw.random() < 0.25:
         tilt = f", tilt_rad = [{uniform(-0.1, 0.1):.4f}, {uniform(-0.1, 0.1):.4f}]"
-    if draw.random() < 0.25 and not slides:
+    if draw.random() < 0.25 and is_draft:
         depth, frames = min(depth, 1.5), pressed + 6
         if draw.random() < 0.6:
             more = f", {{ at = {frames - 1}, shear_mm = [{uniform(-1.3, 1.3):.3f}, {uniform(-1.3, 1.3):.3f}] }}"
@@ -115,6 +119,8 @@ rotation_rad = {uniform(0, 2 * math.pi):.4f}
 centre_mm = [{x:.3f}, {y:.3f}]
 frames = {frames}
 keyframes = [{{ at = {pressed}, depth_mm = {depth:.3f}{tilt} }}{more}]
+[mesh]
+resolution = "{mesh}"
 """)
     return side, thickness, ratio, frames
 
@@ -125,12 +131,12 @@ def cells(plane):
     return numpy.asarray(plane, numpy.float32).reshape(CELLS, part, CELLS, part, -1).mean((1, 3))
 
 
-def solve(seed, command, out, fine):
+def solve(seed, command, out, mesh):
     draw = numpy.random.default_rng(seed)
     folder = pathlib.Path(tempfile.mkdtemp(prefix="press"))
     try:
-        side, thickness, ratio, frames = scene(draw, folder, slides=fine)
-        arguments = ["simulate", folder / "scene.toml", "--truth-only", "--no-cache", "--quiet", *([] if fine else ["--draft"])]
+        side, thickness, ratio, frames = scene(draw, folder, mesh)
+        arguments = ["simulate", folder / "scene.toml", "--truth-only", "--no-cache", "--quiet"]
         try:
             done = subprocess.run([command, *arguments, "--out", folder / "run"], capture_output=True, text=True, timeout=PATIENCE_S)
         except subprocess.TimeoutExpired:
@@ -146,7 +152,7 @@ def solve(seed, command, out, fine):
             out / f"{seed:05d}.npz",
             disp=numpy.stack([cells(displacement[frame]) for frame in kept]),
             contact=numpy.stack([255 * cells(contact[frame])[..., 0] for frame in kept]).astype(numpy.uint8),
-            size=side, h=thickness, nu=ratio,
+            size=side, h=thickness, nu=ratio, mesh=mesh,
         )
     finally:
         shutil.rmtree(folder)
@@ -157,13 +163,13 @@ def main():
     arguments.add_argument("first", type=int, help="the first seed")
     arguments.add_argument("end", type=int, help="the seed after the last")
     arguments.add_argument("--out", type=pathlib.Path, required=True)
-    arguments.add_argument("--fine", action="store_true", help="on the fine mesh, which takes ten times as long, and without friction")
+    arguments.add_argument("--mesh", choices=MESHES, default="draft", help="finer ones are pressed straight down, in few steps")
     arguments.add_argument("--command", default="target/release/fingervision")
     arguments = arguments.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     for seed in range(arguments.first, arguments.end):
         if not (arguments.out / f"{seed:05d}.npz").exists():
-            solve(seed, arguments.command, arguments.out, arguments.fine)
+            solve(seed, arguments.command, arguments.out, arguments.mesh)
 
 
 if __name__ == "__main__":

@@ -12,19 +12,21 @@ from frames import SIZE_MM, drawn, mirrored
 from network import ContactNetwork
 
 BATCH = 8
+DRAFT_SHARE = 0.6  # of the frames of a batch, on the draft mesh
 
 
 def load(folder):
-    """Frames to train on and frames to judge by: displacement, contact, gel."""
-    train, judge = [], []
+    """Frames to train on, those on the draft mesh and those on finer ones, and frames to judge by: displacement, contact,
+    gel."""
+    draft, finer, judge = [], [], []
     for file in sorted(pathlib.Path(folder).glob("*.npz")):
         press = numpy.load(file)
         scale = SIZE_MM / float(press["size"])  # elasticity knows no scale
         gel = torch.tensor([scale * float(press["h"]), float(press["nu"])])
-        frames = judge if int(file.stem) % 20 == 7 else train
+        frames = judge if int(file.stem) % 20 == 7 else draft if press["mesh"] == "draft" else finer
         for displacement, contact in zip(press["disp"], press["contact"]):
             frames.append((torch.from_numpy(scale * displacement.transpose(2, 0, 1)), torch.from_numpy(contact), gel))
-    return train, judge
+    return draft, finer, judge
 
 
 def cost(told, depth, contact):
@@ -55,6 +57,10 @@ def judged(network, frames):
     return errors, numpy.mean(inner), numpy.mean(overlaps), errors / told_errors
 
 
+def draw_one(draw, frames):
+    return frames[draw.integers(0, len(frames))]
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("presses")
@@ -63,7 +69,8 @@ def main():
     arguments.add_argument("--rate", type=float, default=2e-3)
     arguments.add_argument("--start", help="weights to begin with")
     arguments = arguments.parse_args()
-    train, judge = load(arguments.presses)
+    draft, finer, judge = load(arguments.presses)
+    share = DRAFT_SHARE if finer else 1
     network = ContactNetwork().to(memory_format=torch.channels_last)
     if arguments.start:
         network.load_state_dict(torch.load(arguments.start))
@@ -74,7 +81,7 @@ def main():
         warm = min(1, step / 200)
         for group in optimizer.param_groups:
             group["lr"] = arguments.rate * warm * (0.01 + 0.5 * (1 + numpy.cos(numpy.pi * part)))
-        frames = [train[index] for index in draw.integers(0, len(train), BATCH)]
+        frames = [draw_one(draw, draft if draw.random() < share else finer) for _ in range(BATCH)]
         ways = draw.integers(0, 8, BATCH)
         turned = [mirrored(d, c.float() / 255, int(way)) for (d, c, _), way in zip(frames, ways)]
         displacement, contact = (torch.stack(part) for part in zip(*turned))

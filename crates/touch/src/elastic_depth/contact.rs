@@ -4,7 +4,7 @@ use fingervision_elastic::{GelBlock, SurfaceGrid};
 
 use super::face_search::{self, Room};
 use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Way};
-use super::rigid;
+use super::rigid::{self, StuckFace};
 use super::surface::{self, Surface};
 use super::{CELLS, ElasticMode, ElasticParams};
 
@@ -122,8 +122,12 @@ impl ContactFinder {
     /// Gives what moves with a face that the gel sticks to the depth of that face.
     fn hold_to_face(&mut self, surface: &Surface) {
         self.erode(surface.grid);
+        let is_sharp = |face: &StuckFace| {
+            rigid::depth_deviation_mm(surface, &self.inner, face, self.noise_mm)
+                .is_some_and(|deviation_mm| deviation_mm <= MOST_DEVIATION_MM)
+        };
         let face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
-            .filter(|face| face.matching >= LEAST_MATCHING && face.depth_deviation_mm <= MOST_DEVIATION_MM);
+            .filter(|face| face.matching >= LEAST_MATCHING && is_sharp(face));
         self.on_face.fill(false);
         let Some(face) = face else { return };
         for cell in 0..self.depth_mm.len() {

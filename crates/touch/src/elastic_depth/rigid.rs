@@ -27,9 +27,6 @@ pub(super) struct StuckFace {
     pub(super) residual_mm: f64,
     /// Which part of the points matches, 0 to 1.
     pub(super) matching: f64,
-    /// Standard deviation of the depth in the middle of the points, mm, if each errs by the tolerance on its own: large where
-    /// the rays are as good as parallel.
-    pub(super) depth_deviation_mm: f64,
 }
 
 /// A point at rest and what the camera tells of it.
@@ -81,11 +78,38 @@ pub(super) fn fit(surface: &Surface, cells: &[usize], tolerance_mm: f64, scratch
         scratch.extend(cells.iter().map(|&cell| distance_mm(surface, cell, &motion)));
         let middle = scratch.len() / 2;
         residual_mm = *scratch.select_nth_unstable_by(middle, f64::total_cmp).1;
-        scale = (1.5 * residual_mm).max(tolerance_mm);
+        scale = scale_of(residual_mm, tolerance_mm);
     }
     let matching = scratch.iter().filter(|&&distance| distance < 3.0 * tolerance_mm).count() as f64;
-    let depth_deviation_mm = tolerance_mm * depth_variance(surface, cells, &motion, scale)?.sqrt();
-    Some(StuckFace { motion, residual_mm, matching: matching / cells.len() as f64, depth_deviation_mm })
+    Some(StuckFace { motion, residual_mm, matching: matching / cells.len() as f64 })
+}
+
+/// The residual at which weights fall off, for a median of so much.
+fn scale_of(residual_mm: f64, tolerance_mm: f64) -> f64 {
+    (1.5 * residual_mm).max(tolerance_mm)
+}
+
+/// Standard deviation of the depth in the middle of the points to which a face was fitted, mm, if each errs by the tolerance on
+/// its own: large where the rays are as good as parallel, none where the points do not fix it.
+pub(super) fn depth_deviation_mm(
+    surface: &Surface,
+    cells: &[usize],
+    face: &StuckFace,
+    tolerance_mm: f64,
+) -> Option<f64> {
+    let motion = &face.motion;
+    let (matrix, _) = normal_equations(surface, cells, motion, scale_of(face.residual_mm, tolerance_mm));
+    let mut middle = [0.0; 2];
+    for &cell in cells {
+        let to = motion.apply(surface.centre_mm(cell));
+        for axis in 0..2 {
+            middle[axis] += (to[axis] - motion.translation_mm[axis]) / cells.len() as f64;
+        }
+    }
+    let along = [middle[1], -middle[0], 0.0, 0.0, 0.0, 1.0];
+    let spread = solve(matrix, along)?;
+    let variance: f64 = along.iter().zip(spread).map(|(along, spread)| along * spread).sum();
+    Some(tolerance_mm * variance.sqrt())
 }
 
 fn point(surface: &Surface, cell: usize) -> Point {
@@ -102,21 +126,6 @@ fn residual(point: &Point, motion: &Motion) -> [f64; 2] {
 fn step(surface: &Surface, cells: &[usize], motion: &Motion, scale: f64) -> Option<[f64; 6]> {
     let (matrix, right) = normal_equations(surface, cells, motion, scale);
     solve(matrix, right)
-}
-
-/// Variance of the depth in the middle of the points for residuals of variance one; none where the points do not fix it.
-fn depth_variance(surface: &Surface, cells: &[usize], motion: &Motion, scale: f64) -> Option<f64> {
-    let (matrix, _) = normal_equations(surface, cells, motion, scale);
-    let mut middle = [0.0; 2];
-    for &cell in cells {
-        let to = motion.apply(surface.centre_mm(cell));
-        for axis in 0..2 {
-            middle[axis] += (to[axis] - motion.translation_mm[axis]) / cells.len() as f64;
-        }
-    }
-    let along = [middle[1], -middle[0], 0.0, 0.0, 0.0, 1.0];
-    let spread = solve(matrix, along)?;
-    Some(along.iter().zip(spread).map(|(along, spread)| along * spread).sum())
 }
 
 /// The normal equations of a step.
