@@ -111,6 +111,22 @@ fn a_ball_that_slides_is_found_with_its_force() {
 }
 
 #[test]
+fn a_face_that_slides_and_spreads_is_not_taken_for_one_that_sticks() {
+    let mut press = stuck_circle();
+    // As gel does that spreads evenly under a face: it grows in the image by another tenth, as if it came closer.
+    for y in 0..SIZE.1 {
+        for x in (0..SIZE.0).filter(|&x| press.contact.at(x, y) == 1) {
+            let away = [x, y].map(|at| at as f32 - 119.5);
+            press.flow.u.row_mut(y)[x] += 0.1 * away[0];
+            press.flow.v.row_mut(y)[x] += 0.1 * away[1];
+        }
+    }
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let centre = inverse.solve(&press.flow, &press.valid).depth_mm.at(120, 120);
+    assert!(centre < 2.5, "{centre} mm deep, 3.5 as one that sticks");
+}
+
+#[test]
 fn shear_is_told_from_the_face_that_drags() {
     let motion = "keyframes = [{ at = 2, depth_mm = 1.0 }, { at = 4, shear_mm = [1.0, 0.0] }]";
     let press = Press::new("shape = 'rectangle'\nsize_mm = [6.0, 6.0]", "stick", motion);

@@ -14,6 +14,9 @@ const NOISE_PX: f64 = 0.04;
 const LEAST_MATCHING: f64 = 0.6;
 /// Standard deviation of a face's depth, mm, above which the rays are too parallel to tell it.
 const MOST_DEVIATION_MM: f64 = 0.05;
+/// A face may be deeper or less deep than what was learned says by this part of that depth: gel that slides and spreads evenly
+/// under a face grows in the image, too, as if it came closer.
+const MOST_CHANGE: f64 = 0.4;
 /// Rings of cells left out at the border of contact where a face's motion is fitted: walls are not the face.
 const RIM_CELLS: usize = 3;
 
@@ -127,7 +130,7 @@ impl ContactFinder {
                 .is_some_and(|deviation_mm| deviation_mm <= MOST_DEVIATION_MM)
         };
         let face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
-            .filter(|face| face.matching >= LEAST_MATCHING && is_sharp(face));
+            .filter(|face| face.matching >= LEAST_MATCHING && self.is_likely(surface, face) && is_sharp(face));
         self.on_face.fill(false);
         let Some(face) = face else { return };
         for cell in 0..self.depth_mm.len() {
@@ -136,6 +139,14 @@ impl ContactFinder {
                 self.depth_mm[cell] = face.motion.apply(surface.centre_mm(cell))[2] as f32;
             }
         }
+    }
+
+    /// Whether a face is about as deep as what was learned says, if that is used.
+    fn is_likely(&self, surface: &Surface, face: &StuckFace) -> bool {
+        let depths = |cell: usize| (face.motion.apply(surface.centre_mm(cell))[2], f64::from(self.depth_mm[cell]));
+        let (face_mm, learned_mm) =
+            self.inner.iter().map(|&cell| depths(cell)).fold((0.0, 0.0), |sum, (a, b)| (sum.0 + a, sum.1 + b));
+        !self.is_learned() || (face_mm - learned_mm).abs() <= MOST_CHANGE * learned_mm
     }
 
     /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free and
