@@ -12,7 +12,7 @@ from frames import SIZE_MM, drawn, mirrored
 from network import ContactNetwork
 
 BATCH = 8
-DRAFT_SHARE = 0.6  # of the frames of a batch, on the draft mesh
+DRAFT_SHARE = 0.55  # of the frames of a batch, on the draft mesh
 
 
 def load(folder):
