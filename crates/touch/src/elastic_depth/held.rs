@@ -13,7 +13,7 @@ use super::traction::{Limits, Tractions};
 /// too large for a linear law.
 const AWAY: f64 = 0.25;
 /// Motion away from contact below which nothing is said about the gel, px, root mean square.
-const TELLING_PX: f64 = 0.1;
+const TELLING_PX: f64 = 0.25;
 
 /// Holds the gel where it is touched, on the grid of the surface or on one of twice its cells.
 #[derive(Debug)]
