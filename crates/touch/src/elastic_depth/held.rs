@@ -81,18 +81,14 @@ impl HeldGel {
             let [above, below] = around(cell / columns, self.part, surface.grid.rows);
             let at = |column: usize, row: usize| row * surface.grid.columns + column;
             let corners = [at(left, above), at(right, above), at(left, below), at(right, below)];
-            let mean = |of: &dyn Fn(usize) -> f32| {
-                let [a, b, c, d] = corners.map(of);
-                0.25 * ((a + b) + (c + d))
-            };
             let seen = Seen {
-                apparent_mm: [0, 1].map(|axis| mean(&|cell| surface.seen[cell].apparent_mm[axis])),
-                slope: [0, 1].map(|axis| mean(&|cell| surface.seen[cell].slope[axis])),
-                trust: mean(&|cell| surface.seen[cell].trust),
+                apparent_mm: [0, 1].map(|axis| mean(corners, |cell| surface.seen[cell].apparent_mm[axis])),
+                slope: [0, 1].map(|axis| mean(corners, |cell| surface.seen[cell].slope[axis])),
+                trust: mean(corners, |cell| surface.seen[cell].trust),
             };
-            let depth = mean(&|cell| contact.depth_mm[cell]);
+            let depth = mean(corners, |cell| contact.depth_mm[cell]);
             let [x, y] = [0, 1].map(|axis| seen.apparent_mm[axis] - seen.slope[axis] * depth);
-            self.touches[cell] = mean(&|cell| contact.share[cell]) > 0.5;
+            self.touches[cell] = mean(corners, |cell| contact.share[cell]) > 0.5;
             (self.seen[cell], self.wanted_mm[cell]) = (seen, [x, y, depth]);
         }
     }
@@ -157,6 +153,12 @@ impl HeldGel {
         }
         sum.map(|sum| if count > 0.0 { sum / count } else { 0.0 })
     }
+}
+
+/// The mean over four cells; over four times the same that one's value to the bit.
+fn mean(corners: [usize; 4], of: impl Fn(usize) -> f32) -> f32 {
+    let [a, b, c, d] = corners.map(of);
+    0.25 * ((a + b) + (c + d))
 }
 
 /// The places among `count` on both sides of the centre of one of `part` times their length, counted alike; twice the same

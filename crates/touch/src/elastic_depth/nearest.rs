@@ -14,12 +14,12 @@ pub(super) fn nearest_into(columns: usize, marks: &[bool], nearest: &mut [Place]
         *nearest = if mark { place(columns, cell) } else { NOWHERE };
     }
     let rows = marks.len() / columns;
-    along(columns, nearest, 0);
+    along(columns, marks, nearest, 0);
     for row in 1..rows {
-        pass(columns, nearest, row, row - 1);
+        pass(columns, marks, nearest, row, row - 1);
     }
     for row in (1..rows).rev() {
-        pass(columns, nearest, row - 1, row);
+        pass(columns, marks, nearest, row - 1, row);
     }
 }
 
@@ -38,29 +38,32 @@ fn place(columns: usize, cell: usize) -> Place {
 }
 
 /// Brings what the row beside one knows to it, then what its own cells know to each other.
-fn pass(columns: usize, nearest: &mut [Place], row: usize, beside: usize) {
+fn pass(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize, beside: usize) {
     for column in 0..columns {
         for other in column.saturating_sub(1)..(column + 2).min(columns) {
-            take(columns, nearest, row * columns + column, beside * columns + other);
+            take(columns, marks, nearest, row * columns + column, beside * columns + other);
         }
     }
-    along(columns, nearest, row);
+    along(columns, marks, nearest, row);
 }
 
-fn along(columns: usize, nearest: &mut [Place], row: usize) {
+fn along(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize) {
     let first = row * columns;
     for cell in first + 1..first + columns {
-        take(columns, nearest, cell, cell - 1);
+        take(columns, marks, nearest, cell, cell - 1);
     }
     for cell in (first + 1..first + columns).rev() {
-        take(columns, nearest, cell - 1, cell);
+        take(columns, marks, nearest, cell - 1, cell);
     }
 }
 
-/// Takes over the place that another cell knows if it is nearer.
-fn take(columns: usize, nearest: &mut [Place], cell: usize, other: usize) {
+/// Takes over the place that another cell knows if it is nearer; a marked cell knows its own.
+fn take(columns: usize, marks: &[bool], nearest: &mut [Place], cell: usize, other: usize) {
+    if marks[cell] {
+        return;
+    }
     let (own, known, here) = (nearest[cell], nearest[other], place(columns, cell));
-    if own != here && squared(here, known) < squared(here, own) {
+    if squared(here, known) < squared(here, own) {
         nearest[cell] = known;
     }
 }
