@@ -111,8 +111,7 @@ impl SourceError {
         match self {
             Self::NotFound { .. } => Some(READ.into()),
             Self::NotRead { hint, .. } => Some(hint.clone()),
-            Self::TooFewFrames { path, count: 0 } => Some(no_frames_hint(path)),
-            Self::TooFewFrames { .. } => Some("record the gel at rest first, then the touch".into()),
+            Self::TooFewFrames { path, count } => Some(too_few_hint(path, *count)),
             Self::Container { .. } => Some("the recording may not have been closed; record again".into()),
             Self::Frame { .. } => Some("the frames before it are whole".into()),
             Self::PixelRange { .. } => Some("scale the images to 0 to 1, or store them with 8 or 16 bit".into()),
@@ -153,7 +152,11 @@ fn counted(count: u64) -> String {
     }
 }
 
-fn no_frames_hint(path: &Path) -> String {
+fn too_few_hint(path: &Path, count: u64) -> String {
     let inside = path.join("frames");
-    if inside.is_dir() { format!("did you mean {}?", inside.display()) } else { READ.into() }
+    match count {
+        _ if inside.is_dir() => format!("did you mean {}?", inside.display()),
+        0 => READ.into(),
+        _ => "record the gel at rest first, then the touch".into(),
+    }
 }

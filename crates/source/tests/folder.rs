@@ -177,7 +177,10 @@ fn too_few_images_are_refused_with_a_hint() {
     let one = folder([("a.png", grey(1))]);
     let error = open_error(one.path());
     assert!(error.to_string().contains("one frame: tracking needs"), "{error}");
-    assert!(error.hint().is_some());
+    assert_eq!(error.hint().unwrap(), "record the gel at rest first, then the touch");
+    // What `simulate` writes has a preview beside the frames.
+    fs::create_dir(one.path().join("frames")).unwrap();
+    assert!(open_error(one.path()).hint().unwrap().starts_with("did you mean"));
 }
 
 #[test]
