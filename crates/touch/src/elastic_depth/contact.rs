@@ -12,6 +12,9 @@ use super::{CELLS, ElasticMode, ElasticParams};
 const NOISE_PX: f64 = 0.04;
 /// A face sticks if at least this part of its inner cells moves with it.
 const LEAST_MATCHING: f64 = 0.6;
+/// A face sticks if half of them miss its motion by less than this part of the flow's error: those of presses that stick miss by
+/// a quarter to a half of it, gel that slides evenly by 1.3 and more.
+const MOST_RESIDUAL: f64 = 0.8;
 /// Standard deviation of a face's depth, mm, above which the rays are too parallel to tell it.
 const MOST_DEVIATION_MM: f64 = 0.05;
 /// A face may be deeper or less deep than what was learned says by this part of that depth: gel that slides and spreads evenly
@@ -130,7 +133,8 @@ impl ContactFinder {
                 .is_some_and(|deviation_mm| deviation_mm <= MOST_DEVIATION_MM)
         };
         let face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
-            .filter(|face| face.matching >= LEAST_MATCHING && self.is_likely(surface, face) && is_sharp(face));
+            .filter(|face| face.matching >= LEAST_MATCHING && face.residual_mm <= MOST_RESIDUAL * self.noise_mm)
+            .filter(|face| self.is_likely(surface, face) && is_sharp(face));
         self.on_face.fill(false);
         let Some(face) = face else { return };
         for cell in 0..self.depth_mm.len() {
