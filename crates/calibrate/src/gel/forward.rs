@@ -1,7 +1,7 @@
 //! What linear elasticity makes of frames: the motion around contact and the force, for any gel.
 
 use fingervision_elastic::{BlockOperator, GelBlock, LayerError, SurfaceGrid};
-use fingervision_touch::{Limits, Tractions, spread, stiffening};
+use fingervision_touch::{Limits, Strain, Tractions};
 
 use super::look::Look;
 
@@ -74,8 +74,8 @@ impl Model {
         };
         let apparent_mm = look.around.iter().map(apparent).collect();
         let pushed: f64 = self.tractions.traction().iter().map(|traction| f64::from(traction[2])).sum();
-        let spread = spread(look.grid, &look.touches, &look.held_mm);
-        let [_, _, stiffened] = stiffening(look.depth_mm / self.gel.thickness_mm, spread);
+        let strain = Strain::of(look.grid, &look.touches, &look.held_mm, look.depth_mm, self.gel.thickness_mm);
+        let [_, _, stiffened] = strain.stiffening();
         let shear_over_modulus = 0.5 / (1.0 + self.gel.poissons_ratio);
         let force_per_modulus_mm2 = stiffened * shear_over_modulus * pushed * look.grid.cell_area_mm2();
         Explained { apparent_mm, force_per_modulus_mm2 }

@@ -5,7 +5,7 @@ use fingervision_elastic::{BlockOperator, GelBlock, LayerError, SurfaceGrid};
 
 use super::contact::ContactFinder;
 use super::distance::distance_into;
-use super::stiffening::{spread, stiffening};
+use super::stiffening::Strain;
 use super::surface::{Seen, Surface};
 use super::traction::{Limits, Tractions};
 
@@ -112,16 +112,20 @@ impl HeldGel {
         (all > count * telling_mm * telling_mm).then(|| (left / count).sqrt() / deepest_mm.max(telling_mm))
     }
 
+    /// Strain in contact, pressed to a depth.
+    pub(super) fn strain(&self, thickness_mm: f64, deepest_mm: f64) -> Strain {
+        Strain::of(self.grid, &self.touches, &self.wanted_mm, deepest_mm, thickness_mm)
+    }
+
     /// Force `(x, y, z)`, N, and torque about the z axis through the centre of contact, N mm, of a gel of this shear modulus
-    /// that is pressed to `depth_over_thickness`; hands the traction of each cell, `MPa`, to `write`.
+    /// that is strained so in contact; hands the traction of each cell, `MPa`, to `write`.
     pub(super) fn force(
         &self,
         shear_modulus_mpa: f64,
-        depth_over_thickness: f64,
+        strain: Strain,
         mut write: impl FnMut(usize, [f64; 3]),
     ) -> ([f64; 3], f64) {
-        let spread = spread(self.grid, &self.touches, &self.wanted_mm);
-        let factors = stiffening(depth_over_thickness, spread).map(|factor| factor * shear_modulus_mpa);
+        let factors = strain.stiffening().map(|factor| factor * shear_modulus_mpa);
         let centre = self.centre_mm();
         let area = self.grid.cell_area_mm2();
         let (mut force, mut torque) = ([0.0; 3], 0.0);

@@ -29,7 +29,7 @@ mod traction;
 
 pub use fields::{ElasticFields, TractionGrid};
 pub use params::{ElasticMode, ElasticParams};
-pub use stiffening::{spread, stiffening};
+pub use stiffening::Strain;
 pub use surface::Seen;
 pub use traction::{Limits, Tractions};
 
@@ -223,9 +223,9 @@ impl ElasticDepth {
     fn write_force(&mut self) {
         let Some(modulus) = self.gel.youngs_modulus_mpa else { return };
         let shear_modulus = modulus / (2.0 * (1.0 + self.gel.poissons_ratio));
-        let depth = self.deepest_mm() / self.gel.thickness_mm;
+        let strain = self.held.strain(self.gel.thickness_mm, self.deepest_mm());
         let grid = &mut self.fields.traction_mpa;
-        let (force, torque) = self.held.force(shear_modulus, depth, |cell, traction| {
+        let (force, torque) = self.held.force(shear_modulus, strain, |cell, traction| {
             if let Some(grid) = grid {
                 grid.traction_mpa[cell] = traction.map(|value| value as f32);
             }
