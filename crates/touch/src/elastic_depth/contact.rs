@@ -2,10 +2,11 @@
 
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 
+use super::drag::Drag;
 use super::face_search::{self, Room};
 use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Way};
 use super::rigid::{self, StuckFace};
-use super::surface::{self, Surface};
+use super::surface::{self, Seen, Surface};
 use super::{CELLS, ElasticMode, ElasticParams};
 
 /// What a point of the gel may differ from a stuck face's motion, px at the distance of the gel: the flow's error.
@@ -43,7 +44,7 @@ pub(super) struct ContactFinder {
     constants: [f32; CONSTANTS],
     /// In which ways the network looks.
     ways: Vec<Way>,
-    /// Sums of what it tells of the cells.
+    /// What it tells of the cells.
     told: Vec<[f32; OUTPUTS]>,
     /// From mm to the mm of training.
     scale: f32,
@@ -108,10 +109,12 @@ impl ContactFinder {
         self.depth_mm.fill(0.0);
     }
 
-    /// Finds contact and its depth in what the surface shows.
-    pub(super) fn find(&mut self, surface: &Surface) {
+    /// Finds contact and its depth in what the surface shows, with what is known of its drag set apart.
+    pub(super) fn find(&mut self, surface: &Surface, drag: &Drag) {
         if self.network.is_some() {
-            self.look(surface);
+            self.look(surface, drag);
+            self.take_contact();
+            self.take_depth(drag);
             self.hold_to_face(surface);
             return;
         }
@@ -123,6 +126,13 @@ impl ContactFinder {
         for (share, &touches) in self.share.iter_mut().zip(&self.touches) {
             *share = f32::from(u8::from(touches));
         }
+    }
+
+    /// Finds the depth anew, with drag set apart; contact, which the whole motion tells better, stays.
+    pub(super) fn find_depth(&mut self, surface: &Surface, drag: &Drag) {
+        self.look(surface, drag);
+        self.take_depth(drag);
+        self.hold_to_face(surface);
     }
 
     /// Gives what moves with a face that the gel sticks to the depth of that face.
@@ -168,14 +178,15 @@ impl ContactFinder {
         surface.border().any(|cell| self.touches[cell])
     }
 
-    /// The network's depth and contact: the mean over the ways in which it looks.
-    fn look(&mut self, surface: &Surface) {
+    /// Asks the network: the mean over the ways in which it looks.
+    fn look(&mut self, surface: &Surface, drag: &Drag) {
         let Some(network) = &mut self.network else { return };
         let SurfaceGrid { columns, rows, .. } = surface.grid;
+        let seen = drag.found().map_or(surface.seen.as_slice(), |(seen, _)| seen);
         self.told.fill([0.0; OUTPUTS]);
         for &way in &self.ways {
             let input = |column: usize, row: usize| {
-                way.inputs(input(surface, self.padded, way.place(self.padded, (column, row)), self.scale))
+                way.inputs(input(surface.grid, seen, self.padded, way.place(self.padded, (column, row)), self.scale))
             };
             network.run(self.constants, input, |column, row, outputs| {
                 let (column, row) = way.place(self.padded, (column, row));
@@ -186,13 +197,26 @@ impl ContactFinder {
                 }
             });
         }
-        let count = self.ways.len() as f32;
-        for (cell, told) in self.told.iter().enumerate() {
-            let [depth_mm, odds, error] = told.map(|sum| sum / count);
+        let per_way = 1.0 / self.ways.len() as f32;
+        self.told.as_flattened_mut().iter_mut().for_each(|sum| *sum *= per_way);
+    }
+
+    fn take_contact(&mut self) {
+        for (cell, &[depth_mm, odds, _]) in self.told.iter().enumerate() {
             let share = if depth_mm > 0.0 { 1.0 / (1.0 + (-odds).exp()) } else { 0.0 };
             (self.share[cell], self.touches[cell]) = (share, share > 0.5);
+        }
+    }
+
+    fn take_depth(&mut self, drag: &Drag) {
+        for (cell, &[depth_mm, _, error]) in self.told.iter().enumerate() {
             self.depth_mm[cell] = depth_mm / self.scale;
             self.told_deviation_mm[cell] = DEVIATION * error.exp() / self.scale;
+        }
+        if let Some((_, dragged_mm)) = drag.found() {
+            for (depth_mm, dragged_mm) in self.depth_mm.iter_mut().zip(dragged_mm) {
+                *depth_mm += dragged_mm[2];
+            }
         }
     }
 
@@ -216,14 +240,14 @@ impl ContactFinder {
 
 /// What the network gets of a cell of a grid of so many columns and rows; beyond the surface that of the last cell.
 fn input(
-    surface: &Surface,
+    grid: SurfaceGrid,
+    seen: &[Seen],
     (columns, rows): (usize, usize),
     (column, row): (usize, usize),
     scale: f32,
 ) -> [f32; INPUTS] {
-    let SurfaceGrid { columns: last_column, rows: last_row, cell_mm } = surface.grid;
-    let seen =
-        |column: usize, row: usize| &surface.seen[row.min(last_row - 1) * last_column + column.min(last_column - 1)];
+    let SurfaceGrid { columns: last_column, rows: last_row, cell_mm } = grid;
+    let seen = |column: usize, row: usize| &seen[row.min(last_row - 1) * last_column + column.min(last_column - 1)];
     let cell_mm = cell_mm as f32;
     let [left, right] = neighbours(column, columns);
     let [above, below] = neighbours(row, rows);

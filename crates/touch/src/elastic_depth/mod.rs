@@ -16,6 +16,7 @@
 
 mod contact;
 mod distance;
+mod drag;
 mod face_search;
 mod fields;
 mod held;
@@ -34,6 +35,7 @@ pub use surface::Seen;
 pub use traction::{Limits, Tractions};
 
 use contact::ContactFinder;
+use drag::Drag;
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
@@ -82,6 +84,9 @@ pub struct ElasticDepth {
     gel: GelBlock,
     surface: Surface,
     contact: ContactFinder,
+    drag: Drag,
+    /// Whether a frame's drag is found in the frame itself and not in the one before.
+    is_exact: bool,
     held: HeldGel,
     /// Depth, its deviation and the share in contact of the cells, on their way to the pixels; a fourth number fills the lanes.
     told: Vec<[f32; KNOWN]>,
@@ -111,7 +116,8 @@ impl ElasticDepth {
         };
         let held = HeldGel::new(gel, surface.grid, part, limits)?;
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
-        Ok(Self { gel: *gel, contact, held, told: vec![[0.0; KNOWN]; surface.grid.len()], surface, fields })
+        let (told, is_exact) = (vec![[0.0; KNOWN]; surface.grid.len()], params.mode == ElasticMode::Exact);
+        Ok(Self { gel: *gel, contact, drag: Drag::new(gel, &surface, limits)?, is_exact, held, told, surface, fields })
     }
 
     /// The fields of one frame, from its flow, px, and where that holds.
@@ -126,12 +132,24 @@ impl ElasticDepth {
             self.rest();
             return &self.fields;
         }
-        self.contact.find(&self.surface);
+        self.find_contact();
         self.held.hold(&self.surface, &self.contact);
         self.write_fields();
         self.write_figures();
         self.write_force();
         &self.fields
+    }
+
+    /// Finds contact and its depth. Live, a frame's drag is taken to be that of the frame before.
+    fn find_contact(&mut self) {
+        if self.is_exact {
+            self.drag.forget();
+        }
+        self.contact.find(&self.surface, &self.drag);
+        let is_dragged = self.contact.is_learned() && self.drag.find(&self.surface, &self.contact);
+        if is_dragged && self.is_exact {
+            self.contact.find_depth(&self.surface, &self.drag);
+        }
     }
 
     /// What the last frame told of the gel's surface, cell by cell.
@@ -179,6 +197,7 @@ impl ElasticDepth {
 
     fn rest(&mut self) {
         self.held.rest();
+        self.drag.rest();
         self.contact.rest();
         self.fields.rest();
     }

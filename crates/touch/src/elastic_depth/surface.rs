@@ -247,6 +247,21 @@ impl Surface {
         }
     }
 
+    /// What the camera would tell of a cell at some depth, mm, if a part of its displacement, mm, were taken from it.
+    pub(super) fn without(&self, cell: usize, depth_mm: f32, [x, y, z]: [f32; 3]) -> Seen {
+        let Seen { apparent_mm, slope, trust } = self.seen[cell];
+        let [camera_x, camera_y, height] = self.camera.position_mm();
+        let rest = self.centre_mm(cell);
+        let depth = f64::from(depth_mm - z);
+        let beside = |axis: usize, camera: f64, taken: f32| {
+            let moved = f64::from(apparent_mm[axis] - slope[axis] * depth_mm - taken);
+            let slope = (rest[axis] + moved - camera) / (height - depth);
+            (moved + slope * depth, slope)
+        };
+        let [(apparent_x, slope_x), (apparent_y, slope_y)] = [beside(0, camera_x, x), beside(1, camera_y, y)];
+        Seen { apparent_mm: [apparent_x as f32, apparent_y as f32], slope: [slope_x as f32, slope_y as f32], trust }
+    }
+
     /// The displacement of a pixel's point along x and y, mm, where its flow, px, and its depth, mm, are known.
     pub(super) fn lateral_mm(&self, at_px: [f64; 2], flow_px: [f64; 2], depth_mm: f64) -> Option<[f64; 2]> {
         let rest = self.camera.surface_point(at_px, 0.0)?;
