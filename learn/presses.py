@@ -80,8 +80,8 @@ def scene(draw, folder, mesh):
     side = 30.0 if draw.random() < 0.6 else uniform(24, 36)
     thickness = 10.0 if draw.random() < 0.6 else uniform(7, 13)
     ratio = draw.choice([0.35, 0.48]) if draw.random() < 0.3 else uniform(0.3, 0.495)
-    chance, is_draft = draw.random(), mesh == "draft"
-    stuck, held_by_friction = (0.15, 0.15) if is_draft else (0.4, 0)
+    chance, is_draft, is_moved = draw.random(), mesh == "draft", draw.random() < 0.3
+    stuck, held_by_friction = (0.4 if is_moved or not is_draft else 0.15), (0.15 if is_draft else 0)
     law = '"stick"' if chance < stuck else '"frictionless"'
     if chance > 1 - held_by_friction:
         law = f"{{ friction = {uniform(0.2, 1):.3f} }}"
@@ -92,12 +92,12 @@ def scene(draw, folder, mesh):
     depth, tilt, more, frames = uniform(*draw.choice([[0.4, 2.4], [1.6, 2.4], [1.6, 2.4]])), "", "", pressed + 1
     if draw.random() < 0.25:
         tilt = f", tilt_rad = [{uniform(-0.1, 0.1):.4f}, {uniform(-0.1, 0.1):.4f}]"
-    if draw.random() < 0.25 and is_draft:
-        depth, frames = min(depth, 1.5), pressed + 6
+    if is_moved:
+        depth, frames = min(depth, 1.5 if is_draft else 2.1), pressed + (3 if "frictionless" in law and not is_draft else 6)
         if draw.random() < 0.6:
-            more = f", {{ at = {frames - 1}, shear_mm = [{uniform(-1.3, 1.3):.3f}, {uniform(-1.3, 1.3):.3f}] }}"
+            more = f", {{ at = {frames - 1}, shear_mm = [{uniform(-1.8, 1.8):.3f}, {uniform(-1.8, 1.8):.3f}] }}"
         else:
-            more = f", {{ at = {frames - 1}, twist_rad = {uniform(-0.3, 0.3):.4f} }}"
+            more = f", {{ at = {frames - 1}, twist_rad = {uniform(-0.35, 0.35):.4f} }}"
     shape = draw.choice(list(SHAPES), p=list(SHAPES.values()))
     focal_length = PIXELS / side * 25
     (folder / "scene.toml").write_text(f"""name = "press"
@@ -163,7 +163,7 @@ def main():
     arguments.add_argument("first", type=int, help="the first seed")
     arguments.add_argument("end", type=int, help="the seed after the last")
     arguments.add_argument("--out", type=pathlib.Path, required=True)
-    arguments.add_argument("--mesh", choices=MESHES, default="draft", help="finer ones are pressed straight down, in few steps")
+    arguments.add_argument("--mesh", choices=MESHES, default="draft", help="on finer ones presses take few steps")
     arguments.add_argument("--command", default="target/release/fingervision")
     arguments = arguments.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
