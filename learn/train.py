@@ -12,7 +12,8 @@ from frames import SIZE_MM, drawn, mirrored
 from network import ContactNetwork
 
 BATCH = 8
-DRAFT_SHARE = 0.55  # of the frames of a batch, on the draft mesh
+DRAFT_SHARE = 0.25  # of the frames of a batch, on the draft mesh
+FINE_COPIES = 3  # of a frame on the fine mesh, for one on the medium mesh
 
 
 def load(folder):
@@ -24,7 +25,8 @@ def load(folder):
         scale = SIZE_MM / float(press["size"])  # elasticity knows no scale
         gel = torch.tensor([scale * float(press["h"]), float(press["nu"])])
         frames = judge if int(file.stem) % 20 == 7 else draft if press["mesh"] == "draft" else finer
-        for displacement, contact in zip(press["disp"], press["contact"]):
+        copies = FINE_COPIES if press["mesh"] == "fine" and frames is finer else 1
+        for displacement, contact in copies * list(zip(press["disp"], press["contact"])):
             frames.append((torch.from_numpy(scale * displacement.transpose(2, 0, 1)), torch.from_numpy(contact), gel))
     return draft, finer, judge
 
