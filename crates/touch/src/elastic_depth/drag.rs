@@ -61,7 +61,7 @@ impl Drag {
         self.is_found = false;
     }
 
-    /// What the camera would tell of the cells without drag, and how deep drag alone makes them, where there is any.
+    /// What the camera would tell of the cells without drag, and their displacement by drag alone, mm, where there is any.
     pub(super) fn found(&self) -> Option<(&[Seen], &[[f32; 3]])> {
         self.is_found.then(|| (self.seen.as_slice(), self.tractions.displacement_mm()))
     }
@@ -73,9 +73,8 @@ impl Drag {
 
     /// Looks how contact moves along the surface, and what that does to the gel; says whether it does anything.
     pub(super) fn find(&mut self, surface: &Surface, contact: &ContactFinder) -> bool {
-        let (share, motion) = motion_of(surface, contact).map_or((0.0, None), |(share, motion)| (share, Some(motion)));
-        let Some(motion) = motion.filter(|_| share > 0.0) else {
-            self.is_found = false;
+        let Some((share, motion)) = motion_of(surface, contact).filter(|(share, _)| *share > 0.0) else {
+            self.forget();
             return false;
         };
         for (cell, wanted) in self.wanted_mm.iter_mut().enumerate() {

@@ -2,7 +2,7 @@
 //!
 //! Three things raise the force of a neo-Hookean block over that of the linear one that is moved alike in contact: depth, gel
 //! that slides outwards under a face, so that what was touched at rest now takes up more of the face, and gel that is dragged
-//! along the surface, which pushes back against the face (the Poynting effect). With d the largest depth, h the thickness, e the
+//! along the surface, which pushes back against the face [Poynting1909]. With d the largest depth, h the thickness, e the
 //! mean change of the area in contact, s the length of its mean displacement along the surface and a the radius of a disc of its
 //! area, the normal force grows by `1 + 0.25 d / h + 0.3 e + 0.1 s² / (d a)`, shear force and torque by `1 + 0.72 d / h + 0.3 e`.
 //!
