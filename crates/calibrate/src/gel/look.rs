@@ -61,7 +61,7 @@ impl Look {
         let Halved { grid, seen, touches, depth_mm } = Halved::of(cells);
         let held_mm = seen.iter().zip(&depth_mm).map(|(seen, &depth)| {
             let depth = scale * depth;
-            let [x, y] = [0, 1].map(|axis| seen.apparent_mm[axis] - seen.slope[axis] * depth);
+            let [x, y] = seen.lateral_mm(depth);
             [x, y, depth]
         });
         let held_mm = held_mm.collect();

@@ -87,7 +87,7 @@ impl HeldGel {
                 trust: mean(corners, |cell| surface.seen[cell].trust),
             };
             let depth = mean(corners, |cell| contact.depth_mm[cell]);
-            let [x, y] = [0, 1].map(|axis| seen.apparent_mm[axis] - seen.slope[axis] * depth);
+            let [x, y] = seen.lateral_mm(depth);
             self.touches[cell] = mean(corners, |cell| contact.share[cell]) > 0.5;
             (self.seen[cell], self.wanted_mm[cell]) = (seen, [x, y, depth]);
         }

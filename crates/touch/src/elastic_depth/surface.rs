@@ -93,6 +93,14 @@ pub struct Seen {
     pub trust: f32,
 }
 
+impl Seen {
+    /// U = b − a d: the displacement along the surface, mm, of a cell that is so deep, mm.
+    #[must_use]
+    pub fn lateral_mm(&self, depth_mm: f32) -> [f32; 2] {
+        [0, 1].map(|axis| self.apparent_mm[axis] - self.slope[axis] * depth_mm)
+    }
+}
+
 impl Surface {
     /// The surface of a gel in cells of `longest / cells`, for images of `size`; none if no pixel shows it.
     pub(super) fn new(camera: &Camera, gel: &GelBlock, size: (usize, usize), cells: usize) -> Option<Self> {
@@ -249,17 +257,22 @@ impl Surface {
 
     /// What the camera would tell of a cell at some depth, mm, if a part of its displacement, mm, were taken from it.
     pub(super) fn without(&self, cell: usize, depth_mm: f32, [x, y, z]: [f32; 3]) -> Seen {
-        let Seen { apparent_mm, slope, trust } = self.seen[cell];
+        let seen = &self.seen[cell];
+        let lateral_mm = seen.lateral_mm(depth_mm);
         let [camera_x, camera_y, height] = self.camera.position_mm();
         let rest = self.centre_mm(cell);
         let depth = f64::from(depth_mm - z);
         let beside = |axis: usize, camera: f64, taken: f32| {
-            let moved = f64::from(apparent_mm[axis] - slope[axis] * depth_mm - taken);
+            let moved = f64::from(lateral_mm[axis] - taken);
             let slope = (rest[axis] + moved - camera) / (height - depth);
             (moved + slope * depth, slope)
         };
         let [(apparent_x, slope_x), (apparent_y, slope_y)] = [beside(0, camera_x, x), beside(1, camera_y, y)];
-        Seen { apparent_mm: [apparent_x as f32, apparent_y as f32], slope: [slope_x as f32, slope_y as f32], trust }
+        Seen {
+            apparent_mm: [apparent_x as f32, apparent_y as f32],
+            slope: [slope_x as f32, slope_y as f32],
+            trust: seen.trust,
+        }
     }
 
     /// The displacement of a pixel's point along x and y, mm, where its flow, px, and its depth, mm, are known.
