@@ -2,6 +2,7 @@
 
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 
+use super::coarse::Around;
 use super::drag::Drag;
 use super::face_search::{self, Room};
 use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Way};
@@ -102,6 +103,11 @@ impl ContactFinder {
         self.network.is_some()
     }
 
+    /// Whether more than half of the cells around a centre is touched.
+    pub(super) fn touches_around(&self, around: Around) -> bool {
+        around.mean(|cell| self.share[cell]) > 0.5
+    }
+
     pub(super) fn rest(&mut self) {
         self.touches.fill(false);
         self.share.fill(0.0);
@@ -110,7 +116,7 @@ impl ContactFinder {
     }
 
     /// Finds contact and its depth in what the surface shows, with what is known of its drag set apart.
-    pub(super) fn find(&mut self, surface: &Surface, drag: &Drag) {
+    pub(super) fn find(&mut self, surface: &Surface, drag: Option<&Drag>) {
         if self.network.is_some() {
             self.look(surface, drag);
             self.take_contact();
@@ -129,7 +135,7 @@ impl ContactFinder {
     }
 
     /// Finds the depth anew, with drag set apart; contact, which the whole motion tells better, stays.
-    pub(super) fn find_depth(&mut self, surface: &Surface, drag: &Drag) {
+    pub(super) fn find_depth(&mut self, surface: &Surface, drag: Option<&Drag>) {
         self.look(surface, drag);
         self.take_depth(drag);
         self.hold_to_face(surface);
@@ -179,10 +185,10 @@ impl ContactFinder {
     }
 
     /// Asks the network: the mean over the ways in which it looks.
-    fn look(&mut self, surface: &Surface, drag: &Drag) {
+    fn look(&mut self, surface: &Surface, drag: Option<&Drag>) {
         let Some(network) = &mut self.network else { return };
         let SurfaceGrid { columns, rows, .. } = surface.grid;
-        let seen = drag.found().map_or(surface.seen.as_slice(), |(seen, _)| seen);
+        let seen = drag.and_then(Drag::found).map_or(surface.seen.as_slice(), |(seen, _)| seen);
         self.told.fill([0.0; OUTPUTS]);
         for &way in &self.ways {
             let input = |column: usize, row: usize| {
@@ -208,12 +214,12 @@ impl ContactFinder {
         }
     }
 
-    fn take_depth(&mut self, drag: &Drag) {
+    fn take_depth(&mut self, drag: Option<&Drag>) {
         for (cell, &[depth_mm, _, error]) in self.told.iter().enumerate() {
             self.depth_mm[cell] = depth_mm / self.scale;
             self.told_deviation_mm[cell] = DEVIATION * error.exp() / self.scale;
         }
-        if let Some((_, dragged_mm)) = drag.found() {
+        if let Some((_, dragged_mm)) = drag.and_then(Drag::found) {
             for (depth_mm, dragged_mm) in self.depth_mm.iter_mut().zip(dragged_mm) {
                 *depth_mm += dragged_mm[2];
             }

@@ -5,8 +5,9 @@
 //! as the tractions that move contact so and keep its depth. Without it what is left looks like a press straight down, which
 //! is what the network knows best.
 
-use fingervision_elastic::{BlockOperator, GelBlock, LayerError};
+use fingervision_elastic::BlockOperator;
 
+use super::coarse::Coarse;
 use super::contact::ContactFinder;
 use super::surface::{Seen, Surface};
 use super::traction::{Limits, Tractions};
@@ -21,11 +22,15 @@ const PARTLY_STUCK: [f64; 2] = [0.945, 0.965];
 /// Sets drag apart in every frame.
 #[derive(Debug)]
 pub(super) struct Drag {
+    coarse: Coarse,
     limits: Limits,
     tractions: Tractions,
+    touches: Vec<bool>,
     /// How contact is moved, mm.
     wanted_mm: Vec<[f32; 3]>,
     is_found: bool,
+    /// Displacement of the surface's cells by drag alone, mm.
+    dragged_mm: Vec<[f32; 3]>,
     /// What the camera would tell of the cells without drag.
     seen: Vec<Seen>,
 }
@@ -39,20 +44,18 @@ struct Motion {
 }
 
 impl Drag {
-    /// None yet.
-    ///
-    /// # Errors
-    ///
-    /// [`LayerError`] if the gel's elasticity cannot be had.
-    pub(super) fn new(gel: &GelBlock, surface: &Surface, limits: Limits) -> Result<Self, LayerError> {
-        let cells = surface.grid.len();
-        Ok(Self {
+    /// None yet, on a surface of so many cells; `operator` is the gel's compliance on the grid of `coarse`.
+    pub(super) fn new(cells: usize, coarse: Coarse, operator: BlockOperator, limits: Limits) -> Self {
+        Self {
             limits,
-            tractions: Tractions::new(BlockOperator::new(gel, surface.grid)?),
-            wanted_mm: vec![[0.0; 3]; cells],
+            tractions: Tractions::new(operator),
+            touches: vec![false; coarse.grid.len()],
+            wanted_mm: vec![[0.0; 3]; coarse.grid.len()],
+            coarse,
             is_found: false,
+            dragged_mm: vec![[0.0; 3]; cells],
             seen: vec![Seen::default(); cells],
-        })
+        }
     }
 
     /// Forgets the frames before.
@@ -63,7 +66,7 @@ impl Drag {
 
     /// What the camera would tell of the cells without drag, and their displacement by drag alone, mm, where there is any.
     pub(super) fn found(&self) -> Option<(&[Seen], &[[f32; 3]])> {
-        self.is_found.then(|| (self.seen.as_slice(), self.tractions.displacement_mm()))
+        self.is_found.then_some((self.seen.as_slice(), self.dragged_mm.as_slice()))
     }
 
     /// Takes the whole motion for a press until drag is looked for.
@@ -77,14 +80,16 @@ impl Drag {
             self.forget();
             return false;
         };
-        for (cell, wanted) in self.wanted_mm.iter_mut().enumerate() {
-            let [x, y] = motion.moves(surface.centre_mm(cell)).map(|moved| (share * moved) as f32);
-            *wanted = [x, y, 0.0];
+        let centres = self.coarse.grid.centres_mm().zip(self.coarse.around());
+        for ((centre_mm, around), (touches, wanted)) in centres.zip(self.touches.iter_mut().zip(&mut self.wanted_mm)) {
+            let [x, y] = motion.moves(centre_mm).map(|moved| (share * moved) as f32);
+            (*touches, *wanted) = (contact.touches_around(around), [x, y, 0.0]);
         }
-        self.tractions.hold(&contact.touches, &self.wanted_mm, self.limits);
+        self.tractions.hold(&self.touches, &self.wanted_mm, self.limits);
+        self.coarse.to_surface(self.tractions.displacement_mm(), &mut self.dragged_mm);
         self.is_found = true;
-        for (cell, seen) in self.seen.iter_mut().enumerate() {
-            *seen = surface.without(cell, contact.depth_mm[cell], self.tractions.displacement_mm()[cell]);
+        for ((cell, seen), &dragged_mm) in self.seen.iter_mut().enumerate().zip(&self.dragged_mm) {
+            *seen = surface.without(cell, contact.depth_mm[cell], dragged_mm);
         }
         true
     }

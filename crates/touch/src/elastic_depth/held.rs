@@ -1,8 +1,9 @@
 //! The gel held in contact: the tractions that this takes, the force and the torque that they make, and whether they explain
 //! how the gel moves around.
 
-use fingervision_elastic::{BlockOperator, GelBlock, LayerError, SurfaceGrid};
+use fingervision_elastic::{BlockOperator, SurfaceGrid};
 
+use super::coarse::Coarse;
 use super::contact::ContactFinder;
 use super::distance::distance_into;
 use super::stiffening::Strain;
@@ -15,12 +16,10 @@ const AWAY: f64 = 0.25;
 /// Motion away from contact below which nothing is said about the gel, px, root mean square.
 const TELLING_PX: f64 = 0.25;
 
-/// Holds the gel where it is touched, on the grid of the surface or on one of twice its cells.
+/// Holds the gel where it is touched.
 #[derive(Debug)]
 pub(super) struct HeldGel {
-    /// Cells of the surface along the side of a cell, 1 or 2.
-    part: usize,
-    grid: SurfaceGrid,
+    coarse: Coarse,
     limits: Limits,
     tractions: Tractions,
     seen: Vec<Seen>,
@@ -31,30 +30,23 @@ pub(super) struct HeldGel {
 }
 
 impl HeldGel {
-    /// A gel at rest, on cells of `part` by `part` cells of its surface.
-    ///
-    /// # Errors
-    ///
-    /// [`LayerError`] if its elasticity cannot be had.
-    pub(super) fn new(gel: &GelBlock, surface: SurfaceGrid, part: usize, limits: Limits) -> Result<Self, LayerError> {
-        let SurfaceGrid { columns, rows, cell_mm } = surface;
-        let grid =
-            SurfaceGrid { columns: columns.div_ceil(part), rows: rows.div_ceil(part), cell_mm: part as f64 * cell_mm };
-        Ok(Self {
-            part,
-            grid,
+    /// A gel at rest; `operator` is its compliance on the grid of `coarse`.
+    pub(super) fn new(coarse: Coarse, operator: BlockOperator, limits: Limits) -> Self {
+        let cells = coarse.grid.len();
+        Self {
+            coarse,
             limits,
-            tractions: Tractions::new(BlockOperator::new(gel, grid)?),
-            seen: vec![Seen::default(); grid.len()],
-            touches: vec![false; grid.len()],
-            wanted_mm: vec![[0.0; 3]; grid.len()],
-            distance: vec![0.0; grid.len()],
-        })
+            tractions: Tractions::new(operator),
+            seen: vec![Seen::default(); cells],
+            touches: vec![false; cells],
+            wanted_mm: vec![[0.0; 3]; cells],
+            distance: vec![0.0; cells],
+        }
     }
 
     /// The cells to which the tractions belong.
     pub(super) fn grid(&self) -> SurfaceGrid {
-        self.grid
+        self.coarse.grid
     }
 
     /// Displacement of the cells, mm.
@@ -73,22 +65,17 @@ impl HeldGel {
         self.tractions.hold(&self.touches, &self.wanted_mm, self.limits);
     }
 
-    /// Brings to this grid what is known of the surface's: the mean around each centre.
+    /// Brings to the larger cells what is known of the surface's: the mean around each centre.
     fn gather(&mut self, surface: &Surface, contact: &ContactFinder) {
-        let columns = self.grid.columns;
-        for cell in 0..self.grid.len() {
-            let [left, right] = around(cell % columns, self.part, surface.grid.columns);
-            let [above, below] = around(cell / columns, self.part, surface.grid.rows);
-            let at = |column: usize, row: usize| row * surface.grid.columns + column;
-            let corners = [at(left, above), at(right, above), at(left, below), at(right, below)];
+        for (cell, around) in self.coarse.around().enumerate() {
             let seen = Seen {
-                apparent_mm: [0, 1].map(|axis| mean(corners, |cell| surface.seen[cell].apparent_mm[axis])),
-                slope: [0, 1].map(|axis| mean(corners, |cell| surface.seen[cell].slope[axis])),
-                trust: mean(corners, |cell| surface.seen[cell].trust),
+                apparent_mm: [0, 1].map(|axis| around.mean(|cell| surface.seen[cell].apparent_mm[axis])),
+                slope: [0, 1].map(|axis| around.mean(|cell| surface.seen[cell].slope[axis])),
+                trust: around.mean(|cell| surface.seen[cell].trust),
             };
-            let depth = mean(corners, |cell| contact.depth_mm[cell]);
+            let depth = around.mean(|cell| contact.depth_mm[cell]);
             let [x, y] = seen.lateral_mm(depth);
-            self.touches[cell] = mean(corners, |cell| contact.share[cell]) > 0.5;
+            self.touches[cell] = contact.touches_around(around);
             (self.seen[cell], self.wanted_mm[cell]) = (seen, [x, y, depth]);
         }
     }
@@ -96,8 +83,8 @@ impl HeldGel {
     /// How far the motion along the surface, well away from contact, is from what the tractions make there: root mean
     /// square over the largest depth; none where there is no contact, or the motion is too small to tell.
     pub(super) fn unexplained(&mut self, thickness_mm: f64, deepest_mm: f64, mm_per_px: f64) -> Option<f64> {
-        let away = (AWAY * thickness_mm / self.grid.cell_mm) as f32;
-        distance_into(self.grid.columns, &self.touches, &mut self.distance);
+        let away = (AWAY * thickness_mm / self.grid().cell_mm) as f32;
+        distance_into(self.grid().columns, &self.touches, &mut self.distance);
         let (mut left, mut all, mut count) = (0.0, 0.0, 0.0);
         let cells = self.seen.iter().zip(self.tractions.displacement_mm()).zip(&self.distance);
         for ((seen, moved), _) in cells.filter(|((seen, _), distance)| seen.trust > 0.5 && **distance > away) {
@@ -114,7 +101,7 @@ impl HeldGel {
 
     /// Strain in contact, pressed to a depth.
     pub(super) fn strain(&self, thickness_mm: f64, deepest_mm: f64) -> Strain {
-        Strain::of(self.grid, &self.touches, &self.wanted_mm, deepest_mm, thickness_mm)
+        Strain::of(self.grid(), &self.touches, &self.wanted_mm, deepest_mm, thickness_mm)
     }
 
     /// Force `(x, y, z)`, N, and torque about the z axis through the centre of contact, N mm, of a gel of this shear modulus
@@ -127,9 +114,9 @@ impl HeldGel {
     ) -> ([f64; 3], f64) {
         let factors = strain.stiffening().map(|factor| factor * shear_modulus_mpa);
         let centre = self.centre_mm();
-        let area = self.grid.cell_area_mm2();
+        let area = self.grid().cell_area_mm2();
         let (mut force, mut torque) = ([0.0; 3], 0.0);
-        let cells = self.grid.centres_mm().zip(self.tractions.traction()).zip(&self.wanted_mm);
+        let cells = self.grid().centres_mm().zip(self.tractions.traction()).zip(&self.wanted_mm);
         for (cell, (([x, y], traction), moved)) in cells.enumerate() {
             let traction = [0, 1, 2].map(|axis| factors[axis] * f64::from(traction[axis]));
             write(cell, traction);
@@ -148,7 +135,7 @@ impl HeldGel {
     /// The middle of contact where it is now, mm.
     fn centre_mm(&self) -> [f64; 2] {
         let (mut sum, mut count) = ([0.0; 2], 0.0);
-        let cells = self.grid.centres_mm().zip(&self.wanted_mm).zip(&self.touches);
+        let cells = self.grid().centres_mm().zip(&self.wanted_mm).zip(&self.touches);
         for ((at, moved), _) in cells.filter(|(_, touches)| **touches) {
             for axis in 0..2 {
                 sum[axis] += at[axis] + f64::from(moved[axis]);
@@ -156,36 +143,5 @@ impl HeldGel {
             count += 1.0;
         }
         sum.map(|sum| if count > 0.0 { sum / count } else { 0.0 })
-    }
-}
-
-/// The mean over four cells; over four times the same that one's value to the bit.
-fn mean(corners: [usize; 4], of: impl Fn(usize) -> f32) -> f32 {
-    let [a, b, c, d] = corners.map(of);
-    0.25 * ((a + b) + (c + d))
-}
-
-/// The places among `count` on both sides of the centre of one of `part` times their length, counted alike; twice the same
-/// where that centre is the centre of one of them.
-fn around(at: usize, part: usize, count: usize) -> [usize; 2] {
-    let first = part * at;
-    // An odd number of places has its middle in the middle of one.
-    [first, first + usize::from(part == 2 && count.is_multiple_of(2))]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_centres_of_larger_cells_lie_amid_the_cells_that_they_are_told_from() {
-        for (part, count) in [(1_usize, 7_usize), (1, 8), (2, 7), (2, 8)] {
-            let cells = count.div_ceil(part);
-            for at in 0..cells {
-                let wanted = part as f64 * (at as f64 - 0.5 * (cells as f64 - 1.0));
-                let near = around(at, part, count).map(|place| place as f64 - 0.5 * (count as f64 - 1.0));
-                assert!((wanted - 0.5 * (near[0] + near[1])).abs() < 1e-12, "cell {at} of {cells}, {count} below");
-            }
-        }
     }
 }

@@ -14,6 +14,7 @@
 //! Elasticity is linear, that of a block with free sides, bonded at its base. The solution is that of small strain: beyond
 //! a depth of about a fifth of the thickness it is an approximation.
 
+mod coarse;
 mod contact;
 mod distance;
 mod drag;
@@ -34,9 +35,10 @@ pub use stiffening::Strain;
 pub use surface::Seen;
 pub use traction::{Limits, Tractions};
 
+use coarse::Coarse;
 use contact::ContactFinder;
 use drag::Drag;
-use fingervision_elastic::{GelBlock, SurfaceGrid};
+use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 use fingervision_optics::Camera;
@@ -84,7 +86,8 @@ pub struct ElasticDepth {
     gel: GelBlock,
     surface: Surface,
     contact: ContactFinder,
-    drag: Drag,
+    /// Where depth is told by what was learned.
+    drag: Option<Drag>,
     /// Whether a frame's drag is found in the frame itself and not in the one before.
     is_exact: bool,
     held: HeldGel,
@@ -114,10 +117,14 @@ impl ElasticDepth {
             ElasticMode::Live => (1, LIVE),
             ElasticMode::Exact => (1, EXACT),
         };
-        let held = HeldGel::new(gel, surface.grid, part, limits)?;
+        let coarse = Coarse::new(surface.grid, part);
+        let operator = BlockOperator::new(gel, coarse.grid)?;
+        let drag = contact.is_learned().then(|| operator.on_grid(coarse.grid)).transpose()?;
+        let drag = drag.map(|operator| Drag::new(surface.grid.len(), coarse, operator, limits));
+        let held = HeldGel::new(coarse, operator, limits);
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
         let (told, is_exact) = (vec![[0.0; KNOWN]; surface.grid.len()], params.mode == ElasticMode::Exact);
-        Ok(Self { gel: *gel, contact, drag: Drag::new(gel, &surface, limits)?, is_exact, held, told, surface, fields })
+        Ok(Self { gel: *gel, contact, drag, is_exact, held, told, surface, fields })
     }
 
     /// The fields of one frame, from its flow, px, and where that holds.
@@ -142,13 +149,13 @@ impl ElasticDepth {
 
     /// Finds contact and its depth. Live, a frame's drag is taken to be that of the frame before.
     fn find_contact(&mut self) {
-        if self.is_exact {
-            self.drag.forget();
+        if let Some(drag) = self.drag.as_mut().filter(|_| self.is_exact) {
+            drag.forget();
         }
-        self.contact.find(&self.surface, &self.drag);
-        let is_dragged = self.contact.is_learned() && self.drag.find(&self.surface, &self.contact);
+        self.contact.find(&self.surface, self.drag.as_ref());
+        let is_dragged = self.drag.as_mut().is_some_and(|drag| drag.find(&self.surface, &self.contact));
         if is_dragged && self.is_exact {
-            self.contact.find_depth(&self.surface, &self.drag);
+            self.contact.find_depth(&self.surface, self.drag.as_ref());
         }
     }
 
@@ -197,7 +204,9 @@ impl ElasticDepth {
 
     fn rest(&mut self) {
         self.held.rest();
-        self.drag.rest();
+        if let Some(drag) = &mut self.drag {
+            drag.rest();
+        }
         self.contact.rest();
         self.fields.rest();
     }
