@@ -31,7 +31,7 @@ impl SurfaceGrid {
     }
 
     /// Centres `(x, y)` of the cells in gel space, mm, row by row.
-    pub fn centres_mm(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
+    pub fn centres_mm(&self) -> impl Iterator<Item = [f64; 2]> + Clone + use<> {
         let Self { columns, rows, cell_mm } = *self;
         let centre = move |index: usize, count: usize| (index as f64 - 0.5 * (count as f64 - 1.0)) * cell_mm;
         (0..rows).flat_map(move |row| (0..columns).map(move |column| [centre(column, columns), centre(row, rows)]))

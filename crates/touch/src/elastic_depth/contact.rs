@@ -179,6 +179,11 @@ impl ContactFinder {
         }
     }
 
+    /// Whether a face that the gel sticks to was found.
+    pub(super) fn has_face(&self) -> bool {
+        self.on_face.contains(&true)
+    }
+
     /// Whether contact reaches the border of what the camera sees of the gel.
     pub(super) fn is_cut(&self, surface: &Surface) -> bool {
         surface.border().any(|cell| self.touches[cell])

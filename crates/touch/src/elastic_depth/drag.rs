@@ -9,16 +9,13 @@ use fingervision_elastic::BlockOperator;
 
 use super::coarse::Coarse;
 use super::contact::ContactFinder;
+use super::motion::{Motion, ramp};
 use super::surface::{Seen, Surface};
 use super::traction::{Limits, Tractions};
 
 /// Motion along the surface over depth, root mean squares: below the first number nothing is set apart, above the second all of
 /// it. Faces that stick and are pressed straight down stay below 0.02, those that slide below 0.22.
 const PARTIAL: [f64; 2] = [0.15, 0.3];
-/// Which part of the squared motion in contact is a shift and a turn, in the same sense: contact that sticks reaches 0.97 and
-/// more, contact that slides at most 0.945.
-const PARTLY_STUCK: [f64; 2] = [0.945, 0.965];
-
 /// Sets drag apart in every frame.
 #[derive(Debug)]
 pub(super) struct Drag {
@@ -33,14 +30,6 @@ pub(super) struct Drag {
     dragged_mm: Vec<[f32; 3]>,
     /// What the camera would tell of the cells without drag.
     seen: Vec<Seen>,
-}
-
-/// A motion along the surface.
-#[derive(Debug, Clone, Copy)]
-struct Motion {
-    centre_mm: [f64; 2],
-    shift_mm: [f64; 2],
-    turn: f64,
 }
 
 impl Drag {
@@ -95,40 +84,12 @@ impl Drag {
     }
 }
 
-impl Motion {
-    /// The displacement of a point, mm.
-    fn moves(self, at_mm: [f64; 2]) -> [f64; 2] {
-        let [x, y] = [0, 1].map(|axis| at_mm[axis] - self.centre_mm[axis]);
-        let (sin, cos) = self.turn.sin_cos();
-        [self.shift_mm[0] + (cos - 1.0) * x - sin * y, self.shift_mm[1] + sin * x + (cos - 1.0) * y]
-    }
-}
-
-/// How contact moves along the surface, by least squares, and which part of that is drag; none without contact.
+/// How contact moves along the surface, and which part of that is drag; none without contact.
 fn motion_of(surface: &Surface, contact: &ContactFinder) -> Option<(f64, Motion)> {
     let cells = || (0..surface.grid.len()).filter(|&cell| contact.touches[cell]);
     let lateral_mm = |cell: usize| surface.seen[cell].lateral_mm(contact.depth_mm[cell]).map(f64::from);
-    let mean = |of: &dyn Fn(usize) -> [f64; 2]| {
-        let sum = cells().map(of).fold(([0.0; 2], 0.0), |([x, y], count), [dx, dy]| ([x + dx, y + dy], count + 1.0));
-        sum.0.map(|total| total / sum.1)
-    };
+    let motion = Motion::of(cells().map(|cell| (surface.centre_mm(cell), lateral_mm(cell))))?;
     let depths: f64 = cells().map(|cell| f64::from(contact.depth_mm[cell]).powi(2)).sum();
-    if depths <= 0.0 {
-        return None;
-    }
-    let (centre_mm, shift_mm) = (mean(&|cell| surface.centre_mm(cell)), mean(&lateral_mm));
-    let (mut across, mut along) = (0.0, 0.0);
-    for cell in cells() {
-        let (at, moved) = (surface.centre_mm(cell), lateral_mm(cell));
-        let from = [0, 1].map(|axis| at[axis] - centre_mm[axis]);
-        let to = [0, 1].map(|axis| from[axis] + moved[axis] - shift_mm[axis]);
-        across += from[0] * to[1] - from[1] * to[0];
-        along += from[0] * to[0] + from[1] * to[1];
-    }
-    let motion = Motion { centre_mm, shift_mm, turn: across.atan2(along) };
-    let square = |[x, y]: [f64; 2]| x * x + y * y;
-    let moves: f64 = cells().map(|cell| square(motion.moves(surface.centre_mm(cell)))).sum();
-    let all: f64 = cells().map(|cell| square(lateral_mm(cell))).sum();
-    let beyond = |value: f64, [none, whole]: [f64; 2]| ((value - none) / (whole - none)).clamp(0.0, 1.0);
-    Some((beyond((moves / depths).sqrt(), PARTIAL) * beyond(moves / all, PARTLY_STUCK), motion))
+    let size = if depths > 0.0 { (motion.square() / depths).sqrt() } else { 0.0 };
+    Some((ramp(size, PARTIAL) * motion.sticking(), motion))
 }

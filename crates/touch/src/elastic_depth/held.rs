@@ -99,9 +99,10 @@ impl HeldGel {
         (all > count * telling_mm * telling_mm).then(|| (left / count).sqrt() / deepest_mm.max(telling_mm))
     }
 
-    /// Strain in contact, pressed to a depth.
-    pub(super) fn strain(&self, thickness_mm: f64, deepest_mm: f64) -> Strain {
-        Strain::of(self.grid(), &self.touches, &self.wanted_mm, deepest_mm, thickness_mm)
+    /// Strain in contact, pressed to a depth; nothing slides where there is a face that the gel sticks to.
+    pub(super) fn strain(&self, thickness_mm: f64, deepest_mm: f64, has_face: bool) -> Strain {
+        let strain = Strain::of(self.grid(), &self.touches, &self.wanted_mm, deepest_mm, thickness_mm);
+        if has_face { Strain { slide: 0.0, ..strain } } else { strain }
     }
 
     /// Force `(x, y, z)`, N, and torque about the z axis through the centre of contact, N mm, of a gel of this shear modulus

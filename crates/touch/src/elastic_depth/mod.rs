@@ -21,6 +21,7 @@ mod drag;
 mod face_search;
 mod fields;
 mod held;
+mod motion;
 mod nearest;
 mod network;
 mod params;
@@ -251,7 +252,7 @@ impl ElasticDepth {
     fn write_force(&mut self) {
         let Some(modulus) = self.gel.youngs_modulus_mpa else { return };
         let shear_modulus = modulus / (2.0 * (1.0 + self.gel.poissons_ratio));
-        let strain = self.held.strain(self.gel.thickness_mm, self.deepest_mm());
+        let strain = self.held.strain(self.gel.thickness_mm, self.deepest_mm(), self.contact.has_face());
         let grid = &mut self.fields.traction_mpa;
         let (force, torque) = self.held.force(shear_modulus, strain, |cell, traction| {
             if let Some(grid) = grid {

@@ -1,0 +1,101 @@
+//! How contact moves along the surface as a whole.
+
+/// Which part of the squared motion in contact is a shift and a turn: below the first number contact slides, above the second it
+/// sticks. Contact that sticks reaches 0.97 and more where it moves by more than it strains, contact that slides at most 0.945.
+const STICKING: [f64; 2] = [0.945, 0.965];
+
+/// A shift and a turn along the surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motion {
+    centre_mm: [f64; 2],
+    shift_mm: [f64; 2],
+    turn: f64,
+    /// Sums of squares over the points, mm²: of this motion, and of theirs.
+    square: f64,
+    whole_square: f64,
+}
+
+impl Motion {
+    /// That of points, mm, with their displacements, mm, by least squares; none without points.
+    pub(super) fn of(points: impl Iterator<Item = ([f64; 2], [f64; 2])> + Clone) -> Option<Self> {
+        let (mut at_sum, mut moved_sum, mut count) = ([0.0; 2], [0.0; 2], 0.0);
+        for (at, moved) in points.clone() {
+            for axis in 0..2 {
+                at_sum[axis] += at[axis];
+                moved_sum[axis] += moved[axis];
+            }
+            count += 1.0;
+        }
+        if count <= 0.0 {
+            return None;
+        }
+        let (centre_mm, shift_mm) = (at_sum.map(|sum| sum / count), moved_sum.map(|sum| sum / count));
+        let (mut across, mut along) = (0.0, 0.0);
+        for (at, moved) in points.clone() {
+            let from = [0, 1].map(|axis| at[axis] - centre_mm[axis]);
+            let to = [0, 1].map(|axis| from[axis] + moved[axis] - shift_mm[axis]);
+            across += from[0] * to[1] - from[1] * to[0];
+            along += from[0] * to[0] + from[1] * to[1];
+        }
+        let mut motion = Self { centre_mm, shift_mm, turn: across.atan2(along), square: 0.0, whole_square: 0.0 };
+        let square = |[x, y]: [f64; 2]| x * x + y * y;
+        for (at, moved) in points {
+            motion.square += square(motion.moves(at));
+            motion.whole_square += square(moved);
+        }
+        Some(motion)
+    }
+
+    /// The displacement of a point, mm.
+    pub(super) fn moves(&self, at_mm: [f64; 2]) -> [f64; 2] {
+        let [x, y] = [0, 1].map(|axis| at_mm[axis] - self.centre_mm[axis]);
+        let (sin, cos) = self.turn.sin_cos();
+        [self.shift_mm[0] + (cos - 1.0) * x - sin * y, self.shift_mm[1] + sin * x + (cos - 1.0) * y]
+    }
+
+    /// The sum of its squares over the points, mm².
+    pub(super) fn square(&self) -> f64 {
+        self.square
+    }
+
+    /// How far the points stick to what moves so, 0 to 1.
+    pub(super) fn sticking(&self) -> f64 {
+        if self.whole_square > 0.0 { ramp(self.square / self.whole_square, STICKING) } else { 0.0 }
+    }
+}
+
+/// 0 below the first number, 1 above the second, linear in between.
+pub(super) fn ramp(value: f64, [none, whole]: [f64; 2]) -> f64 {
+    ((value - none) / (whole - none)).clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points on a grid, moved so.
+    fn points(moved: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<([f64; 2], [f64; 2])> {
+        let places = (0..48).map(|k| [2.0 + 0.5 * f64::from(k % 8), 0.5 * f64::from(k / 8) - 1.0]);
+        places.map(|at| (at, moved(at))).collect()
+    }
+
+    #[test]
+    fn a_shift_and_a_turn_are_found_and_stick() {
+        let (sin, cos) = 0.3_f64.sin_cos();
+        let points = points(|[x, y]| [0.4 + cos * x - sin * y - x, sin * x + cos * y - y - 0.2]);
+        let motion = Motion::of(points.iter().copied()).unwrap();
+        for &(at, moved) in &points {
+            let found = motion.moves(at);
+            assert!((0..2).all(|axis| (found[axis] - moved[axis]).abs() < 1e-9), "{found:?}, not {moved:?}");
+        }
+        assert!((motion.sticking() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_spreads_slides() {
+        let points = points(|[x, y]| [0.1 * (x - 3.75), 0.1 * (y - 0.25)]);
+        let motion = Motion::of(points.iter().copied()).unwrap();
+        assert!(motion.sticking() < 1e-9 && motion.square() < 1e-9);
+        assert!(Motion::of(std::iter::empty()).is_none());
+    }
+}
