@@ -5,7 +5,7 @@ use fingervision_elastic::{BlockOperator, SurfaceGrid};
 
 use super::coarse::Coarse;
 use super::contact::ContactFinder;
-use super::distance::distance_into;
+use super::nearest::{Place, distance, nearest_into};
 use super::stiffening::Strain;
 use super::surface::{Seen, Surface};
 use super::traction::{Limits, Tractions};
@@ -25,8 +25,8 @@ pub(super) struct HeldGel {
     seen: Vec<Seen>,
     touches: Vec<bool>,
     wanted_mm: Vec<[f32; 3]>,
-    /// Distance of the cells from contact.
-    distance: Vec<f32>,
+    /// The cell in contact that is nearest to each.
+    nearest: Vec<Place>,
 }
 
 impl HeldGel {
@@ -40,7 +40,7 @@ impl HeldGel {
             seen: vec![Seen::default(); cells],
             touches: vec![false; cells],
             wanted_mm: vec![[0.0; 3]; cells],
-            distance: vec![0.0; cells],
+            nearest: vec![Place::default(); cells],
         }
     }
 
@@ -83,11 +83,15 @@ impl HeldGel {
     /// How far the motion along the surface, well away from contact, is from what the tractions make there: root mean
     /// square over the largest depth; none where there is no contact, or the motion is too small to tell.
     pub(super) fn unexplained(&mut self, thickness_mm: f64, deepest_mm: f64, mm_per_px: f64) -> Option<f64> {
-        let away = (AWAY * thickness_mm / self.grid().cell_mm) as f32;
-        distance_into(self.grid().columns, &self.touches, &mut self.distance);
+        let away = AWAY * thickness_mm / self.grid().cell_mm;
+        let columns = self.grid().columns;
+        nearest_into(columns, &self.touches, &mut self.nearest);
         let (mut left, mut all, mut count) = (0.0, 0.0, 0.0);
-        let cells = self.seen.iter().zip(self.tractions.displacement_mm()).zip(&self.distance);
-        for ((seen, moved), _) in cells.filter(|((seen, _), distance)| seen.trust > 0.5 && **distance > away) {
+        let cells = self.seen.iter().zip(self.tractions.displacement_mm()).zip(&self.nearest).enumerate();
+        let is_away = |cell: usize, from: Place| distance(columns, cell, from) > away;
+        for (_, ((seen, moved), _)) in
+            cells.filter(|(cell, ((seen, _), from))| seen.trust > 0.5 && is_away(*cell, **from))
+        {
             for axis in 0..2 {
                 let explained = moved[axis] + seen.slope[axis] * moved[2];
                 left += f64::from(seen.apparent_mm[axis] - explained).powi(2);

@@ -16,7 +16,6 @@
 
 mod coarse;
 mod contact;
-mod distance;
 mod drag;
 mod face_search;
 mod fields;
@@ -143,8 +142,9 @@ impl ElasticDepth {
         self.find_contact();
         self.held.hold(&self.surface, &self.contact);
         self.write_fields();
-        self.write_figures();
-        self.write_force();
+        let deepest_mm = self.deepest_mm();
+        self.write_figures(deepest_mm);
+        self.write_force(deepest_mm);
         &self.fields
     }
 
@@ -231,8 +231,8 @@ impl ElasticDepth {
     }
 
     /// Area, flags and force.
-    fn write_figures(&mut self) {
-        let (deepest_mm, thickness_mm) = (self.deepest_mm(), self.gel.thickness_mm);
+    fn write_figures(&mut self, deepest_mm: f64) {
+        let thickness_mm = self.gel.thickness_mm;
         let touched = self.contact.touches.iter().filter(|touches| **touches).count();
         self.fields.contact_area_mm2 = (touched as f64 * self.surface.grid.cell_area_mm2()) as f32;
         self.fields.is_beyond_linear = deepest_mm > LINEAR_RANGE * thickness_mm;
@@ -249,10 +249,10 @@ impl ElasticDepth {
         f64::from(depths.map(|(&depth, _)| depth).fold(0.0, f32::max))
     }
 
-    fn write_force(&mut self) {
+    fn write_force(&mut self, deepest_mm: f64) {
         let Some(modulus) = self.gel.youngs_modulus_mpa else { return };
         let shear_modulus = modulus / (2.0 * (1.0 + self.gel.poissons_ratio));
-        let strain = self.held.strain(self.gel.thickness_mm, self.deepest_mm(), self.contact.has_face());
+        let strain = self.held.strain(self.gel.thickness_mm, deepest_mm, self.contact.has_face());
         let grid = &mut self.fields.traction_mpa;
         let (force, torque) = self.held.force(shear_modulus, strain, |cell, traction| {
             if let Some(grid) = grid {

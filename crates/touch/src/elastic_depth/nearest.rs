@@ -28,6 +28,11 @@ pub(super) fn is_somewhere(place: Place) -> bool {
     place[0] >= 0
 }
 
+/// The distance of a cell from a place, in cells; far from a place that is none.
+pub(super) fn distance(columns: usize, cell: usize, from: Place) -> f64 {
+    (squared(place(columns, cell), from) as f64).sqrt()
+}
+
 /// The cell at a place.
 pub(super) fn cell_at(columns: usize, [column, row]: Place) -> usize {
     row.cast_unsigned() * columns + column.cast_unsigned()
@@ -84,10 +89,11 @@ mod tests {
         nearest_into(columns, &marks, &mut nearest);
         for (cell, &found) in nearest.iter().enumerate() {
             assert!(marks[cell_at(columns, found)]);
-            let distance = |other: Place| (squared(place(columns, cell), other) as f64).sqrt();
-            let marked = (0..marks.len()).filter(|&other| marks[other]).map(|other| distance(place(columns, other)));
-            let least = marked.fold(f64::INFINITY, f64::min);
-            assert!(distance(found) <= least + 0.3, "cell {cell}: {} instead of {least}", distance(found));
+            let marked = (0..marks.len()).filter(|&other| marks[other]);
+            let least =
+                marked.map(|other| distance(columns, cell, place(columns, other))).fold(f64::INFINITY, f64::min);
+            let found = distance(columns, cell, found);
+            assert!(found <= least + 0.3, "cell {cell}: {found} instead of {least}");
         }
     }
 
@@ -95,6 +101,6 @@ mod tests {
     fn without_a_mark_there_is_no_nearest() {
         let mut nearest = vec![[0, 0]; 12];
         nearest_into(4, &[false; 12], &mut nearest);
-        assert!(nearest.iter().all(|&place| !is_somewhere(place)));
+        assert!(nearest.iter().all(|&place| !is_somewhere(place) && distance(4, 5, place) > 1e4));
     }
 }
