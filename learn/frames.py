@@ -8,6 +8,7 @@ from network import CELLS
 SIZE_MM = 30.0  # side of the gel that all others are scaled to
 NOISE_MM = 0.0006  # of a cell's mean flow, seen from 25 mm
 WAVY_NOISE_MM = 0.0045  # before it is smoothed over two cells
+RETOLD_NOISE_MM = 0.0003  # on top of what was tracked
 
 
 def smoothed(planes, sigma):
@@ -53,6 +54,29 @@ def mirrored(displacement, contact, way):
     return displacement, contact
 
 
+def mirrored_seen(planes, way):
+    """The same of what a camera saw: apparent displacement and slope."""
+    if way & 1:
+        planes = planes.flip(-1) * torch.tensor([-1, 1, -1, 1.0])[:, None, None]
+    if way & 2:
+        planes = planes.flip(-2) * torch.tensor([1, -1, 1, -1.0])[:, None, None]
+    if way & 4:
+        planes = planes.transpose(-1, -2)[[1, 0, 3, 2]]
+    return planes
+
+
+def told_ratio(poissons_ratio):
+    """A gel's Poisson's ratio as a profile may have it."""
+    return poissons_ratio + 0.008 * torch.randn(len(poissons_ratio))
+
+
+def tracked(planes, gel):
+    """Inputs from what a tracker saw, with a little noise so that no frame comes twice."""
+    noise = RETOLD_NOISE_MM * torch.randn(len(planes), 2, CELLS, CELLS)
+    thickness_mm, poissons_ratio = gel.unbind(1)
+    return packed(torch.cat([planes[:, :2] + noise, planes[:, 2:]], 1), thickness_mm, told_ratio(poissons_ratio))
+
+
 def drawn(displacement, gel):
     """Inputs under cameras drawn at random, blurred and noisy as tracked flow is. `gel`: thickness, ν."""
     batch = len(displacement)
@@ -65,4 +89,4 @@ def drawn(displacement, gel):
     noise = NOISE_MM * torch.randn(batch, 2, CELLS, CELLS) + WAVY_NOISE_MM * wavy
     noise = noise * (distance_mm / 25)[:, None, None, None]
     planes = torch.cat([planes[:, :2] + noise, planes[:, 2:]], 1)
-    return packed(planes, thickness_mm, poissons_ratio + 0.008 * torch.randn(batch))
+    return packed(planes, thickness_mm, told_ratio(poissons_ratio))

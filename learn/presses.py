@@ -81,7 +81,8 @@ def scene(draw, folder, mesh):
     thickness = 10.0 if draw.random() < 0.6 else uniform(7, 13)
     ratio = draw.choice([0.35, 0.48]) if draw.random() < 0.3 else uniform(0.3, 0.495)
     chance, is_draft, is_moved = draw.random(), mesh == "draft", draw.random() < 0.3
-    stuck, held_by_friction = (0.4 if is_moved or not is_draft else 0.15), (0.15 if is_draft else 0)
+    stuck = 0.4 if is_moved or not is_draft else 0.15
+    held_by_friction = 0.4 if is_moved else 0.15 if is_draft else 0
     law = '"stick"' if chance < stuck else '"frictionless"'
     if chance > 1 - held_by_friction:
         law = f"{{ friction = {uniform(0.2, 1):.3f} }}"
@@ -148,12 +149,18 @@ def solve(seed, command, out, mesh):
         kept = sorted({frames - 1, *(1 + draw.permutation(frames - 1)[: FRAMES_KEPT - 1])})
         displacement = numpy.load(folder / "run/truth/displacement.npy", mmap_mode="r")
         contact = numpy.load(folder / "run/truth/contact.npy", mmap_mode="r")
-        numpy.savez_compressed(
-            out / f"{seed:05d}.npz",
-            disp=numpy.stack([cells(displacement[frame]) for frame in kept]),
-            contact=numpy.stack([255 * cells(contact[frame])[..., 0] for frame in kept]).astype(numpy.uint8),
-            size=side, h=thickness, nu=ratio, mesh=mesh,
-        )
+        press = out / f"{seed:05d}"
+        press.mkdir(exist_ok=True)
+        numpy.save(press / "displacement.npy", numpy.stack([cells(displacement[frame]) for frame in kept]))
+        shares = numpy.stack([255 * cells(contact[frame])[..., 0] for frame in kept])
+        numpy.save(press / "contact.npy", shares.astype(numpy.uint8))
+        # Last: a press that says what it is is whole.
+        (press / "press.toml").write_text(f"""mesh = "{mesh}"
+[gel]
+size_mm = [{side:.4f}, {side:.4f}]
+thickness_mm = {thickness:.4f}
+poissons_ratio = {ratio:.4f}
+""")
     finally:
         shutil.rmtree(folder)
 
@@ -168,7 +175,7 @@ def main():
     arguments = arguments.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     for seed in range(arguments.first, arguments.end):
-        if not (arguments.out / f"{seed:05d}.npz").exists():
+        if not (arguments.out / f"{seed:05d}" / "press.toml").exists():
             solve(seed, arguments.command, arguments.out, arguments.mesh)
 
 

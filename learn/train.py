@@ -3,32 +3,34 @@
 import argparse
 import pathlib
 import time
+import tomllib
 
 import numpy
 import torch
 from torch.nn import functional
 
-from frames import SIZE_MM, drawn, mirrored
+from frames import SIZE_MM, drawn, mirrored, mirrored_seen, packed, tracked
 from network import ContactNetwork
 
 BATCH = 8
-DRAFT_SHARE = 0.25  # of the frames of a batch, on the draft mesh
-FINE_COPIES = 3  # of a frame on the fine mesh, for one on the medium mesh
+SHARES = {"draft": 0.25, "medium": 0.5, "fine": 0.25}  # of the frames of a batch, by mesh
+TRACKED_SHARE = 0.7  # of them as a tracker saw them; the others as any camera would, under formulas for blur and noise
 
 
 def load(folder):
-    """Frames to train on, those on the draft mesh and those on finer ones, and frames to judge by: displacement, contact,
-    gel."""
-    draft, finer, judge = [], [], []
-    for file in sorted(pathlib.Path(folder).glob("*.npz")):
-        press = numpy.load(file)
-        scale = SIZE_MM / float(press["size"])  # elasticity knows no scale
-        gel = torch.tensor([scale * float(press["h"]), float(press["nu"])])
-        frames = judge if int(file.stem) % 20 == 7 else draft if press["mesh"] == "draft" else finer
-        copies = FINE_COPIES if press["mesh"] == "fine" and frames is finer else 1
-        for displacement, contact in copies * list(zip(press["disp"], press["contact"])):
-            frames.append((torch.from_numpy(scale * displacement.transpose(2, 0, 1)), torch.from_numpy(contact), gel))
-    return draft, finer, judge
+    """Frames to train on, by mesh, and frames to judge by: displacement, contact, gel, what cameras saw."""
+    train, judge = {}, []
+    for press in sorted(pathlib.Path(folder).glob("*/seen.npy")):
+        about = tomllib.loads((press.parent / "press.toml").read_text())
+        scale = SIZE_MM / about["gel"]["size_mm"][0]  # elasticity knows no scale
+        gel = torch.tensor([scale * about["gel"]["thickness_mm"], about["gel"]["poissons_ratio"]])
+        displacement, contact, seen = (numpy.load(press.parent / f"{name}.npy") for name in ("displacement", "contact", "seen"))
+        seen[:, :, :2] *= scale
+        frames = judge if int(press.parent.name) % 20 == 7 else train.setdefault(about["mesh"], [])
+        for frame in range(len(displacement)):
+            moved = torch.from_numpy(scale * displacement[frame].transpose(2, 0, 1))
+            frames.append((moved, torch.from_numpy(contact[frame]), gel, torch.from_numpy(seen[:, frame].copy())))
+    return train, judge
 
 
 def cost(told, depth, contact):
@@ -43,24 +45,38 @@ def cost(told, depth, contact):
 
 
 def judged(network, frames):
-    """Mean error of depth over the image and in contact, mm, the overlap of contact, and the mean error over the mean of
-    what is foretold."""
-    errors, told_errors, inner, overlaps = 0.0, 0.0, [], []
-    with torch.random.fork_rng(), torch.no_grad():
-        torch.manual_seed(0)
-        for displacement, contact, gel in frames:
-            told = network(*drawn(displacement[None], gel[None]))[0]
-            error, is_in, is_told = (told[0] - displacement[2]).abs(), contact > 127, told[1] > 0
-            errors += error.mean().item() / len(frames)
-            told_errors += told[2].exp().mean().item() / len(frames)
-            if is_in.any():
-                inner.append(error[is_in].mean().item())
-                overlaps.append(((is_in & is_told).sum() / (is_in | is_told).sum()).item())
-    return errors, numpy.mean(inner), numpy.mean(overlaps), errors / told_errors
+    """Mean error of depth over the image and in contact, mm, the bias of depth in contact, the overlap of contact, and the mean
+    error over the mean of what is foretold."""
+    errors, told_errors, inner, biases, overlaps = [], [], [], [], []
+    with torch.no_grad():
+        for displacement, contact, gel, cameras in frames:
+            for seen in cameras:
+                told = network(*packed(seen[None], *gel[None].unbind(1)))[0]
+                error, is_in, is_told = told[0] - displacement[2], contact > 127, told[1] > 0
+                errors.append(error.abs().mean().item())
+                told_errors.append(told[2].exp().mean().item())
+                if is_in.any():
+                    inner.append(error[is_in].abs().mean().item())
+                    biases.append((error[is_in].mean() / displacement[2][is_in].mean()).item())
+                    overlaps.append(((is_in & is_told).sum() / (is_in | is_told).sum()).item())
+    mean = numpy.mean
+    return mean(errors), mean(inner), 100 * mean(biases), mean(overlaps), mean(errors) / mean(told_errors)
 
 
-def draw_one(draw, frames):
-    return frames[draw.integers(0, len(frames))]
+def batch(draw, train):
+    """Inputs, constants, depth and contact of frames drawn at random."""
+    meshes = [mesh for mesh in SHARES if mesh in train]
+    shares = numpy.array([SHARES[mesh] for mesh in meshes])
+    parts = []
+    for mesh in draw.choice(meshes, BATCH, p=shares / shares.sum()):
+        displacement, contact, gel, cameras = train[mesh][draw.integers(0, len(train[mesh]))]
+        way, seen = int(draw.integers(0, 8)), cameras[draw.integers(0, len(cameras))]
+        parts.append((*mirrored(displacement, contact.float() / 255, way), gel, mirrored_seen(seen, way)))
+    displacement, contact, gel, seen = (torch.stack(part) for part in zip(*parts))
+    is_tracked = torch.rand(BATCH) < TRACKED_SHARE
+    choices = zip(tracked(seen, gel), drawn(displacement, gel))
+    cells, constants = (torch.where(is_tracked.view(-1, *[1] * (a.dim() - 1)), a, b) for a, b in choices)
+    return cells, constants, displacement[:, 2], contact
 
 
 def main():
@@ -71,8 +87,7 @@ def main():
     arguments.add_argument("--rate", type=float, default=2e-3)
     arguments.add_argument("--start", help="weights to begin with")
     arguments = arguments.parse_args()
-    draft, finer, judge = load(arguments.presses)
-    share = DRAFT_SHARE if finer else 1
+    train, judge = load(arguments.presses)
     network = ContactNetwork().to(memory_format=torch.channels_last)
     if arguments.start:
         network.load_state_dict(torch.load(arguments.start))
@@ -83,19 +98,15 @@ def main():
         warm = min(1, step / 200)
         for group in optimizer.param_groups:
             group["lr"] = arguments.rate * warm * (0.01 + 0.5 * (1 + numpy.cos(numpy.pi * part)))
-        frames = [draw_one(draw, draft if draw.random() < share else finer) for _ in range(BATCH)]
-        ways = draw.integers(0, 8, BATCH)
-        turned = [mirrored(d, c.float() / 255, int(way)) for (d, c, _), way in zip(frames, ways)]
-        displacement, contact = (torch.stack(part) for part in zip(*turned))
-        cells, constants = drawn(displacement, torch.stack([gel for _, _, gel in frames]))
+        cells, constants, depth, contact = batch(draw, train)
         told = network(cells.contiguous(memory_format=torch.channels_last), constants)
-        loss = cost(told, displacement[:, 2], contact)
+        loss = cost(told, depth, contact)
         optimizer.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
         optimizer.step()
         if step % 500 == 0:
-            print(f"step {step}: loss {loss.item():.4f}, unseen presses: depth %.4f mm, in contact %.3f mm, overlap %.3f, error over foretold %.2f"
+            print(f"step {step}: loss {loss.item():.4f}, unseen presses: depth %.4f mm, in contact %.3f mm (%+.1f %%), overlap %.3f, error over foretold %.2f"
                   % judged(network, judge), flush=True)
             torch.save(network.state_dict(), arguments.out)
     torch.save(network.state_dict(), arguments.out)
