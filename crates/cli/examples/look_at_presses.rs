@@ -47,20 +47,21 @@ struct Sensor {
 }
 
 impl Sensor {
-    /// Half of them as the ready-made scenes have it.
+    /// Place and blur, noise, and the pattern's cells are each as in the ready-made scenes in half of all sensors or a little more,
+    /// and drawn at random in the others.
     fn draw(size_mm: f64, rng: &mut Pcg64Mcg) -> Result<Self, Fault> {
         let mut between = |low: f64, high: f64| Ok::<_, Fault>(Uniform::new(low, high)?.sample(rng));
         let scale = size_mm / SIZE_MM;
-        let mut of = |default: f64, low: f64, high: f64, is_default: bool| {
+        let mut usual_or = |default: f64, low: f64, high: f64, is_usual: bool| {
             let drawn = between(low, high)?;
-            Ok::<_, Fault>(if is_default { default } else { drawn })
+            Ok::<_, Fault>(if is_usual { default } else { drawn })
         };
-        let [is_default, is_quiet, is_fine] =
-            [0.5, 0.5, 0.6].map(|share| of(0.0, 0.0, 1.0, false).map(|at| at < share));
-        let (is_default, is_quiet, is_fine) = (is_default?, is_quiet?, is_fine?);
-        let distance = scale * of(25.0, 14.0, 38.0, is_default)?;
-        let place = [scale * of(0.0, -1.5, 1.5, is_default)?, scale * of(0.0, -1.5, 1.5, is_default)?];
-        let px_per_mm = of(4.0, 3.4, 4.6, is_default)? * CELLS as f64 / size_mm;
+        let [is_usual, has_usual_noise, has_usual_cells] =
+            [0.5, 0.5, 0.6].map(|share| usual_or(0.0, 0.0, 1.0, false).map(|at| at < share));
+        let (is_usual, has_usual_noise, has_usual_cells) = (is_usual?, has_usual_noise?, has_usual_cells?);
+        let distance = scale * usual_or(25.0, 14.0, 38.0, is_usual)?;
+        let place = [scale * usual_or(0.0, -1.5, 1.5, is_usual)?, scale * usual_or(0.0, -1.5, 1.5, is_usual)?];
+        let px_per_mm = usual_or(4.0, 3.4, 4.6, is_usual)? * CELLS as f64 / size_mm;
         let middle = 0.5 * (PIXELS as f64 - 1.0);
         let camera = CameraParams {
             focal_length_px: [distance * px_per_mm; 2],
@@ -69,14 +70,14 @@ impl Sensor {
             rotation_rad: [0.0; 3],
             translation_mm: [-place[0], -place[1], distance],
         };
-        let cell_mm = scale * of(0.1, 0.08, 0.2, is_fine)?;
-        let pattern_seed = of(0.0, 1.0, 1e6, false)? as u64;
+        let cell_mm = scale * usual_or(0.1, 0.08, 0.2, has_usual_cells)?;
+        let pattern_seed = usual_or(0.0, 1.0, 1e6, false)? as u64;
         let render = RenderParams {
             width: PIXELS,
             height: PIXELS,
-            blur_px: of(0.7, 0.5, 1.2, is_default)?,
-            noise_levels: of(2.0, 0.5, 4.0, is_quiet)?,
-            seed: of(0.0, 1.0, 1e6, false)? as u64,
+            blur_px: usual_or(0.7, 0.5, 1.2, is_usual)?,
+            noise_levels: usual_or(2.0, 0.5, 4.0, has_usual_noise)?,
+            seed: usual_or(0.0, 1.0, 1e6, false)? as u64,
             ..RenderParams::default()
         };
         Ok(Self {

@@ -2,7 +2,7 @@
 
 use fingervision_elastic::SurfaceGrid;
 
-/// A grid over that of the surface: the same cells, or such of twice their side. Both have one centre.
+/// A grid over that of the surface: the same cells, or such of twice their side. The two grids share their centre.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coarse {
     surface: SurfaceGrid,
@@ -12,7 +12,7 @@ pub(super) struct Coarse {
 }
 
 impl Coarse {
-    /// Cells of `part` by `part` cells of the surface; the last ones may reach beyond it.
+    /// Cells of `part` by `part` cells of the surface; where their number is odd the outer ones on both sides reach beyond it.
     pub(super) fn new(surface: SurfaceGrid, part: usize) -> Self {
         let SurfaceGrid { columns, rows, cell_mm } = surface;
         let grid =
@@ -20,7 +20,8 @@ impl Coarse {
         Self { surface, part, grid }
     }
 
-    /// The surface's cells around the centre of each cell, four or four times the same: it is the mean of theirs.
+    /// The surface's cells around the centre of each cell: four, two of them twice, or one four times. Its centre is the mean of
+    /// theirs.
     pub(super) fn around(self) -> impl Iterator<Item = Around> {
         let Self { surface, part, grid } = self;
         (0..grid.len()).map(move |cell| {
@@ -31,7 +32,7 @@ impl Coarse {
         })
     }
 
-    /// Brings what is known of the cells to those of the surface, linear between centres.
+    /// Brings what is known of the cells to those of the surface, linear between centres and constant beyond the outer ones.
     pub(super) fn to_surface(self, values: &[[f32; 3]], target: &mut [[f32; 3]]) {
         let Self { surface, grid, .. } = self;
         for (row, target) in target.chunks_exact_mut(surface.columns).enumerate() {

@@ -103,7 +103,7 @@ impl ContactFinder {
         self.network.is_some()
     }
 
-    /// Whether more than half of the cells around a centre is touched.
+    /// Whether the cells around a centre are touched, by the mean of their shares.
     pub(super) fn touches_around(&self, around: Around) -> bool {
         around.mean(|cell| self.share[cell]) > 0.5
     }

@@ -16,6 +16,7 @@ use super::traction::{Limits, Tractions};
 /// Motion along the surface over depth, root mean squares: below the first number nothing is set apart, above the second all of
 /// it. Faces that stick and are pressed straight down stay below 0.02, those that slide below 0.22.
 const PARTIAL: [f64; 2] = [0.15, 0.3];
+
 /// Sets drag apart in every frame.
 #[derive(Debug)]
 pub(super) struct Drag {

@@ -81,17 +81,17 @@ impl HeldGel {
     }
 
     /// How far the motion along the surface, well away from contact, is from what the tractions make there: root mean
-    /// square over the largest depth; none where there is no contact, or the motion is too small to tell.
+    /// square over the largest depth; that of the whole surface where there is no contact, none where the motion is too small to
+    /// tell.
     pub(super) fn unexplained(&mut self, thickness_mm: f64, deepest_mm: f64, mm_per_px: f64) -> Option<f64> {
         let away = AWAY * thickness_mm / self.grid().cell_mm;
         let columns = self.grid().columns;
         nearest_into(columns, &self.touches, &mut self.nearest);
         let (mut left, mut all, mut count) = (0.0, 0.0, 0.0);
-        let cells = self.seen.iter().zip(self.tractions.displacement_mm()).zip(&self.nearest).enumerate();
-        let is_away = |cell: usize, from: Place| distance(columns, cell, from) > away;
-        for (_, ((seen, moved), _)) in
-            cells.filter(|(cell, ((seen, _), from))| seen.trust > 0.5 && is_away(*cell, **from))
-        {
+        let moved = self.tractions.displacement_mm();
+        let cells = self.nearest.iter().enumerate().filter(|&(cell, &from)| distance(columns, cell, from) > away);
+        let cells = cells.map(|(cell, _)| (&self.seen[cell], moved[cell])).filter(|(seen, _)| seen.trust > 0.5);
+        for (seen, moved) in cells {
             for axis in 0..2 {
                 let explained = moved[axis] + seen.slope[axis] * moved[2];
                 left += f64::from(seen.apparent_mm[axis] - explained).powi(2);

@@ -86,7 +86,7 @@ pub struct ElasticDepth {
     gel: GelBlock,
     surface: Surface,
     contact: ContactFinder,
-    /// Where depth is told by what was learned.
+    /// None where nothing learned tells depth.
     drag: Option<Drag>,
     /// Whether a frame's drag is found in the frame itself and not in the one before.
     is_exact: bool,
@@ -112,7 +112,7 @@ impl ElasticDepth {
         let surface = Surface::new(camera, gel, size, CELLS).ok_or(TrackError::NoSurface)?;
         let contact = ContactFinder::new(&surface, gel, *params);
         let (part, limits) = match params.mode {
-            // What was learned tells depth everywhere: tractions make the force alone, and twice the cells will do.
+            // What was learned tells depth everywhere: tractions make force and drag alone, and larger cells will do.
             ElasticMode::Live if contact.is_learned() => (2, LIVE),
             ElasticMode::Live => (1, LIVE),
             ElasticMode::Exact => (1, EXACT),

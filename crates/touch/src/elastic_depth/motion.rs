@@ -58,9 +58,9 @@ impl Motion {
         self.square
     }
 
-    /// How far the points stick to what moves so, 0 to 1.
+    /// How far the points stick to what moves so, 0 to 1; 1 where none moves.
     pub(super) fn sticking(&self) -> f64 {
-        if self.whole_square > 0.0 { ramp(self.square / self.whole_square, STICKING) } else { 0.0 }
+        if self.whole_square > 0.0 { ramp(self.square / self.whole_square, STICKING) } else { 1.0 }
     }
 }
 
