@@ -46,7 +46,7 @@ fn place(columns: usize, cell: usize) -> Place {
 fn pass(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize, beside: usize) {
     for column in 0..columns {
         for other in column.saturating_sub(1)..(column + 2).min(columns) {
-            take(columns, marks, nearest, row * columns + column, beside * columns + other);
+            take(columns, marks, nearest, (column, row), beside * columns + other);
         }
     }
     along(columns, marks, nearest, row);
@@ -54,20 +54,21 @@ fn pass(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize, besid
 
 fn along(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize) {
     let first = row * columns;
-    for cell in first + 1..first + columns {
-        take(columns, marks, nearest, cell, cell - 1);
+    for column in 1..columns {
+        take(columns, marks, nearest, (column, row), first + column - 1);
     }
-    for cell in (first + 1..first + columns).rev() {
-        take(columns, marks, nearest, cell - 1, cell);
+    for column in (0..columns - 1).rev() {
+        take(columns, marks, nearest, (column, row), first + column + 1);
     }
 }
 
-/// Takes over the place that another cell knows if it is nearer; a marked cell knows its own.
-fn take(columns: usize, marks: &[bool], nearest: &mut [Place], cell: usize, other: usize) {
+/// Takes over the place that another cell knows if it is nearer to the one in a column and a row; a marked cell knows its own.
+fn take(columns: usize, marks: &[bool], nearest: &mut [Place], (column, row): (usize, usize), other: usize) {
+    let cell = row * columns + column;
     if marks[cell] {
         return;
     }
-    let (own, known, here) = (nearest[cell], nearest[other], place(columns, cell));
+    let (own, known, here) = (nearest[cell], nearest[other], [column.cast_signed(), row.cast_signed()]);
     if squared(here, known) < squared(here, own) {
         nearest[cell] = known;
     }
