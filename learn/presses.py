@@ -73,6 +73,11 @@ def sizes(draw, shape, folder):
             return height_map(draw, folder)
 
 
+def gel(side, thickness, ratio):
+    """The table of a gel, as scenes have it."""
+    return f"[gel]\nsize_mm = [{side:.4f}, {side:.4f}]\nthickness_mm = {thickness:.4f}\npoissons_ratio = {ratio:.4f}"
+
+
 def scene(draw, folder, mesh):
     """Writes a random scene, one that takes few steps if the mesh is no draft; returns the gel's side, thickness and Poisson's
     ratio, and the number of frames."""
@@ -104,10 +109,7 @@ def scene(draw, folder, mesh):
     (folder / "scene.toml").write_text(f"""name = "press"
 [camera]
 focal_length_px = [{focal_length:.6f}, {focal_length:.6f}]
-[gel]
-size_mm = [{side:.4f}, {side:.4f}]
-thickness_mm = {thickness:.4f}
-poissons_ratio = {ratio:.4f}
+{gel(side, thickness, ratio)}
 youngs_modulus_mpa = 0.6
 [contact]
 law = {law}
@@ -155,12 +157,7 @@ def solve(seed, command, out, mesh):
         shares = numpy.stack([255 * cells(contact[frame])[..., 0] for frame in kept])
         numpy.save(press / "contact.npy", shares.astype(numpy.uint8))
         # Last: a press that says what it is is whole.
-        (press / "press.toml").write_text(f"""mesh = "{mesh}"
-[gel]
-size_mm = [{side:.4f}, {side:.4f}]
-thickness_mm = {thickness:.4f}
-poissons_ratio = {ratio:.4f}
-""")
+        (press / "press.toml").write_text(f'mesh = "{mesh}"\n{gel(side, thickness, ratio)}\n')
     finally:
         shutil.rmtree(folder)
 

@@ -46,6 +46,11 @@ impl Motion {
         Some(motion)
     }
 
+    /// The mean displacement of the points, mm.
+    pub(super) fn shift_mm(&self) -> [f64; 2] {
+        self.shift_mm
+    }
+
     /// The displacement of a point, mm.
     pub(super) fn moves(&self, at_mm: [f64; 2]) -> [f64; 2] {
         let [x, y] = [0, 1].map(|axis| at_mm[axis] - self.centre_mm[axis]);

@@ -57,11 +57,15 @@ impl Strain {
     #[must_use]
     pub fn of(grid: SurfaceGrid, in_contact: &[bool], moved_mm: &[[f32; 3]], depth_mm: f64, thickness_mm: f64) -> Self {
         assert!(in_contact.len() == grid.len() && moved_mm.len() == grid.len(), "one entry a cell");
+        let cells = grid.centres_mm().zip(moved_mm).zip(in_contact).filter(|(_, touches)| **touches);
+        let motion = Motion::of(cells.map(|((at, &[x, y, _]), _)| (at, [f64::from(x), f64::from(y)])));
+        let touched = in_contact.iter().filter(|touches| **touches).count();
+        let area_mm2 = touched as f64 * grid.cell_area_mm2();
         Self {
             depth: depth_mm / thickness_mm,
             spread: spread(grid, in_contact, moved_mm),
-            drag: drag(grid, in_contact, moved_mm, depth_mm),
-            slide: slide(grid, in_contact, moved_mm),
+            drag: motion.map_or(0.0, |motion| drag(motion.shift_mm(), area_mm2, depth_mm)),
+            slide: motion.map_or(0.0, |motion| 1.0 - motion.sticking()),
         }
     }
 
@@ -92,24 +96,10 @@ fn spread(grid: SurfaceGrid, in_contact: &[bool], moved_mm: &[[f32; 3]]) -> f64 
     if count > 0.0 { sum / count } else { 0.0 }
 }
 
-fn drag(grid: SurfaceGrid, in_contact: &[bool], moved_mm: &[[f32; 3]], depth_mm: f64) -> f64 {
-    let (mut sum, mut count) = ([0.0; 2], 0.0);
-    for (moved, _) in moved_mm.iter().zip(in_contact).filter(|(_, touches)| **touches) {
-        for axis in 0..2 {
-            sum[axis] += f64::from(moved[axis]);
-        }
-        count += 1.0;
-    }
-    let radius_mm = (count * grid.cell_area_mm2() / PI).sqrt();
-    let [x, y] = sum.map(|sum| sum / count);
-    if count > 0.0 && depth_mm > 0.0 { (x * x + y * y) / (depth_mm * radius_mm) } else { 0.0 }
-}
-
-fn slide(grid: SurfaceGrid, in_contact: &[bool], moved_mm: &[[f32; 3]]) -> f64 {
-    // Copied for each of the passes over it: the centres are made on the way.
-    let cells = grid.centres_mm().zip(moved_mm).zip(in_contact).filter(|(_, touches)| **touches);
-    let motion = Motion::of(cells.map(|((at, &[x, y, _]), _)| (at, [f64::from(x), f64::from(y)])));
-    motion.map_or(0.0, |motion| 1.0 - motion.sticking())
+/// That of contact of this area, mm², which is shifted so, mm, and so deep, mm.
+fn drag([x, y]: [f64; 2], area_mm2: f64, depth_mm: f64) -> f64 {
+    let radius_mm = (area_mm2 / PI).sqrt();
+    if depth_mm > 0.0 { (x * x + y * y) / (depth_mm * radius_mm) } else { 0.0 }
 }
 
 #[cfg(test)]
