@@ -107,11 +107,14 @@ pub enum Flag {
     ContactCut,
     /// The flow cannot be that of this gel before this camera: there is no depth and no force.
     GelMisfit,
+    /// Nothing like this gel before this camera was learned from: depth, contact and force are as good as elasticity alone
+    /// makes them, or worse than their deviation says.
+    OutsideLearned,
 }
 
 impl Flag {
     /// Every flag, in the order of its bit.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Lost,
         Self::Dropped,
         Self::NoTexture,
@@ -121,6 +124,7 @@ impl Flag {
         Self::BeyondLinear,
         Self::ContactCut,
         Self::GelMisfit,
+        Self::OutsideLearned,
     ];
 
     /// The flag's name in files.
@@ -136,6 +140,7 @@ impl Flag {
             Self::BeyondLinear => "beyond-linear",
             Self::ContactCut => "contact-cut",
             Self::GelMisfit => "gel-misfit",
+            Self::OutsideLearned => "outside-learned",
         }
     }
 }

@@ -153,6 +153,7 @@ impl Tracker {
         // The inverse judges the flow alone: first, before the density's own gaps count as not valid.
         if let Some(stage) = &mut self.elastic {
             stage.run(&mut self.reading);
+            self.references.note_press(self.reading.contact_area_mm2.is_some_and(|area| area > 0.0));
         }
         if let Some(stage) = &mut self.density {
             stage.run(&mut self.reading);

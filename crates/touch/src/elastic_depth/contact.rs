@@ -5,7 +5,7 @@ use fingervision_elastic::{GelBlock, SurfaceGrid};
 use super::coarse::Around;
 use super::drag::Drag;
 use super::face_search::{self, Room};
-use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Way};
+use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Way};
 use super::rigid::{self, StuckFace};
 use super::surface::{self, Seen, Surface};
 use super::{CELLS, ElasticMode, ElasticParams};
@@ -28,7 +28,8 @@ const RIM_CELLS: usize = 3;
 /// Standard deviation of a depth over its mean absolute error as the network foretells it: that of the Laplace distribution
 /// that it was trained for. Errors on unseen presses are as large as foretold.
 const DEVIATION: f32 = std::f32::consts::SQRT_2;
-/// Standard deviation of the depth of a face that the gel sticks to, mm.
+/// Least standard deviation of the depth of a face that the gel sticks to, mm: its rays tell it better, its rim and the gel's
+/// model do not.
 const FACE_DEVIATION_MM: f32 = 0.02;
 
 /// Cells that tell of a face's motion: more than so many add time and no precision.
@@ -39,6 +40,8 @@ const MOST_POINTS: usize = 600;
 pub(super) struct ContactFinder {
     /// What was learned, unless it is not to be used.
     network: Option<ContactNetwork>,
+    /// Whether it is to be used, but nothing like this gel before this camera was learned from.
+    is_outside_learned: bool,
     room: Room,
     /// The size of the network's grid: the surface's, filled up to a multiple of what the network needs.
     padded: (usize, usize),
@@ -60,6 +63,8 @@ pub(super) struct ContactFinder {
     told_deviation_mm: Vec<f32>,
     /// Whether a cell moves with a face that the gel sticks to.
     on_face: Vec<bool>,
+    /// Standard deviation of the depth of that face, mm.
+    face_deviation_mm: f32,
     inner: Vec<usize>,
     eroded: [Vec<bool>; 2],
     scratch: Vec<f64>,
@@ -73,10 +78,16 @@ impl ContactFinder {
         let cells = surface.grid.len();
         // Elasticity knows no scale: every gel is brought to one size.
         let scale = network::SIZE_MM / (cell_mm * CELLS as f64);
-        let constants = network::constants(gel.poissons_ratio, gel.thickness_mm * scale);
+        let sensor = Sensor {
+            poissons_ratio: gel.poissons_ratio,
+            thickness_mm: gel.thickness_mm * scale,
+            shorter_mm: gel.size_mm[0].min(gel.size_mm[1]) * scale,
+            distance_mm: surface.distance_mm() * scale,
+        };
+        let constants = network::constants(sensor.poissons_ratio, sensor.thickness_mm);
         Self {
-            network: (params.learned && network::is_trained_for(gel.poissons_ratio, gel.thickness_mm * scale))
-                .then(|| ContactNetwork::new(padded)),
+            network: (params.learned && sensor.is_told_of()).then(|| ContactNetwork::new(padded)),
+            is_outside_learned: params.learned && !sensor.is_learned_from(),
             ways: match params.mode {
                 ElasticMode::Exact => Way::all(padded),
                 ElasticMode::Live => vec![Way::PLAIN],
@@ -92,6 +103,7 @@ impl ContactFinder {
             depth_mm: vec![0.0; cells],
             told_deviation_mm: vec![0.0; cells],
             on_face: vec![false; cells],
+            face_deviation_mm: f32::INFINITY,
             inner: Vec::with_capacity(cells),
             eroded: [vec![false; cells], vec![false; cells]],
             scratch: Vec::with_capacity(cells),
@@ -101,6 +113,11 @@ impl ContactFinder {
     /// Whether depth is told by what was learned.
     pub(super) fn is_learned(&self) -> bool {
         self.network.is_some()
+    }
+
+    /// Whether what was learned is to be used, but nothing like this gel before this camera was learned from.
+    pub(super) fn is_outside_learned(&self) -> bool {
+        self.is_outside_learned
     }
 
     /// Whether the cells around a centre are touched, by the mean of their shares.
@@ -119,7 +136,7 @@ impl ContactFinder {
     pub(super) fn find(&mut self, surface: &Surface, drag: Option<&Drag>) {
         if self.network.is_some() {
             self.look(surface, drag);
-            self.take_contact();
+            self.take_contact(surface);
             self.take_depth(drag);
             self.hold_to_face(surface);
             return;
@@ -144,15 +161,17 @@ impl ContactFinder {
     /// Gives what moves with a face that the gel sticks to the depth of that face.
     fn hold_to_face(&mut self, surface: &Surface) {
         self.erode(surface.grid);
-        let is_sharp = |face: &StuckFace| {
+        let deviation_mm = |face: &StuckFace| {
             rigid::depth_deviation_mm(surface, &self.inner, face, self.noise_mm)
-                .is_some_and(|deviation_mm| deviation_mm <= MOST_DEVIATION_MM)
+                .filter(|deviation_mm| *deviation_mm <= MOST_DEVIATION_MM)
         };
         let face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
             .filter(|face| face.matching >= LEAST_MATCHING && face.residual_mm <= MOST_RESIDUAL * self.noise_mm)
-            .filter(|face| self.is_likely(surface, face) && is_sharp(face));
+            .filter(|face| self.is_likely(surface, face))
+            .and_then(|face| Some((face, deviation_mm(&face)?)));
         self.on_face.fill(false);
-        let Some(face) = face else { return };
+        let Some((face, deviation_mm)) = face else { return };
+        self.face_deviation_mm = FACE_DEVIATION_MM.max(deviation_mm as f32);
         for cell in 0..self.depth_mm.len() {
             if self.touches[cell] && rigid::distance_mm(surface, cell, &face.motion) < 3.0 * self.noise_mm {
                 self.on_face[cell] = true;
@@ -170,12 +189,13 @@ impl ContactFinder {
     }
 
     /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free and
-    /// nothing learned tells of it.
-    pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32) -> f32 {
+    /// nothing learned tells of it. Where neither what was learned nor a face tells of the press, nothing is known.
+    pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32, has_face: bool) -> f32 {
         match (self.on_face[cell], self.is_learned()) {
-            (true, _) => FACE_DEVIATION_MM,
+            (true, _) => self.face_deviation_mm,
             (false, true) => self.told_deviation_mm[cell],
-            (false, false) => 0.01 + 0.1 * around_mm.abs(),
+            (false, false) if has_face => 0.01 + 0.1 * around_mm.abs(),
+            (false, false) => f32::INFINITY,
         }
     }
 
@@ -212,9 +232,11 @@ impl ContactFinder {
         self.told.as_flattened_mut().iter_mut().for_each(|sum| *sum *= per_way);
     }
 
-    fn take_contact(&mut self) {
+    /// Contact that the network tells of, where the camera sees the gel at rest: of what lies beyond nothing is said.
+    fn take_contact(&mut self, surface: &Surface) {
         for (cell, &[depth_mm, odds, _]) in self.told.iter().enumerate() {
-            let share = if depth_mm > 0.0 { 1.0 / (1.0 + (-odds).exp()) } else { 0.0 };
+            let is_told = depth_mm > 0.0 && surface.has_pixels(cell);
+            let share = if is_told { 1.0 / (1.0 + (-odds).exp()) } else { 0.0 };
             (self.share[cell], self.touches[cell]) = (share, share > 0.5);
         }
     }

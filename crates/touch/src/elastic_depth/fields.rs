@@ -31,6 +31,8 @@ pub struct ElasticFields {
     pub is_cut: bool,
     /// Whether the flow cannot be that of this gel before this camera.
     pub is_misfit: bool,
+    /// Whether the gel moves and nothing like it before this camera was learned from, though what was learned is to be used.
+    pub is_outside_learned: bool,
 }
 
 /// A field of tractions over the gel's surface: row by row, the surface's centre in the grid's middle.
@@ -74,6 +76,7 @@ impl ElasticFields {
             is_beyond_linear: false,
             is_cut: false,
             is_misfit: false,
+            is_outside_learned: false,
         };
         fields.rest();
         fields
@@ -94,6 +97,7 @@ impl ElasticFields {
         self.torque_nmm = self.torque_nmm.map(|_| 0.0);
         self.unexplained = None;
         (self.is_beyond_linear, self.is_cut, self.is_misfit) = (false, false, false);
+        self.is_outside_learned = false;
     }
 }
 

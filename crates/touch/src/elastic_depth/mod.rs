@@ -12,7 +12,7 @@
 //!    all that tells of the gel around contact where nothing learned is used.
 //!
 //! Elasticity is linear, that of a block with free sides, bonded at its base. The solution is that of small strain: beyond
-//! a depth of about a fifth of the thickness it is an approximation.
+//! a depth of about a quarter of the thickness it is an approximation.
 
 mod coarse;
 mod contact;
@@ -215,11 +215,12 @@ impl ElasticDepth {
     fn write_fields(&mut self) {
         // Where nothing learned tells of the free gel, the tractions do.
         let moved = (!self.contact.is_learned()).then(|| self.held.displacement_mm());
+        let has_face = self.contact.has_face();
         for (cell, told) in self.told.iter_mut().enumerate() {
             let around_mm = moved.map_or(0.0, |moved| moved[cell][2]);
             let is_told = moved.is_none() || self.contact.touches[cell];
             let depth = if is_told { self.contact.depth_mm[cell] } else { around_mm };
-            *told = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
+            *told = [depth, self.contact.deviation_mm(cell, around_mm, has_face), self.contact.share[cell], 0.0];
         }
         let ElasticFields { depth_mm, deviation_mm, contact, .. } = &mut self.fields;
         let depths = depth_mm.values_mut().iter_mut().zip(deviation_mm.values_mut());
@@ -237,6 +238,7 @@ impl ElasticDepth {
         self.fields.contact_area_mm2 = (touched as f64 * self.surface.grid.cell_area_mm2()) as f32;
         self.fields.is_beyond_linear = deepest_mm > LINEAR_RANGE * thickness_mm;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
+        self.fields.is_outside_learned = self.contact.is_outside_learned();
         let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);
         // Once found not to fit, a gel has to fit well or to come to rest.

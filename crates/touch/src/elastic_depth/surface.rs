@@ -157,6 +157,16 @@ impl Surface {
         self.cell_of[pixel] != NOWHERE
     }
 
+    /// Whether some pixel shows a cell at rest.
+    pub(super) fn has_pixels(&self, cell: usize) -> bool {
+        self.rest[cell].is_some()
+    }
+
+    /// From the camera to the undeformed surface, mm.
+    pub(super) fn distance_mm(&self) -> f64 {
+        self.camera.position_mm()[2]
+    }
+
     /// The centre of a cell, mm.
     pub(super) fn centre_mm(&self, cell: usize) -> [f64; 2] {
         let SurfaceGrid { columns, rows, cell_mm } = self.grid;
@@ -205,7 +215,7 @@ impl Surface {
                 slope: [((x - camera_x) / height) as f32, ((y - camera_y) / height) as f32],
                 trust: if now.is_some() { sum.valid / sum.count.max(1.0) } else { 0.0 },
             };
-            *is_seen = seen.trust >= 0.5 || is_within(self.size, px);
+            *is_seen = sum.count > 0.0 && (seen.trust >= 0.5 || is_within(self.size, px));
         }
         self.fill();
     }

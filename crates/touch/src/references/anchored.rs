@@ -7,7 +7,7 @@
 //! all is the keyframe the reference, and the composed flow the answer.
 //!
 //! A gel that was pressed at the start is recognised by its flow pointing inwards; once it has come to rest, that rest
-//! becomes the reference.
+//! becomes the reference, unless elasticity says that it is no rest but a press.
 
 use super::compose::compose_into;
 use super::start_up::StartUp;
@@ -75,6 +75,11 @@ impl Anchored {
     /// Whether the reference seems to show a pressed gel.
     pub(crate) fn is_pressed_at_start(&self) -> bool {
         self.start_up.is_pressed()
+    }
+
+    /// Takes note of whether elasticity explains the last frame as a press.
+    pub(crate) fn note_press(&mut self, is_press: bool) {
+        self.start_up.note_press(is_press);
     }
 
     /// Matches a frame and writes its flow from the first reference.

@@ -65,6 +65,13 @@ impl References {
         }
     }
 
+    /// Takes note of whether elasticity explains the last frame as a press.
+    pub(crate) fn note_press(&mut self, is_press: bool) {
+        if let Self::Anchored(references) = self {
+            references.note_press(is_press);
+        }
+    }
+
     /// The first reference, once there is one.
     pub(crate) fn first(&self) -> Option<&Reference> {
         match self {

@@ -3,6 +3,9 @@
 //! A press moves the surface's points away from where it touches; a release from a pressed reference moves them towards
 //! it. The *divergence* of a flow, `Σ f·(x − c) / Σ |f| |x − c|` about the centroid `c` of its magnitude, is near 1 for
 //! the one, near −1 for the other and near 0 for shear. It is watched until the gel has first been touched or released.
+//!
+//! Compressible gel under a ball moves inwards, too. Where elasticity is known it tells the two apart: a release is no press
+//! on any gel, so while it finds a press that fits, no new rest is taken.
 
 use fingervision_flow::{Estimate, FlowField};
 
@@ -33,11 +36,13 @@ enum State {
 pub(crate) struct StartUp {
     state: State,
     rest_frames: u64,
+    /// Whether the last frame is what a press on the gel of the first image makes.
+    is_press: bool,
 }
 
 impl StartUp {
     pub(crate) fn new(rest_frames: u64) -> Self {
-        Self { state: State::Untouched, rest_frames }
+        Self { state: State::Untouched, rest_frames, is_press: false }
     }
 
     /// Whether the reference showed a pressed gel, as far as is known.
@@ -45,9 +50,14 @@ impl StartUp {
         matches!(self.state, State::Pressed { .. })
     }
 
-    /// Whether a gel that was pressed at the start has been still for long enough.
+    /// Whether a gel that was pressed at the start has been still for long enough, and not because something holds it pressed.
     pub(crate) fn has_come_to_rest(&self) -> bool {
-        matches!(self.state, State::Pressed { still } if still >= self.rest_frames)
+        !self.is_press && matches!(self.state, State::Pressed { still } if still >= self.rest_frames)
+    }
+
+    /// Takes note of whether elasticity explains the last frame as a press.
+    pub(crate) fn note_press(&mut self, is_press: bool) {
+        self.is_press = is_press;
     }
 
     /// The reference has been replaced by one at rest.

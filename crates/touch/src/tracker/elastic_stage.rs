@@ -41,6 +41,7 @@ impl ElasticStage {
             (Flag::BeyondLinear, found.is_beyond_linear),
             (Flag::ContactCut, found.is_cut),
             (Flag::GelMisfit, found.is_misfit),
+            (Flag::OutsideLearned, found.is_outside_learned),
         ] {
             if holds {
                 reading.flags.raise(flag);

@@ -36,9 +36,27 @@ pub(super) fn constants(poissons_ratio: f64, thickness_mm: f64) -> [f32; CONSTAN
     [(poissons_ratio - 0.42) * 8.0, (thickness_mm - 10.0) / 3.0].map(|value| value as f32)
 }
 
-/// Whether presses of such a gel, scaled to a side of [`SIZE_MM`], were among those learned from.
-pub(super) fn is_trained_for(poissons_ratio: f64, thickness_mm: f64) -> bool {
-    (0.29..=0.5).contains(&poissons_ratio) && (6.0..=15.0).contains(&thickness_mm)
+/// A gel before a camera, scaled to a longer side of [`SIZE_MM`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Sensor {
+    pub(super) poissons_ratio: f64,
+    pub(super) thickness_mm: f64,
+    /// The shorter side.
+    pub(super) shorter_mm: f64,
+    /// From the camera to the gel.
+    pub(super) distance_mm: f64,
+}
+
+impl Sensor {
+    /// Whether what was learned says anything of such a gel.
+    pub(super) fn is_told_of(&self) -> bool {
+        (0.29..=0.5).contains(&self.poissons_ratio) && (6.0..=15.0).contains(&self.thickness_mm)
+    }
+
+    /// Whether presses of such a gel, square and from about so far, were among those learned from.
+    pub(super) fn is_learned_from(&self) -> bool {
+        self.is_told_of() && self.shorter_mm >= 0.9 * SIZE_MM && (12.0..=42.0).contains(&self.distance_mm)
+    }
 }
 
 /// Depth, the logarithm of the odds of contact and that of the error expected of the depth.

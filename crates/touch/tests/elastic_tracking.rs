@@ -1,0 +1,149 @@
+//! From images of simulated presses to depth, force and flags.
+#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+
+use std::ops::ControlFlow;
+
+use fingervision_gel::{PressCache, Scene, Simulation};
+use fingervision_image::{Frame, Pixels};
+use fingervision_touch::{Fields, Flag, Profile, Reading, Tracker};
+
+const FIELDS: Fields = Fields { depth: true, traction: true, ..Fields::NONE };
+
+/// A press on the draft mesh, and a tracker that knows its gel and camera.
+struct Press {
+    simulation: Simulation,
+    profile: Profile,
+    sequence: u64,
+}
+
+impl Press {
+    fn new(scene: &str) -> Self {
+        let scene = Scene::from_toml(&format!("name = 'press'\n{scene}\n[mesh]\nresolution = 'draft'\n")).unwrap();
+        let mut simulation = Simulation::new(&scene).unwrap();
+        simulation.solve(&PressCache::OFF, &mut |_| ControlFlow::Continue(())).unwrap();
+        let profile = Profile { camera: Some(scene.camera()), gel: Some(scene.gel), ..Profile::default() };
+        Self { simulation, profile, sequence: 0 }
+    }
+
+    /// A ball of radius 6 mm, pressed down to a depth, mm, in eight steps.
+    fn of_a_ball(gel: &str, depth_mm: f64) -> Self {
+        Self::new(&format!(
+            "[gel]\n{gel}\n[contact]\nlaw = 'frictionless'\n[indenter]\nshape = 'sphere'\nradius_mm = 6.0\n\
+             [motion]\nframes = 9\nkeyframes = [{{ at = 8, depth_mm = {depth_mm:.1} }}]"
+        ))
+    }
+
+    fn tracker(&self) -> Tracker {
+        Tracker::new(&self.profile, self.simulation.size(), true, FIELDS).unwrap()
+    }
+
+    /// Has a pose of the press tracked.
+    fn show<'a>(&mut self, pose: usize, tracker: &'a mut Tracker) -> &'a Reading {
+        let pixels: Pixels = self.simulation.frame(pose).unwrap().clone();
+        let (sequence, capture_time_s) = (self.sequence, self.sequence as f64 / 90.0);
+        self.sequence += 1;
+        tracker.track(&Frame { sequence, capture_time_s, pixels }).unwrap()
+    }
+
+    /// Has the whole press tracked.
+    fn show_all<'a>(&mut self, tracker: &'a mut Tracker) -> &'a Reading {
+        for pose in 0..8 {
+            self.show(pose, tracker);
+        }
+        self.show(8, tracker)
+    }
+}
+
+/// Pixels in contact.
+fn touched(reading: &Reading) -> usize {
+    reading.contact.as_ref().unwrap().values().iter().filter(|&&contact| contact == 1).count()
+}
+
+#[test]
+fn a_press_is_told_from_its_images() {
+    let mut press = Press::of_a_ball("", 1.6);
+    let mut tracker = press.tracker();
+    let reading = press.show_all(&mut tracker).clone();
+    let truth = press.simulation.truth(8).unwrap();
+    let depths = reading.depth.as_ref().unwrap().values().iter().zip(truth.depth.values());
+    let error_mm = depths.map(|(found, truth)| f64::from((found - truth).abs())).sum::<f64>() / (480.0 * 480.0);
+    assert!(error_mm < 0.012, "{error_mm} mm");
+    let deepest_mm = reading.max_depth_mm.unwrap();
+    assert!((deepest_mm - 1.6).abs() < 0.15, "{deepest_mm} mm deep");
+    let ([_, _, force_n], true_n) = (reading.force_n.unwrap(), press.simulation.states()[8].force_n[2]);
+    assert!((f64::from(force_n) - true_n).abs() < 0.1 * true_n, "{force_n} N, {true_n} N in truth");
+    assert_eq!(reading.flags.to_string(), "");
+}
+
+#[test]
+fn a_press_on_compressible_gel_is_not_taken_for_a_release() {
+    let mut press = Press::of_a_ball("poissons_ratio = 0.35", 1.6);
+    press.profile.references.rest_frames = 4;
+    let mut tracker = press.tracker();
+    let pressed = press.show_all(&mut tracker).clone();
+    assert!(pressed.flags.has(Flag::PressedAtStart), "else this tests nothing: {}", pressed.flags);
+    for _ in 0..8 {
+        press.show(8, &mut tracker);
+    }
+    let held = press.show(8, &mut tracker);
+    assert_eq!(held.reference_id, 0);
+    let (before, now) = (pressed.max_depth_mm.unwrap(), held.max_depth_mm.unwrap());
+    assert!((now - before).abs() < 0.05, "{before} mm, then {now} mm");
+}
+
+#[test]
+fn a_gel_that_is_released_takes_its_rest_for_the_reference() {
+    let mut press = Press::of_a_ball("", 1.6);
+    press.profile.references.rest_frames = 4;
+    let mut tracker = press.tracker();
+    for pose in (0..=8).rev() {
+        press.show(pose, &mut tracker);
+    }
+    for _ in 0..8 {
+        press.show(0, &mut tracker);
+    }
+    let reading = press.show(0, &mut tracker);
+    assert!(reading.reference_id > 0 && reading.flags.to_string().is_empty(), "{}", reading.flags);
+    assert_eq!(reading.contact_area_mm2, Some(0.0));
+}
+
+#[test]
+fn a_press_beyond_a_quarter_of_the_thickness_is_flagged() {
+    let mut press = Press::of_a_ball("thickness_mm = 8.0", 2.4);
+    let mut tracker = press.tracker();
+    let mut is_flagged = |pose| press.show(pose, &mut tracker).flags.has(Flag::BeyondLinear);
+    let flagged: Vec<_> = (0..=8).map(&mut is_flagged).collect();
+    assert!(!flagged[..6].contains(&true) && flagged[8], "{flagged:?}, from 2 mm on it should be");
+}
+
+#[test]
+fn contact_at_the_border_of_the_view_is_flagged_and_told_as_far_as_it_is_seen() {
+    let mut press = Press::of_a_ball("", 1.6);
+    let size = press.simulation.size();
+    let mut whole = press.tracker();
+    press.show_all(&mut whole);
+    let (whole_n, whole_px) = (whole.reading().force_n.unwrap()[2], touched(whole.reading()));
+    press.profile.set("image.region_of_interest", &format!("[0, 0, {}, {}]", size.0 / 2, size.1)).unwrap();
+    let mut tracker = press.tracker();
+    let reading = press.show_all(&mut tracker);
+    assert!(reading.flags.has(Flag::ContactCut), "{}", reading.flags);
+    let seen_px = touched(reading);
+    assert!((2 * seen_px).abs_diff(whole_px) < whole_px / 5, "{seen_px} px of {whole_px}: half of it is seen");
+    let (area, pixel) = (reading.contact_area_mm2.unwrap(), 0.0625_f32.powi(2));
+    assert!((area - pixel * seen_px as f32).abs() < 0.1 * area, "{area} mm² in {seen_px} px");
+    let part = reading.force_n.unwrap()[2] / whole_n;
+    assert!((0.3..1.0).contains(&part), "{part} of the force");
+}
+
+#[test]
+fn a_gel_that_nothing_was_learned_from_is_flagged_once_it_moves() {
+    let mut press = Press::of_a_ball("thickness_mm = 5.0", 0.8);
+    let mut tracker = press.tracker();
+    assert_eq!(press.show(0, &mut tracker).flags.to_string(), "");
+    let reading = press.show_all(&mut tracker);
+    assert!(reading.flags.has(Flag::OutsideLearned), "{}", reading.flags);
+    press.profile.elastic.learned = false;
+    let mut tracker = press.tracker();
+    let reading = press.show_all(&mut tracker);
+    assert!(!reading.flags.has(Flag::OutsideLearned), "it was not asked for: {}", reading.flags);
+}
