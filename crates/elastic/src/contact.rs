@@ -79,6 +79,6 @@ pub struct SurfaceState {
     pub in_contact: Vec<bool>,
     /// Total force of the indenter on the gel, N.
     pub force_n: [f64; 3],
-    /// Total torque of the indenter on the gel about the point where its origin now stands, N mm.
+    /// Total torque of the indenter on the gel about the centre of contact where that now is, N mm.
     pub torque_nmm: [f64; 3],
 }

@@ -47,7 +47,7 @@ const FORCE_COLUMNS: [&str; 6] = ["frame", "depth_mm", "force_x_n", "force_y_n",
 /// | `truth/displacement.npy` | float32 `[N, H, W, 3]` | mm, gel space |
 /// | `truth/contact.npy` | uint8 `[N, H, W]` | 1 where the point touches the indenter |
 /// | `truth/visible.npy` | uint8 `[N, H, W]` | 1 where the camera sees the point |
-/// | `truth/force.csv` | | frame, depth, force on the gel, torque about the indenter's origin |
+/// | `truth/force.csv` | | frame, depth, force on the gel, torque about the centre of contact |
 /// | `profile.toml` | | camera and gel, as the tracker reads them |
 /// | `scene.toml` | | the scene, every default written out |
 ///
@@ -76,7 +76,7 @@ pub struct SimulatedFrame<'a> {
     pub truth: &'a Truth,
     /// Force of the indenter on the gel, N.
     pub force_n: [f64; 3],
-    /// Torque on the gel about z through the indenter's origin, N mm.
+    /// Torque on the gel about z through the centre of contact, N mm.
     pub torque_z_nmm: f64,
 }
 

@@ -36,6 +36,23 @@ impl Relief for Punch {
     }
 }
 
+/// A punch that stands beside the indenter's origin.
+struct Beside {
+    punch: Punch,
+    to_the_right_mm: f64,
+}
+
+impl Relief for Beside {
+    fn at(&self, x_mm: f64, y_mm: f64) -> ReliefPoint {
+        self.punch.at(x_mm - self.to_the_right_mm, y_mm)
+    }
+
+    fn half_extent_mm(&self) -> [f64; 2] {
+        let [x, y] = self.punch.half_extent_mm();
+        [x + self.to_the_right_mm, y]
+    }
+}
+
 struct Ball {
     radius_mm: f64,
 }
@@ -185,6 +202,17 @@ fn friction_carries_its_coefficient_times_the_normal_force() {
         ratio = force[0] / force[2];
     }
     assert!((ratio / coefficient - 1.0).abs() < 0.02, "shear over normal force: {ratio}");
+}
+
+#[test]
+fn torque_is_about_the_centre_of_contact_and_not_the_indenters_origin() {
+    let indenter = Beside { punch: Punch { radius_mm: 2.0 }, to_the_right_mm: 3.0 };
+    let setup = setup(GEL, Law::NeoHookean, ContactLaw::Stick);
+    let mut press = Press::new(&setup, mesh(&GEL, 6.0, 1.0, 1.5), &indenter, [-3.0, 0.0]).unwrap();
+    press.step(&deep(0.4)).unwrap();
+    let state = press.step(&Pose { shear_mm: [0.0, 0.4], ..deep(0.4) }).unwrap();
+    let arm_mm = state.torque_nmm[2] / state.force_n[1];
+    assert!(state.force_n[1] > 0.5 && arm_mm.abs() < 0.3, "{:?} N, an arm of {arm_mm} mm", state.force_n);
 }
 
 #[test]

@@ -25,7 +25,7 @@ pub struct Recording {
     pub truth: Truth,
     /// Force of the indenter on the gel in the last frame, N.
     pub force_n: [f64; 3],
-    /// Torque of the indenter on the gel about z through its origin in the last frame, N mm.
+    /// Torque of the indenter on the gel about z through the centre of contact in the last frame, N mm.
     pub torque_z_nmm: f64,
     camera: Camera,
     images: Vec<Pixels>,

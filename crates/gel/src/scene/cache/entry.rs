@@ -7,7 +7,7 @@ use fingervision_elastic::SurfaceState;
 use sha2::{Digest, Sha256};
 
 /// Names the format; its last byte is the version.
-const MAGIC: &[u8; 8] = b"FVPRESS\x02";
+const MAGIC: &[u8; 8] = b"FVPRESS\x03";
 const CHECKSUM_LEN: usize = 32;
 
 /// The bytes of an entry.
