@@ -41,6 +41,11 @@ pub struct BlockError {
     pub allowed: &'static str,
 }
 
+/// Thickness over the longer side beyond which the base is not felt any more: what is thicker is in another unit.
+const MOST_THICKNESS: f64 = 4.0;
+/// Young's modulus, `MPa`, of what is not soft any more: no camera sees it give way.
+const MOST_STIFFNESS_MPA: f64 = 1e4;
+
 impl GelBlock {
     /// Checks that every value is possible.
     ///
@@ -50,15 +55,23 @@ impl GelBlock {
     pub fn validate(&self) -> Result<(), BlockError> {
         let length = "a finite length above 0 mm";
         let is_positive = |value: f64| value.is_finite() && value > 0.0;
+        let most_mm = MOST_THICKNESS * self.size_mm[0].max(self.size_mm[1]);
         let checks = [
             ("size_mm", self.size_mm[0], is_positive(self.size_mm[0]), length),
             ("size_mm", self.size_mm[1], is_positive(self.size_mm[1]), length),
             ("thickness_mm", self.thickness_mm, is_positive(self.thickness_mm), length),
+            (
+                "thickness_mm",
+                self.thickness_mm,
+                self.thickness_mm <= most_mm,
+                "up to four times the longer side, in mm,",
+            ),
             ("poissons_ratio", self.poissons_ratio, (0.0..0.5).contains(&self.poissons_ratio), "0 to below 0.5"),
         ];
-        let modulus = self
-            .youngs_modulus_mpa
-            .map(|modulus| ("youngs_modulus_mpa", modulus, is_positive(modulus), "a finite stiffness above 0 MPa"));
+        let is_soft = |modulus: f64| modulus > 0.0 && modulus <= MOST_STIFFNESS_MPA;
+        let modulus = self.youngs_modulus_mpa.map(|modulus| {
+            ("youngs_modulus_mpa", modulus, is_soft(modulus), "a stiffness above 0 and up to 10000 MPa")
+        });
         match checks.into_iter().chain(modulus).find(|&(_, _, is_allowed, _)| !is_allowed) {
             Some((key, value, _, allowed)) => Err(BlockError { key, value, allowed }),
             None => Ok(()),
@@ -78,6 +91,9 @@ mod tests {
         let error = GelBlock { poissons_ratio: 0.5, ..block }.validate().unwrap_err();
         assert_eq!(error.to_string(), "poissons_ratio is 0.5: 0 to below 0.5 is allowed");
         assert!(GelBlock { thickness_mm: 0.0, ..block }.validate().is_err());
+        let error = GelBlock { thickness_mm: 10_000.0, ..block }.validate().unwrap_err();
+        assert_eq!(error.to_string(), "thickness_mm is 10000: up to four times the longer side, in mm, is allowed");
+        assert!(GelBlock { youngs_modulus_mpa: Some(1e300), ..block }.validate().is_err());
         assert!(GelBlock { youngs_modulus_mpa: Some(f64::NAN), ..block }.validate().is_err());
     }
 }
