@@ -31,6 +31,8 @@ pub(super) struct Look {
     pub(super) force_n: Option<f64>,
     /// The largest depth as it was found before it was brought to the known one, mm.
     pub(super) found_mm: f64,
+    /// Whether nothing like this gel before this camera was learned from.
+    pub(super) is_outside_learned: bool,
     /// One over the expected error of a cell's motion, 1/mm.
     pub(super) weight_per_mm: f64,
     pub(super) grid: SurfaceGrid,
@@ -42,13 +44,14 @@ pub(super) struct Look {
     pub(super) around: Vec<(usize, usize)>,
 }
 
-/// What is known of a frame beforehand.
+/// What is known of a frame beside what its cells tell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known {
     pub(super) press: usize,
     pub(super) frame: usize,
     pub(super) depth_mm: f64,
     pub(super) force_n: Option<f64>,
+    pub(super) is_outside_learned: bool,
 }
 
 impl Look {
@@ -66,7 +69,7 @@ impl Look {
         });
         let held_mm = held_mm.collect();
         let around = around(grid, &seen, &touches, gel);
-        let Known { press, frame, depth_mm, force_n } = known;
+        let Known { press, frame, depth_mm, force_n, is_outside_learned } = known;
         let model = MODEL.hypot(BY_MISMATCH * (found_mm / depth_mm).ln());
         touches.contains(&true).then_some(Self {
             press,
@@ -74,6 +77,7 @@ impl Look {
             depth_mm,
             force_n,
             found_mm,
+            is_outside_learned,
             weight_per_mm: 1.0 / (NOISE_PX * cells.mm_per_px).hypot(model * depth_mm),
             grid,
             seen,

@@ -127,8 +127,9 @@ fn looks(presses: &[GelPress], profile: &Profile, gel: &GelBlock) -> Result<Vec<
         let mut found = 0;
         let mut widest_mm: f64 = 0.0;
         for (number, frame) in recorded.frames.iter().enumerate() {
-            inverse.solve(&frame.flow, &frame.valid);
-            let known = Known { press, frame: number, depth_mm: frame.depth_mm, force_n: frame.force_n };
+            let is_outside_learned = inverse.solve(&frame.flow, &frame.valid).is_outside_learned;
+            let (depth_mm, force_n) = (frame.depth_mm, frame.force_n);
+            let known = Known { press, frame: number, depth_mm, force_n, is_outside_learned };
             let Some(look) = Look::new(&inverse.cells(), known, gel) else { continue };
             found += 1;
             widest_mm = widest_mm.max(look.radius_mm());

@@ -23,6 +23,8 @@ const ALIKE: f64 = 0.97;
 const WIDE: f64 = 1.0;
 /// Motion that may stay unexplained, as a part of the depth, before a warning.
 const MOST_UNEXPLAINED: f64 = 0.02;
+/// A modulus that changes by more than this factor is warned of: forces in another unit do that.
+const MOST_STIFFER: f64 = 5.0;
 /// Depths in the images that differ by more than this factor from the known ones are warned of.
 const MOST_FACTOR: f64 = 1.5;
 
@@ -152,12 +154,20 @@ impl GelReport {
             ),
             modulus_estimate(start.youngs_modulus_mpa, stiff, (unknowns.youngs_modulus, has_forces), model[2], &why),
         ];
+        let is_outside_learned = looks.iter().any(|look| look.is_outside_learned);
         let reports = press_reports(presses, (&looks, &after), &before, modulus_mpa);
         let unexplained = fit::unexplained_by(&looks, &after.explained);
         let maps = maps(&looks, &after, &before);
         let (before_looks, explained): (Vec<_>, Vec<_>) = before.into_iter().unzip();
+        let mut warnings = warnings(presses, &reports, unexplained, gel);
+        warnings.extend(warning_of_modulus(&estimates[2]));
+        warnings.extend(is_outside_learned.then(|| {
+            "nothing like this gel before this camera was learned from: depth and contact are as good as elasticity alone \
+             makes them, and the gel is fitted to them"
+                .into()
+        }));
         Ok(Self {
-            warnings: warnings(presses, &reports, unexplained, gel),
+            warnings,
             residual: ResidualGrid::about(&gel, &looks, &mut models, &covariance)?,
             unexplained_before: fit::unexplained_by(&before_looks, &explained),
             unexplained,
@@ -284,6 +294,14 @@ fn press_reports(
         GelPressReport { name: press.name.clone(), frames: of.map(frame).collect() }
     };
     presses.iter().enumerate().map(report).collect()
+}
+
+/// A modulus far from what the profile had.
+fn warning_of_modulus(estimate: &GelEstimate) -> Option<String> {
+    let (before, now) = estimate.before.zip(estimate.value)?;
+    (now.max(before) > MOST_STIFFER * now.min(before)).then(|| {
+        format!("Young's modulus goes from {before:.4} to {now:.4} MPa: are the forces in N? (1 g is 0.00981 N)")
+    })
 }
 
 fn warnings(recorded: &[GelPress], presses: &[GelPressReport], unexplained: f64, gel: GelBlock) -> Vec<String> {

@@ -2,7 +2,7 @@
 //! as wide.
 
 use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
-use fingervision_touch::{Cells, Limits, Seen, Tractions};
+use fingervision_touch::{Cells, Limits, Seen, Strain, Tractions};
 
 use super::look::{Known, Look};
 use super::{Fitted, GelFitError, GelPress, GelReport, Unknowns, fit_in_rounds};
@@ -33,7 +33,7 @@ fn press(radius_mm: f64, [x, y]: [f64; 2]) -> Pressed {
     };
     let pushed: f64 = tractions.traction().iter().map(|traction| f64::from(traction[2])).sum();
     let shear_mpa = 0.3 / (2.0 * (1.0 + GEL.poissons_ratio));
-    let stiffened = 1.0 + 0.17 * 0.5 / GEL.thickness_mm;
+    let [_, _, stiffened] = Strain::of(GRID, &touches, moved, 0.5, GEL.thickness_mm).stiffening();
     Pressed {
         seen: GRID.centres_mm().zip(moved).map(see).collect(),
         depth_mm: moved.iter().map(|[_, _, depth]| *depth).collect(),
@@ -45,7 +45,7 @@ fn press(radius_mm: f64, [x, y]: [f64; 2]) -> Pressed {
 fn look(pressed: &Pressed, press: usize, gel: &GelBlock, force_n: Option<f64>) -> Look {
     let Pressed { seen, touches, depth_mm, .. } = pressed;
     let cells = Cells { grid: GRID, seen, touches, depth_mm, mm_per_px: 0.06 };
-    Look::new(&cells, Known { press, frame: 0, depth_mm: 0.5, force_n }, gel).unwrap()
+    Look::new(&cells, Known { press, frame: 0, depth_mm: 0.5, force_n, is_outside_learned: false }, gel).unwrap()
 }
 
 fn fit(start: GelBlock, unknowns: Unknowns, has_forces: bool) -> Result<GelReport, GelFitError> {
