@@ -79,8 +79,8 @@ impl Run {
             return Err(self.cannot_be_had(*field));
         }
         if by_default && !tracker.has_depth() {
-            let name = &self.profile.name;
-            self.output.note(&format!("no depth is written: the profile \"{name}\" has no depth line"));
+            let (name, lacks) = (&self.profile.name, self.lacks_for_depth());
+            self.output.note(&format!("no depth is written: the profile \"{name}\" has {lacks}"));
         }
         Ok(tracker)
     }
@@ -90,8 +90,9 @@ impl Run {
         let (name, profile) = (field.name(), &self.profile.name);
         match (field, self.profile.depth_method()) {
             (Field::Depth, DepthMethod::Density) => Failure::new(
-                format!("depth was asked for, but the profile \"{profile}\" has no depth line"),
-                "leave depth out of --fields, or fit one: fingervision calibrate depth PRESSES --profile sensor.toml",
+                format!("depth was asked for, but the profile \"{profile}\" has {}", self.lacks_for_depth()),
+                "leave depth out of --fields, give the profile [camera] and [gel], or fit one: fingervision calibrate depth \
+                 PRESSES --profile sensor.toml",
             ),
             (_, DepthMethod::Density) => Failure::new(
                 format!("{name} was asked for, but the profile \"{profile}\" has no elastic depth"),
@@ -106,12 +107,24 @@ impl Run {
         }
     }
 
+    /// What a profile without depth would need for it.
+    fn lacks_for_depth(&self) -> String {
+        let Profile { camera, gel, .. } = &self.profile;
+        match (camera, gel, self.profile.depth.method) {
+            (None, Some(_), None) => "no [camera] for elastic depth, and no depth line".into(),
+            (Some(_), None, None) => "no [gel] for elastic depth, and no depth line".into(),
+            _ => "no depth line".into(),
+        }
+    }
+
     /// What is written: all that was asked for, and with elastic depth always contact and where they hold.
     fn fields_to_keep(&self, reading: &Reading) -> Vec<Field> {
         let by_default = || [Field::Flow, Field::Density, Field::Depth].to_vec();
         let mut fields = self.fields.clone().unwrap_or_else(by_default);
         fields.retain(|field| field.is_in(reading));
-        let is_elastic = [Field::Depth, Field::Displacement, Field::Contact].iter().any(|field| fields.contains(field));
+        let is_elastic = [Field::Depth, Field::Displacement, Field::Contact, Field::Traction]
+            .iter()
+            .any(|field| fields.contains(field));
         for field in [Field::Contact, Field::DepthValid] {
             if is_elastic && field.is_in(reading) && !fields.contains(&field) {
                 fields.push(field);
