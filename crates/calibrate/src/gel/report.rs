@@ -22,7 +22,7 @@ const ALIKE: f64 = 0.97;
 /// Contact that is wider than this, as radius over thickness, leaves little around it.
 const WIDE: f64 = 1.0;
 /// Motion that may stay unexplained, as a part of the depth, before a warning.
-const MOST_UNEXPLAINED: f64 = 0.02;
+const USUAL_UNEXPLAINED: f64 = 0.02;
 /// A modulus that changes by more than this factor is warned of: forces in another unit do that.
 const MOST_STIFFER: f64 = 5.0;
 /// Depths in the images that differ by more than this factor from the known ones are warned of.
@@ -315,12 +315,12 @@ fn warnings(recorded: &[GelPress], presses: &[GelPressReport], unexplained: f64,
             )
         })
         .collect();
-    if unexplained > MOST_UNEXPLAINED {
+    if unexplained > USUAL_UNEXPLAINED {
         warnings.push(format!(
             "{:.1} % of the depth stay unexplained, {:.0} % at most are usual: is the gel bonded to a flat window, the camera \
              calibrated, the depth right?",
             100.0 * unexplained,
-            100.0 * MOST_UNEXPLAINED
+            100.0 * USUAL_UNEXPLAINED
         ));
     }
     for press in presses {

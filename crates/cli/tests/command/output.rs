@@ -25,6 +25,11 @@ fn the_demo_is_tracked_close_to_its_truth() {
     let pixels = &result["truth"]["mean"]["pixels"]["everywhere"];
     let [compared, rest] = [&pixels["compared"], &pixels["not_valid"]].map(|count| count.as_f64().unwrap());
     assert!(compared > 0.9 * (compared + rest), "{pixels}");
+    let depth = &result["truth"]["mean"]["depth_mm"];
+    let error_mm = |part: &str| depth[part]["mean"].as_f64().unwrap();
+    assert!(error_mm("everywhere") < 0.015 && error_mm("inside") < 0.05, "{depth}");
+    let [told_n, true_n] = [&result["deepest"], &result["simulation"]].map(|of| of["force_n"][2].as_f64().unwrap());
+    assert!((told_n / true_n - 1.0).abs() < 0.05, "{told_n} N, {true_n} N in truth");
     for name in ["flow.npy", "density.npy", "valid.npy", "readings.csv", "run.toml", "evaluation/evaluation.png"] {
         assert!(bench.path("fingervision-demo/run").join(name).exists(), "{name}");
     }

@@ -14,7 +14,7 @@ use super::surface::Surface;
 
 /// A rigid motion of gel space.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Motion {
+pub(super) struct RigidMotion {
     rotation: [[f64; 3]; 3],
     translation_mm: [f64; 3],
 }
@@ -22,7 +22,7 @@ pub(super) struct Motion {
 /// A face that the gel sticks to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StuckFace {
-    pub(super) motion: Motion,
+    pub(super) motion: RigidMotion,
     /// Median distance between a point's ray and where the motion puts it, mm.
     pub(super) residual_mm: f64,
     /// Which part of the points matches, 0 to 1.
@@ -42,7 +42,7 @@ const ROUNDS: usize = 8;
 /// Points that a fit needs at least.
 const LEAST_POINTS: usize = 30;
 
-impl Motion {
+impl RigidMotion {
     const NONE: Self = Self { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation_mm: [0.0; 3] };
 
     /// Where a point of the undeformed surface goes, mm.
@@ -61,7 +61,7 @@ impl Motion {
 }
 
 /// Distance between where a motion puts a cell and where the camera sees it, mm.
-pub(super) fn distance_mm(surface: &Surface, cell: usize, motion: &Motion) -> f64 {
+pub(super) fn distance_mm(surface: &Surface, cell: usize, motion: &RigidMotion) -> f64 {
     let [x, y] = residual(&point(surface, cell), motion);
     (x * x + y * y).sqrt()
 }
@@ -71,7 +71,7 @@ pub(super) fn fit(surface: &Surface, cells: &[usize], tolerance_mm: f64, scratch
     if cells.len() < LEAST_POINTS {
         return None;
     }
-    let (mut motion, mut residual_mm, mut scale) = (Motion::NONE, f64::INFINITY, f64::INFINITY);
+    let (mut motion, mut residual_mm, mut scale) = (RigidMotion::NONE, f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
         motion = motion.turned(step(surface, cells, &motion, scale)?);
         scratch.clear();
@@ -117,19 +117,19 @@ fn point(surface: &Surface, cell: usize) -> Point {
     Point { rest: surface.centre_mm(cell), apparent: seen.apparent_mm.map(f64::from), slope: seen.slope.map(f64::from) }
 }
 
-fn residual(point: &Point, motion: &Motion) -> [f64; 2] {
+fn residual(point: &Point, motion: &RigidMotion) -> [f64; 2] {
     let to = motion.apply(point.rest);
     [0, 1].map(|axis| to[axis] - point.rest[axis] + point.slope[axis] * to[2] - point.apparent[axis])
 }
 
 /// One step of Gauss–Newton with weights for residuals of this scale: a rotation and a translation.
-fn step(surface: &Surface, cells: &[usize], motion: &Motion, scale: f64) -> Option<[f64; 6]> {
+fn step(surface: &Surface, cells: &[usize], motion: &RigidMotion, scale: f64) -> Option<[f64; 6]> {
     let (matrix, right) = normal_equations(surface, cells, motion, scale);
     solve(matrix, right)
 }
 
 /// The normal equations of a step.
-fn normal_equations(surface: &Surface, cells: &[usize], motion: &Motion, scale: f64) -> ([[f64; 6]; 6], [f64; 6]) {
+fn normal_equations(surface: &Surface, cells: &[usize], motion: &RigidMotion, scale: f64) -> ([[f64; 6]; 6], [f64; 6]) {
     let (mut matrix, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
     for &cell in cells {
         let point = point(surface, cell);

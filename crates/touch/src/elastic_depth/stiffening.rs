@@ -10,7 +10,7 @@
 //!
 //! The numbers were fitted to presses of a circle, a sphere and a square alone. Those along the normal: stuck and sliding, ν .35
 //! and .48, 2 mm deep in 10 mm; the last of them to 24 presses, 1 and 1.8 mm deep, dragged by .8 and 1.5 mm, of which each
-//! alone gives .06 to .14. Those along the surface: the mean over 60 presses that were slid by up to 1.5 mm or turned by .3 rad;
+//! alone gives .06 to .14, and beyond which `s² / (d a)` counts for no more than theirs. Those along the surface: the mean over 60 presses that were slid by up to 1.5 mm or turned by .3 rad;
 //! single forces are within 4 %, torques within 12 %. The 0.09 was fitted to 5 squares, 1.2 to 2 mm deep, slid by 1.2 mm or turned
 //! by .16 or .3 rad without friction: shear forces alone give .05, torques .13.
 
