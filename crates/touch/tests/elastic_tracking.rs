@@ -56,7 +56,7 @@ impl Press {
 
 /// Pixels in contact.
 fn touched(reading: &Reading) -> usize {
-    reading.contact.as_ref().unwrap().values().iter().filter(|&&contact| contact == 1).count()
+    reading.contact.as_ref().unwrap().values().iter().map(|&contact| usize::from(contact)).sum()
 }
 
 #[test]

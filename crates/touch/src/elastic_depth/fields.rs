@@ -5,6 +5,7 @@ use fingervision_image::Image;
 
 /// Everything that elasticity tells about one frame.
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct ElasticFields {
     /// Depth at every pixel of the reference grid, mm, positive pressed in.
     pub depth_mm: Image<f32>,
