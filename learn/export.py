@@ -1,6 +1,6 @@
 """Writes trained weights in the order in which the sensor reads them.
 
-Several files of weights, that trainings from one start led to, become their mean. Three numbers of channels as little-endian
+Of the meshes that presses were solved on the sensor knows nothing: it is told of the gel as the fine one has it. Three numbers of channels as little-endian
 u32, then for each layer its weights `[output][input][row][column]` and its biases, f32.
 """
 
@@ -9,12 +9,12 @@ import sys
 
 import torch
 
-from network import LAYERS
+from network import LAYERS, MESHES
 
 
-def main(*sources, target):
-    trained = [torch.load(source, map_location="cpu") for source in sources]
-    weights = {name: sum(each[name] for each in trained) / len(trained) for name in trained[0]}
+def main(source, target):
+    weights = torch.load(source, map_location="cpu")
+    weights["enter0.bias"] += MESHES["fine"] * weights["mesh"]
     with open(target, "wb") as file:
         file.write(struct.pack("<3I", *(len(weights[f"{name}.bias"]) for name in ("enter0", "down0", "deep0"))))
         for name in LAYERS:
@@ -23,4 +23,4 @@ def main(*sources, target):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:-1], target=sys.argv[-1])
+    main(*sys.argv[1:])

@@ -70,11 +70,17 @@ def told_ratio(poissons_ratio):
     return poissons_ratio + 0.008 * torch.randn(len(poissons_ratio))
 
 
+def told_thickness(thickness_mm):
+    """A gel's thickness as a profile may have it."""
+    return thickness_mm * (1 + 0.025 * torch.randn(len(thickness_mm)))
+
+
 def tracked(planes, gel):
     """Inputs from what a tracker saw, with a little noise so that no frame comes twice."""
     noise = RETOLD_NOISE_MM * torch.randn(len(planes), 2, CELLS, CELLS)
     thickness_mm, poissons_ratio = gel.unbind(1)
-    return packed(torch.cat([planes[:, :2] + noise, planes[:, 2:]], 1), thickness_mm, told_ratio(poissons_ratio))
+    planes = torch.cat([planes[:, :2] + noise, planes[:, 2:]], 1)
+    return packed(planes, told_thickness(thickness_mm), told_ratio(poissons_ratio))
 
 
 def drawn(displacement, gel):
@@ -89,4 +95,4 @@ def drawn(displacement, gel):
     noise = NOISE_MM * torch.randn(batch, 2, CELLS, CELLS) + WAVY_NOISE_MM * wavy
     noise = noise * (distance_mm / 25)[:, None, None, None]
     planes = torch.cat([planes[:, :2] + noise, planes[:, 2:]], 1)
-    return packed(planes, thickness_mm, told_ratio(poissons_ratio))
+    return packed(planes, told_thickness(thickness_mm), told_ratio(poissons_ratio))

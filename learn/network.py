@@ -7,13 +7,15 @@ from torch.nn import functional
 CELLS = 120
 INPUTS = 5  # apparent displacement (x, y), slope of the ray (x, y), divergence
 CONSTANTS = 2  # Poisson's ratio, thickness
+MESHES = {"draft": 2.0, "medium": 0.0, "fine": -1.0}  # how coarse the simulator's mesh is, in steps of 0.15 mm
 OUTPUTS = 3  # depth, contact, error of the depth
 LAYERS = ("enter0", "enter1", "down0", "down1", "deep0", "deep1", "deep2", "whole",
           "lift0", "up0", "up1", "lift1", "leave0", "leave1", "output")
 
 
 class ContactNetwork(nn.Module):
-    """Depth in mm, the logarithm of the odds of contact and that of the error expected of the depth: `[batch, 3, cells, cells]`."""
+    """Depth in mm, the logarithm of the odds of contact and that of the error expected of the depth: `[batch, 3, cells, cells]`, for
+    presses solved on meshes so coarse (`MESHES`)."""
 
     def __init__(self, channels=(16, 32, 64)):
         super().__init__()
@@ -34,12 +36,14 @@ class ContactNetwork(nn.Module):
         self.lift0, self.up0, self.up1 = layer(coarse, middle, side=1), layer(middle, middle), layer(middle, middle)
         self.lift1, self.leave0, self.leave1 = layer(middle, fine, side=1), layer(fine, fine), layer(fine, fine)
         self.output = layer(fine, 4 * OUTPUTS, side=1)
+        # A coarse mesh makes another press of the same motion: what is learned from it holds on a fine one but for this.
+        self.mesh = nn.Parameter(torch.zeros(fine))
 
-    def forward(self, cells, constants):
+    def forward(self, cells, constants, coarseness):
         relu, grow = functional.relu, lambda x: functional.interpolate(x, scale_factor=2, mode="nearest")
         x = functional.pixel_unshuffle(cells, 2)
         x = torch.cat([x, constants[:, :, None, None].expand(-1, -1, *x.shape[2:])], 1)
-        fine = relu(self.enter0(x))
+        fine = relu(self.enter0(x) + (coarseness[:, None] * self.mesh)[:, :, None, None])
         fine = relu(self.enter1(fine)) + fine
         middle = relu(self.down0(fine))
         middle = relu(self.down1(middle)) + middle

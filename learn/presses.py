@@ -1,6 +1,7 @@
 """Draws random presses, has the simulator solve them and keeps a few frames of each."""
 
 import argparse
+import dataclasses
 import math
 import pathlib
 import shutil
@@ -13,11 +14,37 @@ from PIL import Image
 CELLS = 120
 PIXELS = 480  # the simulator's frame, each cell 4 by 4 of it
 FRAMES_KEPT = 5
-PATIENCE_S = 300  # a few presses do not settle
+PATIENCE_S = 100  # a few presses do not settle
 MESHES = ["draft", "medium", "fine"]
 SHAPES = {
     "circle": 0.14, "rectangle": 0.14, "triangle": 0.1, "polygon": 0.2, "crossing": 0.08,
     "sphere": 0.08, "ring": 0.08, "pins": 0.06, "letter": 0.06, "height-map": 0.06,
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Kind:
+    """What presses are drawn: which share is moved along the surface, and of those that are which share is shorn and not
+    twisted; which share sticks and which is held by friction, for the others slide (none: it depends on mesh and motion); from
+    which ranges depth is drawn, mm, how far they are shorn at most along each axis, mm, and of which shapes they are."""
+
+    moved: float = 0.3
+    shorn: float = 0.6
+    laws: tuple[float, float] | None = None
+    # Deep faces that slide are the hardest to tell.
+    depths_mm: tuple = ((0.4, 2.4), (1.6, 2.4), (1.6, 2.4))
+    most_shear_mm: float = 1.8
+    shapes: tuple = tuple(SHAPES)
+    ball_mm: tuple[float, float] = (2.5, 25)
+
+
+KINDS = {
+    "any": Kind(),
+    "sliding": Kind(moved=0.12, laws=(0.2, 0)),
+    "dragged": Kind(moved=1, laws=(0.25, 0.6), depths_mm=((0.4, 1.5),), most_shear_mm=2.1),
+    "dragged-ball": Kind(
+        moved=1, shorn=0.9, laws=(0.2, 0.8), depths_mm=((0.4, 1.0),), most_shear_mm=2.1, shapes=("sphere",), ball_mm=(6, 30)
+    ),
 }
 
 
@@ -41,7 +68,7 @@ def points(pairs):
     return "[" + ", ".join(f"[{x:.3f}, {y:.3f}]" for x, y in pairs) + "]"
 
 
-def sizes(draw, shape, folder):
+def sizes(draw, shape, folder, ball_mm):
     uniform = draw.uniform
     match shape:
         case "circle":
@@ -59,7 +86,7 @@ def sizes(draw, shape, folder):
         case "crossing":
             return f"bar_mm = [{uniform(6, 13):.3f}, {uniform(1.5, 3.5):.3f}]"
         case "sphere":
-            return f"radius_mm = {math.exp(uniform(math.log(2.5), math.log(25))):.3f}"
+            return f"radius_mm = {math.exp(uniform(*numpy.log(ball_mm))):.3f}"
         case "ring":
             inner = uniform(1.2, 4)
             return f"inner_radius_mm = {inner:.3f}\nouter_radius_mm = {inner + uniform(1, 3):.3f}"
@@ -78,33 +105,36 @@ def gel(side, thickness, ratio):
     return f"[gel]\nsize_mm = [{side:.4f}, {side:.4f}]\nthickness_mm = {thickness:.4f}\npoissons_ratio = {ratio:.4f}"
 
 
-def scene(draw, folder, mesh):
+def scene(draw, folder, mesh, kind):
     """Writes a random scene, one that takes few steps if the mesh is no draft; returns the gel's side, thickness and Poisson's
     ratio, and the number of frames."""
     uniform = draw.uniform
     side = 30.0 if draw.random() < 0.6 else uniform(24, 36)
     thickness = 10.0 if draw.random() < 0.6 else uniform(7, 13)
     ratio = draw.choice([0.35, 0.48]) if draw.random() < 0.3 else uniform(0.3, 0.495)
-    chance, is_draft, is_moved = draw.random(), mesh == "draft", draw.random() < 0.3
+    chance, is_draft, is_moved = draw.random(), mesh == "draft", draw.random() < kind.moved
     stuck = 0.4 if is_moved or not is_draft else 0.15
     held_by_friction = 0.4 if is_moved else 0.15 if is_draft else 0
+    if kind.laws:
+        stuck, held_by_friction = kind.laws
     law = '"stick"' if chance < stuck else '"frictionless"'
     if chance > 1 - held_by_friction:
-        law = f"{{ friction = {uniform(0.2, 1):.3f} }}"
+        law = f"{{ friction = {uniform(0.2, 1.2):.3f} }}"
     # Without friction the way down does not matter: few steps will do.
     pressed = 3 if "frictionless" in law else 10 if is_draft else 5
     x, y = uniform(-1, 1, 2) * 0.36 * side * draw.choice([0.3, 1])
-    # Deep faces that slide are the hardest to tell.
-    depth, tilt, more, frames = uniform(*draw.choice([[0.4, 2.4], [1.6, 2.4], [1.6, 2.4]])), "", "", pressed + 1
+    depth, tilt, more, frames = uniform(*draw.choice(kind.depths_mm)), "", "", pressed + 1
     if draw.random() < 0.25:
         tilt = f", tilt_rad = [{uniform(-0.1, 0.1):.4f}, {uniform(-0.1, 0.1):.4f}]"
     if is_moved:
         depth, frames = min(depth, 1.5 if is_draft else 2.1), pressed + (3 if "frictionless" in law and not is_draft else 6)
-        if draw.random() < 0.6:
-            more = f", {{ at = {frames - 1}, shear_mm = [{uniform(-1.8, 1.8):.3f}, {uniform(-1.8, 1.8):.3f}] }}"
+        if draw.random() < kind.shorn:
+            x_mm, y_mm = kind.most_shear_mm * uniform(-1, 1, 2)
+            more = f", {{ at = {frames - 1}, shear_mm = [{x_mm:.3f}, {y_mm:.3f}] }}"
         else:
             more = f", {{ at = {frames - 1}, twist_rad = {uniform(-0.35, 0.35):.4f} }}"
-    shape = draw.choice(list(SHAPES), p=list(SHAPES.values()))
+    shares = numpy.array([SHAPES[shape] for shape in kind.shapes])
+    shape = draw.choice(kind.shapes, p=shares / shares.sum())
     focal_length = PIXELS / side * 25
     (folder / "scene.toml").write_text(f"""name = "press"
 [camera]
@@ -115,7 +145,7 @@ youngs_modulus_mpa = 0.6
 law = {law}
 [indenter]
 shape = "{shape}"
-{sizes(draw, shape, folder)}
+{sizes(draw, shape, folder, kind.ball_mm)}
 fillet_mm = {uniform(0.15, 0.6):.3f}
 rotation_rad = {uniform(0, 2 * math.pi):.4f}
 [motion]
@@ -134,11 +164,11 @@ def cells(plane):
     return numpy.asarray(plane, numpy.float32).reshape(CELLS, part, CELLS, part, -1).mean((1, 3))
 
 
-def solve(seed, command, out, mesh):
+def solve(seed, command, out, mesh, kind):
     draw = numpy.random.default_rng(seed)
     folder = pathlib.Path(tempfile.mkdtemp(prefix="press"))
     try:
-        side, thickness, ratio, frames = scene(draw, folder, mesh)
+        side, thickness, ratio, frames = scene(draw, folder, mesh, kind)
         arguments = ["simulate", folder / "scene.toml", "--truth-only", "--no-cache", "--quiet"]
         try:
             done = subprocess.run([command, *arguments, "--out", folder / "run"], capture_output=True, text=True, timeout=PATIENCE_S)
@@ -168,12 +198,13 @@ def main():
     arguments.add_argument("end", type=int, help="the seed after the last")
     arguments.add_argument("--out", type=pathlib.Path, required=True)
     arguments.add_argument("--mesh", choices=MESHES, default="draft", help="on finer ones presses take few steps")
+    arguments.add_argument("--kind", choices=KINDS, default="any", help="what presses are drawn")
     arguments.add_argument("--command", default="target/release/fingervision")
     arguments = arguments.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     for seed in range(arguments.first, arguments.end):
         if not (arguments.out / f"{seed:05d}" / "press.toml").exists():
-            solve(seed, arguments.command, arguments.out, arguments.mesh)
+            solve(seed, arguments.command, arguments.out, arguments.mesh, KINDS[arguments.kind])
 
 
 if __name__ == "__main__":

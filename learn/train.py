@@ -1,6 +1,7 @@
 """Fits the network to solved presses."""
 
 import argparse
+import copy
 import pathlib
 import time
 import tomllib
@@ -10,11 +11,13 @@ import torch
 from torch.nn import functional
 
 from frames import SIZE_MM, drawn, mirrored, mirrored_seen, packed, tracked
-from network import ContactNetwork
+from network import MESHES, ContactNetwork
 
 BATCH = 8
-SHARES = {"draft": 0.25, "medium": 0.5, "fine": 0.25}  # of the frames of a batch, by mesh
-TRACKED_SHARE = 0.7  # of them as a tracker saw them; the others as any camera would, under formulas for blur and noise
+MEAN_STEPS = 2000  # over which weights are averaged
+LEAN = 2.0  # weight of the mean error in contact
+SHARES = {"draft": 0.4, "medium": 0.5, "fine": 0.1}  # of the frames of a batch, by mesh
+TRACKED_SHARE = 0.75  # of them as a tracker saw them; the others as any camera would, under formulas for blur and noise
 
 
 def load(folder):
@@ -23,7 +26,7 @@ def load(folder):
     for press in sorted(pathlib.Path(folder).glob("*/seen.npy")):
         about = tomllib.loads((press.parent / "press.toml").read_text())
         scale = SIZE_MM / about["gel"]["size_mm"][0]  # elasticity knows no scale
-        gel = torch.tensor([scale * about["gel"]["thickness_mm"], about["gel"]["poissons_ratio"]])
+        gel = torch.tensor([scale * about["gel"]["thickness_mm"], about["gel"]["poissons_ratio"], MESHES[about["mesh"]]])
         displacement, contact, seen = (numpy.load(press.parent / f"{name}.npy") for name in ("displacement", "contact", "seen"))
         seen[:, :, :2] *= scale
         frames = judge if int(press.parent.name) % 20 == 7 else train.setdefault(about["mesh"], [])
@@ -34,14 +37,16 @@ def load(folder):
 
 
 def cost(told, depth, contact):
-    """Absolute error of depth, rounded at 0.01 mm, most of all in contact and at its border; cross entropy of contact; and
+    """Absolute error of depth, rounded at 0.01 mm, most of all in contact and at its border; how far its mean is off there, which
+    is what a force makes of it; cross entropy of contact; and
     how well the error is foretold, as that of a Laplace distribution, which the depth does not heed."""
     error = told[:, 0] - depth
     border = (contact > 0.02) & (contact < 0.98)
     weight = 0.35 + 4 * (contact > 0.02) + 3 * border
     absolute = (weight * ((error * error + 1e-4).sqrt() - 0.01)).mean()
+    lean = LEAN * (((contact > 0.02).float() + border.float()) * error).mean((1, 2)).abs().mean()
     surprise = (error.detach().abs() * torch.exp(-told[:, 2]) + told[:, 2]).mean()
-    return absolute + 0.1 * functional.binary_cross_entropy_with_logits(told[:, 1], contact) + 0.002 * surprise
+    return absolute + lean + 0.1 * functional.binary_cross_entropy_with_logits(told[:, 1], contact) + 0.002 * surprise
 
 
 def judged(network, frames):
@@ -51,7 +56,7 @@ def judged(network, frames):
     with torch.no_grad():
         for displacement, contact, gel, cameras in frames:
             for seen in cameras:
-                told = network(*packed(seen[None], *gel[None].unbind(1)))[0]
+                told = network(*packed(seen[None], *gel[None, :2].unbind(1)), gel[2:])[0]
                 error, is_in, is_told = told[0] - displacement[2], contact > 127, told[1] > 0
                 errors.append(error.abs().mean().item())
                 told_errors.append(told[2].exp().mean().item())
@@ -64,7 +69,7 @@ def judged(network, frames):
 
 
 def batch(draw, train):
-    """Inputs, constants, depth and contact of frames drawn at random."""
+    """Inputs, constants, coarseness of the mesh, depth and contact of frames drawn at random."""
     meshes = [mesh for mesh in SHARES if mesh in train]
     shares = numpy.array([SHARES[mesh] for mesh in meshes])
     parts = []
@@ -74,9 +79,9 @@ def batch(draw, train):
         parts.append((*mirrored(displacement, contact.float() / 255, way), gel, mirrored_seen(seen, way)))
     displacement, contact, gel, seen = (torch.stack(part) for part in zip(*parts))
     is_tracked = torch.rand(BATCH) < TRACKED_SHARE
-    choices = zip(tracked(seen, gel), drawn(displacement, gel))
+    choices = zip(tracked(seen, gel[:, :2]), drawn(displacement, gel[:, :2]))
     cells, constants = (torch.where(is_tracked.view(-1, *[1] * (a.dim() - 1)), a, b) for a, b in choices)
-    return cells, constants, displacement[:, 2], contact
+    return cells, constants, gel[:, 2], displacement[:, 2], contact
 
 
 def main():
@@ -91,6 +96,7 @@ def main():
     network = ContactNetwork().to(memory_format=torch.channels_last)
     if arguments.start:
         network.load_state_dict(torch.load(arguments.start))
+    mean = copy.deepcopy(network)  # of the weights of the last steps: what is kept
     optimizer = torch.optim.AdamW(network.parameters(), arguments.rate, weight_decay=1e-2)
     draw, begin, step = numpy.random.default_rng(), time.time(), 0
     while (part := (time.time() - begin) / (60 * arguments.minutes)) < 1:
@@ -98,18 +104,22 @@ def main():
         warm = min(1, step / 200)
         for group in optimizer.param_groups:
             group["lr"] = arguments.rate * warm * (0.01 + 0.5 * (1 + numpy.cos(numpy.pi * part)))
-        cells, constants, depth, contact = batch(draw, train)
-        told = network(cells.contiguous(memory_format=torch.channels_last), constants)
+        cells, constants, coarseness, depth, contact = batch(draw, train)
+        told = network(cells.contiguous(memory_format=torch.channels_last), constants, coarseness)
         loss = cost(told, depth, contact)
         optimizer.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
         optimizer.step()
+        with torch.no_grad():
+            share = max(1 / MEAN_STEPS, 10 / (step + 10))
+            for kept, last in zip(mean.parameters(), network.parameters()):
+                kept.lerp_(last, share)
         if step % 500 == 0:
             print(f"step {step}: loss {loss.item():.4f}, unseen presses: depth %.4f mm, in contact %.3f mm (%+.1f %%), overlap %.3f, error over foretold %.2f"
-                  % judged(network, judge), flush=True)
-            torch.save(network.state_dict(), arguments.out)
-    torch.save(network.state_dict(), arguments.out)
+                  % judged(mean, judge), flush=True)
+            torch.save(mean.state_dict(), arguments.out)
+    torch.save(mean.state_dict(), arguments.out)
 
 
 if __name__ == "__main__":

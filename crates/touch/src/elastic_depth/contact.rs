@@ -189,13 +189,12 @@ impl ContactFinder {
     }
 
     /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free and
-    /// nothing learned tells of it. Where neither what was learned nor a face tells of the press, nothing is known.
-    pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32, has_face: bool) -> f32 {
+    /// nothing learned tells of it.
+    pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32) -> f32 {
         match (self.on_face[cell], self.is_learned()) {
             (true, _) => self.face_deviation_mm,
             (false, true) => self.told_deviation_mm[cell],
-            (false, false) if has_face => 0.01 + 0.1 * around_mm.abs(),
-            (false, false) => f32::INFINITY,
+            (false, false) => 0.01 + 0.1 * around_mm.abs(),
         }
     }
 

@@ -215,18 +215,20 @@ impl ElasticDepth {
     fn write_fields(&mut self) {
         // Where nothing learned tells of the free gel, the tractions do.
         let moved = (!self.contact.is_learned()).then(|| self.held.displacement_mm());
-        let has_face = self.contact.has_face();
+        // Where neither what was learned nor a face tells of the press, nothing is known.
+        let is_known = self.contact.is_learned() || self.contact.has_face();
         for (cell, told) in self.told.iter_mut().enumerate() {
             let around_mm = moved.map_or(0.0, |moved| moved[cell][2]);
             let is_told = moved.is_none() || self.contact.touches[cell];
             let depth = if is_told { self.contact.depth_mm[cell] } else { around_mm };
-            *told = [depth, self.contact.deviation_mm(cell, around_mm, has_face), self.contact.share[cell], 0.0];
+            *told = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
         }
         let ElasticFields { depth_mm, deviation_mm, contact, .. } = &mut self.fields;
         let depths = depth_mm.values_mut().iter_mut().zip(deviation_mm.values_mut());
         let targets = depths.zip(contact.values_mut());
         self.surface.to_pixels(&self.told, targets, |((depth_mm, deviation_mm), contact), told| {
             let [depth, deviation, share, _] = told.unwrap_or([0.0, f32::INFINITY, 0.0, 0.0]);
+            let deviation = if is_known { deviation } else { f32::INFINITY };
             (*depth_mm, *deviation_mm, *contact) = (depth, deviation, u8::from(share > 0.5));
         });
     }
