@@ -1,7 +1,7 @@
 """Writes trained weights in the order in which the sensor reads them.
 
-Of the meshes that presses were solved on the sensor knows nothing: it is told of the gel as the fine one has it. Three numbers of channels as little-endian
-u32, then for each layer its weights `[output][input][row][column]` and its biases, f32.
+Of the meshes that presses were solved on the sensor knows nothing: it is told of the gel as the fine one has it. Three numbers
+of channels as little-endian u32, then for each layer its weights `[output][input][row][column]` and its biases, f32.
 """
 
 import struct

@@ -65,34 +65,26 @@ def mirrored_seen(planes, way):
     return planes
 
 
-def told_ratio(poissons_ratio):
-    """A gel's Poisson's ratio as a profile may have it."""
-    return poissons_ratio + 0.008 * torch.randn(len(poissons_ratio))
-
-
-def told_thickness(thickness_mm):
-    """A gel's thickness as a profile may have it."""
-    return thickness_mm * (1 + 0.025 * torch.randn(len(thickness_mm)))
+def told(planes, noise, gel):
+    """Inputs with noise on the apparent displacement, of a gel as a profile may have it. `gel`: thickness, ν."""
+    planes = torch.cat([planes[:, :2] + noise, planes[:, 2:]], 1)
+    thickness_mm, poissons_ratio = gel.unbind(1)
+    thickness_mm = thickness_mm * (1 + 0.025 * torch.randn(len(gel)))
+    return packed(planes, thickness_mm, poissons_ratio + 0.008 * torch.randn(len(gel)))
 
 
 def tracked(planes, gel):
     """Inputs from what a tracker saw, with a little noise so that no frame comes twice."""
-    noise = RETOLD_NOISE_MM * torch.randn(len(planes), 2, CELLS, CELLS)
-    thickness_mm, poissons_ratio = gel.unbind(1)
-    planes = torch.cat([planes[:, :2] + noise, planes[:, 2:]], 1)
-    return packed(planes, told_thickness(thickness_mm), told_ratio(poissons_ratio))
+    return told(planes, RETOLD_NOISE_MM * torch.randn(len(planes), 2, CELLS, CELLS), gel)
 
 
 def drawn(displacement, gel):
     """Inputs under cameras drawn at random, blurred and noisy as tracked flow is. `gel`: thickness, ν."""
     batch = len(displacement)
-    thickness_mm, poissons_ratio = gel.unbind(1)
     is_default = torch.rand(batch) < 0.5
     distance_mm = torch.where(is_default, 25.0, 14 + 24 * torch.rand(batch))
     centre_mm = torch.where(is_default[:, None], torch.tensor(0.0), 3 * torch.rand(batch, 2) - 1.5)
     planes = smoothed(seen(displacement, distance_mm, centre_mm), 0.1 + torch.rand(batch))
     wavy = smoothed(torch.randn(batch, 2, CELLS, CELLS), torch.full((batch,), 2.0)) * torch.rand(batch, 1, 1, 1)
     noise = NOISE_MM * torch.randn(batch, 2, CELLS, CELLS) + WAVY_NOISE_MM * wavy
-    noise = noise * (distance_mm / 25)[:, None, None, None]
-    planes = torch.cat([planes[:, :2] + noise, planes[:, 2:]], 1)
-    return packed(planes, told_thickness(thickness_mm), told_ratio(poissons_ratio))
+    return told(planes, noise * (distance_mm / 25)[:, None, None, None], gel)

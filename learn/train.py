@@ -21,7 +21,8 @@ TRACKED_SHARE = 0.75  # of them as a tracker saw them; the others as any camera 
 
 
 def load(folder):
-    """Frames to train on, by mesh, and frames to judge by: displacement, contact, gel, what cameras saw."""
+    """Frames to train on, by mesh, and frames to judge by: displacement, contact, gel (thickness, ν, coarseness of its mesh), what
+    cameras saw."""
     train, judge = {}, []
     for press in sorted(pathlib.Path(folder).glob("*/seen.npy")):
         about = tomllib.loads((press.parent / "press.toml").read_text())
@@ -37,9 +38,9 @@ def load(folder):
 
 
 def cost(told, depth, contact):
-    """Absolute error of depth, rounded at 0.01 mm, most of all in contact and at its border; how far its mean is off there, which
-    is what a force makes of it; cross entropy of contact; and
-    how well the error is foretold, as that of a Laplace distribution, which the depth does not heed."""
+    """Absolute error of depth, rounded at 0.01 mm, most of all in contact and at its border; how far its mean
+    is off there, which is what a force makes of it; cross entropy of contact; and how well the error is foretold, as that of a
+    Laplace distribution, which the depth does not heed."""
     error = told[:, 0] - depth
     border = (contact > 0.02) & (contact < 0.98)
     weight = 0.35 + 4 * (contact > 0.02) + 3 * border

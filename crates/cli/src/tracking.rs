@@ -108,12 +108,12 @@ impl Run {
     }
 
     /// What a profile without depth would need for it.
-    fn lacks_for_depth(&self) -> String {
+    fn lacks_for_depth(&self) -> &'static str {
         let Profile { camera, gel, .. } = &self.profile;
         match (camera, gel, self.profile.depth.method) {
-            (None, Some(_), None) => "no [camera] for elastic depth, and no depth line".into(),
-            (Some(_), None, None) => "no [gel] for elastic depth, and no depth line".into(),
-            _ => "no depth line".into(),
+            (None, Some(_), None) => "no [camera] for elastic depth, and no depth line",
+            (Some(_), None, None) => "no [gel] for elastic depth, and no depth line",
+            _ => "no depth line",
         }
     }
 
