@@ -31,8 +31,6 @@ pub(super) struct Look {
     pub(super) force_n: Option<f64>,
     /// The largest depth as it was found before it was brought to the known one, mm.
     pub(super) found_mm: f64,
-    /// Whether nothing like this gel before this camera was learned from.
-    pub(super) is_outside_learned: bool,
     /// One over the expected error of a cell's motion, 1/mm.
     pub(super) weight_per_mm: f64,
     pub(super) grid: SurfaceGrid,
@@ -51,7 +49,6 @@ pub(super) struct Known {
     pub(super) frame: usize,
     pub(super) depth_mm: f64,
     pub(super) force_n: Option<f64>,
-    pub(super) is_outside_learned: bool,
 }
 
 impl Look {
@@ -69,7 +66,7 @@ impl Look {
         });
         let held_mm = held_mm.collect();
         let around = around(grid, &seen, &touches, gel);
-        let Known { press, frame, depth_mm, force_n, is_outside_learned } = known;
+        let Known { press, frame, depth_mm, force_n } = known;
         let model = MODEL.hypot(BY_MISMATCH * (found_mm / depth_mm).ln());
         touches.contains(&true).then_some(Self {
             press,
@@ -77,7 +74,6 @@ impl Look {
             depth_mm,
             force_n,
             found_mm,
-            is_outside_learned,
             weight_per_mm: 1.0 / (NOISE_PX * cells.mm_per_px).hypot(model * depth_mm),
             grid,
             seen,

@@ -22,6 +22,7 @@ mod report;
 #[cfg(test)]
 mod tests;
 mod text;
+mod warnings;
 
 use fingervision_elastic::GelBlock;
 use fingervision_optics::Camera;
@@ -68,8 +69,13 @@ pub fn fit_gel(presses: &[GelPress], profile: &Profile, unknowns: Unknowns) -> R
     if unknowns.youngs_modulus && !has_forces {
         return Err(GelFitError::NoForces { presses: presses.len() });
     }
-    fit_in_rounds(gel, unknowns, |gel| looks(presses, profile, gel))
-        .and_then(|fitted| GelReport::new(presses, fitted, gel, unknowns))
+    let camera = profile.camera.ok_or(GelFitError::Absent { table: "camera" })?;
+    let camera = Camera::new(&camera).map_err(|_| GelFitError::Absent { table: "camera" })?;
+    let fitted = fit_in_rounds(gel, unknowns, |gel| looks(presses, profile, &camera, gel))?;
+    let of_sensor = warnings::of_sensor(&camera, &fitted.after.gel, &profile.elastic);
+    let mut report = GelReport::new(presses, fitted, gel, unknowns)?;
+    report.warnings.extend(of_sensor);
+    Ok(report)
 }
 
 /// A gel and what led to it.
@@ -112,14 +118,12 @@ fn fit_in_rounds(
 }
 
 /// Finds contact in every frame of every press.
-fn looks(presses: &[GelPress], profile: &Profile, gel: &GelBlock) -> Result<Vec<Look>, GelFitError> {
-    let camera = profile.camera.ok_or(GelFitError::Absent { table: "camera" })?;
-    let camera = Camera::new(&camera).map_err(|_| GelFitError::Absent { table: "camera" })?;
+fn looks(presses: &[GelPress], profile: &Profile, camera: &Camera, gel: &GelBlock) -> Result<Vec<Look>, GelFitError> {
     let mut looks = Vec::new();
     let mut inverse: Option<((usize, usize), ElasticDepth)> = None;
     for (press, recorded) in presses.iter().enumerate() {
         if inverse.as_ref().is_none_or(|(size, _)| *size != recorded.size) {
-            let made = ElasticDepth::new(&camera, gel, recorded.size, &profile.elastic)
+            let made = ElasticDepth::new(camera, gel, recorded.size, &profile.elastic)
                 .map_err(crate::depth::tracking(&recorded.name))?;
             inverse = Some((recorded.size, made));
         }
@@ -127,9 +131,8 @@ fn looks(presses: &[GelPress], profile: &Profile, gel: &GelBlock) -> Result<Vec<
         let mut found = 0;
         let mut widest_mm: f64 = 0.0;
         for (number, frame) in recorded.frames.iter().enumerate() {
-            let is_outside_learned = inverse.solve(&frame.flow, &frame.valid).is_outside_learned;
-            let (depth_mm, force_n) = (frame.depth_mm, frame.force_n);
-            let known = Known { press, frame: number, depth_mm, force_n, is_outside_learned };
+            inverse.solve(&frame.flow, &frame.valid);
+            let known = Known { press, frame: number, depth_mm: frame.depth_mm, force_n: frame.force_n };
             let Some(look) = Look::new(&inverse.cells(), known, gel) else { continue };
             found += 1;
             widest_mm = widest_mm.max(look.radius_mm());

@@ -8,7 +8,7 @@ use super::fit::{self, Settled};
 use super::forward::Explained;
 use super::look::Look;
 use super::modulus::{Modulus, modulus};
-use super::{Fitted, GelFitError, GelPress, ResidualGrid, Unknowns};
+use super::{Fitted, GelFitError, GelPress, ResidualGrid, Unknowns, warnings};
 
 /// What linear elasticity, the search for contact and the grid leave of error whatever the data, one standard deviation:
 /// of ν, of ln thickness and of ln E. Root mean squares over simulated presses; `docs/gel-from-presses.md` has them.
@@ -21,12 +21,6 @@ const DETERMINED: [f64; 3] = [0.05, 0.1, 0.15];
 const ALIKE: f64 = 0.97;
 /// Contact that is wider than this, as radius over thickness, leaves little around it.
 const WIDE: f64 = 1.0;
-/// Motion that may stay unexplained, as a part of the depth, before a warning.
-const USUAL_UNEXPLAINED: f64 = 0.02;
-/// A modulus that changes by more than this factor is warned of: forces in another unit do that.
-const MOST_STIFFER: f64 = 5.0;
-/// Depths in the images that differ by more than this factor from the known ones are warned of.
-const MOST_FACTOR: f64 = 1.5;
 
 /// One value of the gel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -154,20 +148,12 @@ impl GelReport {
             ),
             modulus_estimate(start.youngs_modulus_mpa, stiff, (unknowns.youngs_modulus, has_forces), model[2], &why),
         ];
-        let is_outside_learned = looks.iter().any(|look| look.is_outside_learned);
         let reports = press_reports(presses, (&looks, &after), &before, modulus_mpa);
         let unexplained = fit::unexplained_by(&looks, &after.explained);
         let maps = maps(&looks, &after, &before);
         let (before_looks, explained): (Vec<_>, Vec<_>) = before.into_iter().unzip();
-        let mut warnings = warnings(presses, &reports, unexplained, gel);
-        warnings.extend(warning_of_modulus(&estimates[2]));
-        warnings.extend(is_outside_learned.then(|| {
-            "nothing like this gel before this camera was learned from: depth and contact are as good as elasticity alone \
-             makes them, and the gel is fitted to them"
-                .into()
-        }));
         Ok(Self {
-            warnings,
+            warnings: warnings::of_presses(presses, &reports, unexplained, &estimates),
             residual: ResidualGrid::about(&gel, &looks, &mut models, &covariance)?,
             unexplained_before: fit::unexplained_by(&before_looks, &explained),
             unexplained,
@@ -294,47 +280,4 @@ fn press_reports(
         GelPressReport { name: press.name.clone(), frames: of.map(frame).collect() }
     };
     presses.iter().enumerate().map(report).collect()
-}
-
-/// A modulus far from what the profile had.
-fn warning_of_modulus(estimate: &GelEstimate) -> Option<String> {
-    let (before, now) = estimate.before.zip(estimate.value)?;
-    (now.max(before) > MOST_STIFFER * now.min(before)).then(|| {
-        format!("Young's modulus goes from {before:.4} to {now:.4} MPa: are the forces in N? (1 g is 0.00981 N)")
-    })
-}
-
-fn warnings(recorded: &[GelPress], presses: &[GelPressReport], unexplained: f64, gel: GelBlock) -> Vec<String> {
-    let drawn_in = recorded.iter().filter(|press| press.was_drawn_in);
-    let mut warnings: Vec<_> = drawn_in
-        .map(|press| {
-            format!(
-                "{}: the gel moves inwards at first, as compressible gel does under a ball, and any gel that is touched in the \
-                 first image",
-                press.name
-            )
-        })
-        .collect();
-    if unexplained > USUAL_UNEXPLAINED {
-        warnings.push(format!(
-            "{:.1} % of the depth stay unexplained, {:.0} % at most are usual: is the gel bonded to a flat window, the camera \
-             calibrated, the depth right?",
-            100.0 * unexplained,
-            100.0 * USUAL_UNEXPLAINED
-        ));
-    }
-    for press in presses {
-        let Some(deepest) = press.frames.iter().max_by(|a, b| a.depth_mm.total_cmp(&b.depth_mm)) else { continue };
-        let factor = deepest.found_mm / deepest.depth_mm;
-        if !(1.0 / MOST_FACTOR..MOST_FACTOR).contains(&factor) {
-            warnings.push(format!(
-                "{}: at {:.2} mm its images look {:.2} mm deep: check its depths, and the distance in [camera]",
-                press.name, deepest.depth_mm, deepest.found_mm
-            ));
-        }
-    }
-    if gel.poissons_ratio > 0.498 {
-        warnings.push("Poisson's ratio is at the upper end, 0.499: as good as incompressible".into());
-    }
-    warnings
 }

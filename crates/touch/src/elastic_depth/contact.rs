@@ -40,8 +40,6 @@ const MOST_POINTS: usize = 600;
 pub(super) struct ContactFinder {
     /// What was learned, unless it is not to be used.
     network: Option<ContactNetwork>,
-    /// Whether it is to be used, but nothing like this gel before this camera was learned from.
-    is_outside_learned: bool,
     room: Room,
     /// The size of the network's grid: the surface's, filled up to a multiple of what the network needs.
     padded: (usize, usize),
@@ -76,18 +74,11 @@ impl ContactFinder {
         let [columns, rows] = [columns, rows].map(|count| count.next_multiple_of(MULTIPLE).max(LEAST_SIDE));
         let padded = (columns, rows);
         let cells = surface.grid.len();
-        // Elasticity knows no scale: every gel is brought to one size.
         let scale = network::SIZE_MM / (cell_mm * CELLS as f64);
-        let sensor = Sensor {
-            poissons_ratio: gel.poissons_ratio,
-            thickness_mm: gel.thickness_mm * scale,
-            shorter_mm: gel.size_mm[0].min(gel.size_mm[1]) * scale,
-            distance_mm: surface.distance_mm() * scale,
-        };
+        let sensor = Sensor::new(gel, surface.distance_mm());
         let constants = network::constants(sensor.poissons_ratio, sensor.thickness_mm);
         Self {
             network: (params.learned && sensor.is_told_of()).then(|| ContactNetwork::new(padded)),
-            is_outside_learned: params.learned && !sensor.is_learned_from(),
             ways: match params.mode {
                 ElasticMode::Exact => Way::all(padded),
                 ElasticMode::Live => vec![Way::PLAIN],
@@ -113,11 +104,6 @@ impl ContactFinder {
     /// Whether depth is told by what was learned.
     pub(super) fn is_learned(&self) -> bool {
         self.network.is_some()
-    }
-
-    /// Whether what was learned is to be used, but nothing like this gel before this camera was learned from.
-    pub(super) fn is_outside_learned(&self) -> bool {
-        self.is_outside_learned
     }
 
     /// Whether the cells around a centre are touched, by the mean of their shares.

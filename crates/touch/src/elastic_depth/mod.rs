@@ -84,6 +84,8 @@ pub struct Cells<'a> {
 #[derive(Debug)]
 pub struct ElasticDepth {
     gel: GelBlock,
+    /// Whether what was learned is to be used, but nothing like this gel before this camera was learned from.
+    is_outside_learned: bool,
     surface: Surface,
     contact: ContactFinder,
     /// None where nothing learned tells depth.
@@ -124,7 +126,8 @@ impl ElasticDepth {
         let held = HeldGel::new(coarse, operator, limits);
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
         let (told, is_exact) = (vec![[0.0; KNOWN]; surface.grid.len()], params.mode == ElasticMode::Exact);
-        Ok(Self { gel: *gel, contact, drag, is_exact, held, told, surface, fields })
+        let is_outside_learned = params.is_outside_learned(camera, gel);
+        Ok(Self { gel: *gel, is_outside_learned, contact, drag, is_exact, held, told, surface, fields })
     }
 
     /// The fields of one frame, from its flow, px, and where that holds.
@@ -240,7 +243,7 @@ impl ElasticDepth {
         self.fields.contact_area_mm2 = (touched as f64 * self.surface.grid.cell_area_mm2()) as f32;
         self.fields.is_beyond_linear = deepest_mm > LINEAR_RANGE * thickness_mm;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
-        self.fields.is_outside_learned = self.contact.is_outside_learned();
+        self.fields.is_outside_learned = self.is_outside_learned;
         let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);
         // Once found not to fit, a gel has to fit well or to come to rest.

@@ -1,6 +1,10 @@
 //! How depth is found from the gel's elasticity: the `[elastic]` table of a profile.
 
+use fingervision_elastic::GelBlock;
+use fingervision_optics::Camera;
 use serde::{Deserialize, Serialize};
+
+use super::network::Sensor;
 
 /// Parameters of the elastic inverse.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -23,6 +27,15 @@ pub enum ElasticMode {
     Exact,
     /// What was learned is asked once, tractions take a fixed number of steps from those of the frame before.
     Live,
+}
+
+impl ElasticParams {
+    /// Whether what was learned is to be used, but nothing like this gel before this camera was learned from.
+    #[must_use]
+    pub fn is_outside_learned(&self, camera: &Camera, gel: &GelBlock) -> bool {
+        let [_, _, distance_mm] = camera.position_mm();
+        self.learned && !Sensor::new(gel, distance_mm).is_learned_from()
+    }
 }
 
 impl Default for ElasticParams {

@@ -1,18 +1,19 @@
 //! How much stiffer a gel is than small strain says.
 //!
-//! Four things raise the force of a neo-Hookean block over that of the linear one that is moved alike in contact: depth, gel
-//! that slides outwards under a face, so that what was touched at rest now takes up more of the face, gel that is dragged
-//! along the surface, which pushes back against the face [Poynting1909], and walls, which alone push along the surface where
-//! contact slides, and squeeze the gel before them. With d the largest depth, h the thickness, e the
-//! mean change of the area in contact, s the length of its mean displacement along the surface and a the radius of a disc of its
-//! area, the normal force grows by `1 + 0.25 d / h + 0.3 e + 0.1 s² / (d a)`, shear force and torque by `1 + 0.72 d / h + 0.3 e`, and by 0.09 more
-//! where contact slides.
+//! Four things raise the force of a neo-Hookean block over that of the linear one that is moved alike in contact:
+//! depth, gel that slides outwards under a face, so that what was touched at rest now takes up more of the face, gel
+//! that is dragged along the surface, which pushes back against the face [Poynting1909], and walls, which alone push
+//! along the surface where contact slides, and squeeze the gel before them. With d the largest depth, h the thickness,
+//! e the mean change of the area in contact, s the length of its mean displacement along the surface and a the radius
+//! of a disc of its area, the normal force grows by `1 + 0.25 d / h + 0.3 e + 0.1 s² / (d a)`, shear force and torque
+//! by `1 + 0.72 d / h + 0.3 e`, and by 0.09 more where contact slides.
 //!
-//! The numbers were fitted to presses of a circle, a sphere and a square alone. Those along the normal: stuck and sliding, ν .35
-//! and .48, 2 mm deep in 10 mm; the last of them to 24 presses, 1 and 1.8 mm deep, dragged by .8 and 1.5 mm, of which each
-//! alone gives .06 to .14, and beyond which `s² / (d a)` counts for no more than theirs. Those along the surface: the mean over 60 presses that were slid by up to 1.5 mm or turned by .3 rad;
-//! single forces are within 4 %, torques within 12 %. The 0.09 was fitted to 5 squares, 1.2 to 2 mm deep, slid by 1.2 mm or turned
-//! by .16 or .3 rad without friction: shear forces alone give .05, torques .13.
+//! The numbers were fitted to presses of a circle, a sphere and a square alone. Those along the normal: stuck and
+//! sliding, ν .35 and .48, 2 mm deep in 10 mm; the last of them to 24 presses, 1 and 1.8 mm deep, dragged by .8 and 1.5
+//! mm, of which each alone gives .06 to .14, and beyond which `s² / (d a)` counts for no more than theirs. Those along
+//! the surface: the mean over 60 presses that were slid by up to 1.5 mm or turned by .3 rad; single forces are within 4
+//! %, torques within 12 %. The 0.09 was fitted to 5 squares, 1.2 to 2 mm deep, slid by 1.2 mm or turned by .16 or .3
+//! rad without friction: shear forces alone give .05, torques .13.
 
 use std::f64::consts::PI;
 

@@ -16,6 +16,7 @@ mod way;
 mod whole;
 
 use fearless_simd::Level;
+use fingervision_elastic::GelBlock;
 
 use convolution::{Convolution, Shape, Then};
 use plane::Plane;
@@ -48,6 +49,18 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
+    /// That of a gel so far away, mm: elasticity knows no scale.
+    pub(super) fn new(gel: &GelBlock, distance_mm: f64) -> Self {
+        let [width_mm, height_mm] = gel.size_mm;
+        let scale = SIZE_MM / width_mm.max(height_mm);
+        Self {
+            poissons_ratio: gel.poissons_ratio,
+            thickness_mm: gel.thickness_mm * scale,
+            shorter_mm: width_mm.min(height_mm) * scale,
+            distance_mm: distance_mm * scale,
+        }
+    }
+
     /// Whether what was learned says anything of such a gel.
     pub(super) fn is_told_of(&self) -> bool {
         (0.29..=0.5).contains(&self.poissons_ratio) && (6.0..=15.0).contains(&self.thickness_mm)
