@@ -53,6 +53,7 @@ mod sheet;
 mod truth;
 
 pub use error::GelError;
+pub use fingervision_elastic::{MeshParams, Resolution};
 pub use indenter::{Indenter, IndenterError, IndenterRelief, IndenterShape};
 pub use pattern::{
     ColourPattern, Coupling, Motif, NEIGHBOUR_DISTANCE, Pattern, PatternError, Print, Texture, Trackability, View,

@@ -5,25 +5,67 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use fingervision_evaluate::benchmark::{Benchmark, BenchmarkReport, Case, Entry, Extent, cases, run};
-use fingervision_gel::PressCache;
+use fingervision_gel::{PressCache, Resolution};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
+use crate::profile_args::assignment;
 use crate::report_folder::ReportFolder;
 
 /// The folder of a benchmark that was not given one.
 const FOLDER: &str = "fingervision-benchmark";
 
 /// What `--entry` takes.
-pub(super) fn entry(text: &str) -> Result<Entry, String> {
+fn entry(text: &str) -> Result<Entry, String> {
     match text.split_once('=') {
         Some((name, folder)) if !name.trim().is_empty() && !folder.is_empty() => {
             Ok(Entry { name: name.trim().into(), folder: folder.into() })
         }
         _ => Err("it takes NAME=FOLDER".into()),
     }
+}
+
+/// On which mesh scenes are solved.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+pub(super) enum Mesh {
+    /// 0.75 mm where the gel is touched: seconds a press
+    #[default]
+    Draft,
+    /// 0.45 mm: a minute
+    Medium,
+    /// 0.3 mm: minutes
+    Fine,
+}
+
+impl From<Mesh> for Resolution {
+    fn from(mesh: Mesh) -> Self {
+        match mesh {
+            Mesh::Draft => Self::Draft,
+            Mesh::Medium => Self::Medium,
+            Mesh::Fine => Self::Fine,
+        }
+    }
+}
+
+/// What the command line says of the benchmark.
+#[derive(Debug, clap::Args)]
+pub(super) struct BenchmarkArgs {
+    /// Score another program too: FOLDER/CASE/depth.npy for each scene in cases/; may be repeated
+    #[arg(long = "entry", value_name = "NAME=FOLDER", conflicts_with = "run", value_parser = entry)]
+    entries: Vec<Entry>,
+    /// Tell the tracker otherwise than the sensors are, as in `elastic.learned=false`; may be repeated
+    ///
+    /// Any key of a profile: what a wrong one costs, or what a part of the tracker is worth.
+    #[arg(long = "set", value_name = "KEY=VALUE", conflicts_with = "run", value_parser = assignment)]
+    assignments: Vec<(String, String)>,
+    /// Solve the scenes on this mesh; calibration presses stay on the draft one
+    #[arg(long, value_enum, value_name = "MESH", conflicts_with = "run", default_value_t)]
+    mesh: Mesh,
+    /// Three scenes on the default sensor alone: to see that it works
+    #[arg(long, conflicts_with = "run")]
+    quick: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -35,15 +77,15 @@ struct BenchmarkResult {
 
 /// Runs it into a folder, or into `./fingervision-benchmark`.
 pub(super) fn benchmark(
+    args: &BenchmarkArgs,
     folder: Option<&Path>,
-    extent: Extent,
-    entries: &[Entry],
     output: OutputArgs,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
     let interrupt = Interrupt::listen()?;
     let folder = ReportFolder::create(folder.unwrap_or(Path::new(FOLDER)))?;
-    let cases = cases(extent)?;
+    let extent = if args.quick { Extent::Quick } else { Extent::Full };
+    let cases = cases(extent, args.mesh.into())?;
     write_cases(&folder, &cases)?;
     let bar = output.steps("benchmark", cases.len() as u64);
     let progress = |name: &str| {
@@ -54,7 +96,8 @@ pub(super) fn benchmark(
         if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let cache = PressCache::standard();
-    let report = run(&Benchmark { extent, cases: cases.clone(), entries, cache: &cache }, &progress)?;
+    let BenchmarkArgs { entries, assignments, .. } = args;
+    let report = run(&Benchmark { extent, cases: cases.clone(), assignments, entries, cache: &cache }, &progress)?;
     bar.finish_and_clear();
     let page = folder.write(&report, &report.page())?;
     let text = format!("{report}page      {}", page.display());

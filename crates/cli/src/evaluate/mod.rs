@@ -6,13 +6,13 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use fingervision_evaluate::benchmark::{Entry, Extent};
 use fingervision_evaluate::run::{Evaluation, Options, Outcome, Report};
 use fingervision_sink::{SinkError, write_png};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
+use benchmark::BenchmarkArgs;
 
 /// The picture's name in its folder.
 const PICTURE: &str = "evaluation.png";
@@ -35,12 +35,8 @@ pub(crate) struct Args {
     /// Every scene is solved, rendered and tracked; every way that needs calibration gets the nine calibration presses of the same sensor. The folder gets report.html, report.json and the scenes in cases/.
     #[arg(long)]
     benchmark: bool,
-    /// Score another program too: FOLDER/CASE/depth.npy for each scene in cases/; may be repeated
-    #[arg(long = "entry", value_name = "NAME=FOLDER", conflicts_with = "run", value_parser = benchmark::entry)]
-    entries: Vec<Entry>,
-    /// Three scenes on the default sensor alone: to see that it works
-    #[arg(long, conflicts_with = "run")]
-    quick: bool,
+    #[command(flatten)]
+    of_benchmark: BenchmarkArgs,
     /// The folder for evaluation.png, where an earlier one is replaced; without it RUN/evaluation, for the benchmark
     /// ./fingervision-benchmark
     #[arg(long, value_name = "DIR")]
@@ -61,8 +57,7 @@ struct EvaluateResult {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let (Some(run), Some(truth)) = (&args.run, &args.truth) else {
-        let extent = if args.quick { Extent::Quick } else { Extent::Full };
-        return benchmark::benchmark(args.out.as_deref(), extent, &args.entries, args.output, out);
+        return benchmark::benchmark(&args.of_benchmark, args.out.as_deref(), args.output, out);
     };
     let folder = args.out.clone().unwrap_or_else(|| run.join(FOLDER));
     let options = Options { common_frames: args.common_frames };

@@ -33,6 +33,8 @@ fn wrong_usage_exits_with_2() {
         "pattern --score --mm-per-px 0",
         "evaluate --benchmark run truth",
         "evaluate run truth --quick",
+        "evaluate run truth --set elastic.learned=false",
+        "evaluate run truth --mesh fine",
         "calibrate --step-mm 0",
         "calibrate --distance-mm 25",
         "calibrate --folder sensor camera board --step-mm 0.5 --profile a.toml",

@@ -1,6 +1,6 @@
 //! What is benchmarked: scenes × variations.
 
-use fingervision_gel::{ReadyMade, Scene, SceneError};
+use fingervision_gel::{MeshParams, ReadyMade, Resolution, Scene, SceneError};
 use serde::Serialize;
 
 use crate::experiment::Extent;
@@ -93,12 +93,12 @@ pub struct Case {
     pub scene: Scene,
 }
 
-/// Every case. Meshes are draft: the truth belongs to the images whatever the mesh.
+/// Every case, on meshes so fine: the truth belongs to the images whatever the mesh.
 ///
 /// # Errors
 ///
 /// [`SceneError`] if a scene cannot be varied so.
-pub fn cases(extent: Extent) -> Result<Vec<Case>, SceneError> {
+pub fn cases(extent: Extent, mesh: Resolution) -> Result<Vec<Case>, SceneError> {
     let is_press = |name: &str| name != "board" && !name.starts_with("calibration-");
     let is_asked = |name: &str| extent == Extent::Full || ["circle", "sphere", "letter"].contains(&name);
     let variations = if extent == Extent::Full { Variation::ALL } else { &Variation::ALL[..1] };
@@ -107,7 +107,7 @@ pub fn cases(extent: Extent) -> Result<Vec<Case>, SceneError> {
     for ready in scenes {
         for variation in variations {
             let mut scene = variation.apply(ready.scene())?;
-            adapt(&mut scene, extent)?;
+            adapt(&mut scene, extent, mesh)?;
             scene.name = format!("{}--{}", ready.name, variation.name);
             cases.push(Case { name: scene.name.clone(), base: ready.name, variation, scene });
         }
@@ -116,8 +116,8 @@ pub fn cases(extent: Extent) -> Result<Vec<Case>, SceneError> {
 }
 
 /// What a scene of this extent is solved and drawn with.
-pub(super) fn adapt(scene: &mut Scene, extent: Extent) -> Result<(), SceneError> {
-    scene.make_draft();
+pub(super) fn adapt(scene: &mut Scene, extent: Extent, resolution: Resolution) -> Result<(), SceneError> {
+    scene.mesh = MeshParams { resolution, ..MeshParams::default() };
     extent.shorten(scene)
 }
 
@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn every_press_is_varied_in_every_way() {
-        let all = cases(Extent::Full).unwrap();
+        let all = cases(Extent::Full, Resolution::Draft).unwrap();
         assert_eq!(all.len(), 13 * Variation::ALL.len());
         let mut names: Vec<_> = all.iter().map(|case| &case.name).collect();
         names.sort();
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_quick_case_goes_as_deep() {
-        for case in cases(Extent::Quick).unwrap() {
+        for case in cases(Extent::Quick, Resolution::Draft).unwrap() {
             let [full, quick] = [ReadyMade::find(case.base).unwrap().scene(), case.scene].map(|scene| {
                 let poses = scene.motion.poses();
                 (poses.len(), poses.last().unwrap().depth_mm)

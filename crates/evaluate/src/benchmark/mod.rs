@@ -6,6 +6,9 @@
 //! by sticking contact. Friction is the object's and not the sensor's: there is no calibration of its own for it. The
 //! elastic inverse needs no press: camera and gel are the scene's own. It alone tells contact and force, which are scored too.
 //!
+//! The tracker can be told otherwise than the sensors are ([`Benchmark::assignments`]): what a wrong profile costs, or a part
+//! that is switched off. Calibration presses are solved on draft meshes whatever mesh the cases have.
+//!
 //! Any other program takes part by its files: see [`Entry`].
 
 mod cases;

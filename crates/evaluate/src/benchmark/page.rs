@@ -50,6 +50,16 @@ impl BenchmarkReport {
             table.row(name, [Cell::text(known.map_or("another program's depth.npy", Method::about))]);
         }
         section.table(table);
+        if !self.told.is_empty() {
+            let mut table =
+                HtmlTable::new("What the tracker was told otherwise than the sensors are", ["key", "value"]);
+            self.told.iter().for_each(|(key, value)| table.row(key.as_str(), [Cell::text(value.as_str())]));
+            section.table(table);
+        }
+        if !self.unsolved.is_empty() {
+            section
+                .text(format!("Presses that were not solved to their end are left out: {}.", self.unsolved.join("; ")));
+        }
         section
     }
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::{Extent, Method, Variation};
+use super::{Benchmark, Extent, Method, Variation};
 use crate::experiment::{DepthScore, ElasticScore};
 
 /// One method's errors on a case.
@@ -100,10 +100,21 @@ pub struct BenchmarkReport {
     pub means: Vec<MethodMeans>,
     /// Every case.
     pub cases: Vec<CaseReport>,
+    /// What the tracker was told otherwise than the sensors are: keys of the profile with their values.
+    pub told: Vec<(String, String)>,
+    /// Cases that were not solved to their end, and why.
+    pub unsolved: Vec<String>,
 }
 
 impl BenchmarkReport {
-    pub(super) fn new(extent: Extent, cases: Vec<CaseReport>) -> Self {
+    pub(super) fn new(benchmark: &Benchmark, outcomes: Vec<Result<CaseReport, String>>) -> Self {
+        let (mut cases, mut unsolved) = (Vec::new(), Vec::new());
+        for outcome in outcomes {
+            match outcome {
+                Ok(case) => cases.push(case),
+                Err(why) => unsolved.push(why),
+            }
+        }
         let names = |case: &CaseReport| case.scores.iter().map(|score| score.method.clone()).collect::<Vec<_>>();
         let mut methods: Vec<String> = Vec::new();
         for name in cases.iter().flat_map(names) {
@@ -118,7 +129,8 @@ impl BenchmarkReport {
         let means = variations
             .iter()
             .flat_map(|variation| methods.iter().filter_map(|method| MethodMeans::of(method, variation.name, &cases)));
-        Self { extent, means: means.collect(), variations, cases }
+        let (extent, told) = (benchmark.extent, benchmark.assignments.to_vec());
+        Self { extent, means: means.collect(), variations, cases, told, unsolved }
     }
 
     /// The names of the methods, in the tables' order.
@@ -181,6 +193,12 @@ pub(super) fn percent(part: Option<f64>) -> String {
 /// The means, a table a variation.
 impl fmt::Display for BenchmarkReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (key, value) in &self.told {
+            writeln!(f, "told {key} = {value}")?;
+        }
+        for why in &self.unsolved {
+            writeln!(f, "not solved: {why}")?;
+        }
         for variation in &self.variations {
             writeln!(f, "{}: {}", variation.name, variation.about)?;
             let columns = ["everywhere", "inside", "border", "outside", "worst inside", "worse than 0"];
@@ -209,6 +227,8 @@ impl fmt::Display for BenchmarkReport {
 
 #[cfg(test)]
 mod tests {
+    use fingervision_gel::PressCache;
+
     use super::*;
 
     fn score(everywhere_mm: f64, inside_mm: f64) -> DepthScore {
@@ -241,14 +261,21 @@ mod tests {
                 })
                 .collect(),
         };
-        let cases = vec![case("a".into(), Some(0.5)), case("b".into(), Some(1.5)), case("c".into(), None)];
-        let report = BenchmarkReport::new(Extent::Quick, cases);
+        let cases = [case("a".into(), Some(0.5)), case("b".into(), Some(1.5)), case("c".into(), None)];
+        let told = [("elastic.learned".into(), "false".into())];
+        let cache = PressCache::OFF;
+        let benchmark =
+            Benchmark { extent: Extent::Quick, cases: Vec::new(), assignments: &told, entries: &[], cache: &cache };
+        let outcomes = cases.into_iter().map(Ok).chain([Err("d: frame 3 did not converge".into())]);
+        let report = BenchmarkReport::new(&benchmark, outcomes.collect());
+        let text = report.to_string();
+        assert!(text.contains("told elastic.learned = false") && text.contains("not solved: d: frame 3"), "{text}");
         assert_eq!(report.methods(), ["nothing", "mine"]);
         let mine = &report.means[1];
         assert_eq!((mine.cases, mine.everywhere_mm, mine.worst_inside_mm), (2, 1.0, 3.0));
         assert_eq!(mine.worse_than_nothing, 1);
         assert_eq!((mine.contact_overlap, mine.torque, report.means[0].contact_overlap), (Some(1.0), None, None));
-        assert!(report.to_string().contains("mine: contact overlaps by 100.0 %; off by — of"), "{report}");
+        assert!(text.contains("mine: contact overlaps by 100.0 %; off by — of"), "{text}");
         assert!(mine.border_mm.is_nan(), "no case has a border");
     }
 }

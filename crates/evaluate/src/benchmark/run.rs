@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use fingervision_calibrate::depth::DepthFit;
 use fingervision_flow::FlowField;
-use fingervision_gel::{PressCache, Truth};
+use fingervision_gel::{PressCache, Resolution, Scene, SceneError, Truth};
 use fingervision_image::Image;
 use rayon::prelude::*;
 
@@ -20,6 +20,8 @@ pub struct Benchmark<'a> {
     pub extent: Extent,
     /// The cases, those of [`cases`](super::cases) or some of them.
     pub cases: Vec<Case>,
+    /// What the tracker is told otherwise than the sensors are: keys of the profile with their values.
+    pub assignments: &'a [(String, String)],
     /// Other programs.
     pub entries: &'a [Entry],
     /// Where solved presses are kept.
@@ -29,11 +31,17 @@ pub struct Benchmark<'a> {
 /// The fits of every sensor, by the variation's name, for the dense pattern and for dots.
 type Fits = BTreeMap<(&'static str, bool), DepthFit>;
 
-/// Runs the benchmark. `progress` is told what has been done after every case and calibration; it may end the run.
+impl Benchmark<'_> {
+    fn record(&self, scene: &Scene) -> Result<Recording, ExperimentError> {
+        Recording::told(scene, self.assignments, self.cache)
+    }
+}
+
+/// Runs the benchmark. A case that cannot be solved to its end is left out and named. `progress` is told what has been done after every case and calibration; it may end the run.
 ///
 /// # Errors
 ///
-/// [`ExperimentError`] if a case cannot be solved, tracked or scored; [`ExperimentError::Interrupted`] if `progress` wants
+/// [`ExperimentError`] if a case cannot be drawn, tracked or scored, or a calibration press not be solved; [`ExperimentError::Interrupted`] if `progress` wants
 /// it to end.
 pub fn run(
     benchmark: &Benchmark,
@@ -44,12 +52,15 @@ pub fn run(
     }
     let fits = fits(benchmark, progress)?;
     let report = |case: &Case| {
-        let report = report(case, &fits, benchmark)?;
+        let report = match report(case, &fits, benchmark) {
+            Err(ExperimentError::EndedEarly { scene, reason }) => Err(format!("{scene}: {reason}")),
+            report => Ok(report?),
+        };
         go_on(progress(&case.name))?;
         Ok(report)
     };
     let cases = benchmark.cases.par_iter().map(report).collect::<Result<Vec<_>, ExperimentError>>()?;
-    Ok(BenchmarkReport::new(benchmark.extent, cases))
+    Ok(BenchmarkReport::new(benchmark, cases))
 }
 
 fn go_on(flow: ControlFlow<()>) -> Result<(), ExperimentError> {
@@ -64,13 +75,13 @@ fn fits(benchmark: &Benchmark, progress: &(dyn Fn(&str) -> ControlFlow<()> + Syn
     };
     let sensors = Variation::ALL.iter().flat_map(|sensor| [(sensor, false), (sensor, true)]);
     let fit = |(variation, is_dots): (&'static Variation, bool)| {
-        let adapted = |scene| {
+        let record = |scene| {
             let mut scene = variation.apply(scene)?;
-            adapt(&mut scene, benchmark.extent)?;
-            if is_dots { Ok(with_dots(scene)?) } else { Ok(scene) }
+            adapt(&mut scene, benchmark.extent, Resolution::Draft)?;
+            benchmark.record(&if is_dots { with_dots(scene)? } else { scene })
         };
         let following = if is_dots { Following::Dots } else { Following::Dense };
-        let fit = calibrate(&adapted, following, benchmark.cache)?;
+        let fit = calibrate(&record, following)?;
         go_on(progress(variation.name))?;
         Ok(((variation.name, is_dots), fit))
     };
@@ -79,9 +90,7 @@ fn fits(benchmark: &Benchmark, progress: &(dyn Fn(&str) -> ControlFlow<()> + Syn
 }
 
 /// The scene with 15×15 dots for a pattern.
-pub(crate) fn with_dots(
-    mut scene: fingervision_gel::Scene,
-) -> Result<fingervision_gel::Scene, fingervision_gel::SceneError> {
+pub(crate) fn with_dots(mut scene: Scene) -> Result<Scene, SceneError> {
     scene.set_all([("pattern", "{ kind = \"dots\", dots = [15, 15], levels = [16, 240] }")])?;
     Ok(scene)
 }
@@ -118,11 +127,11 @@ pub(crate) fn flow_error_px(flow: &FlowField, valid: &Image<u8>, truth: &Truth) 
 }
 
 fn report(case: &Case, fits: &Fits, benchmark: &Benchmark) -> Result<CaseReport, ExperimentError> {
-    let recording = Recording::of(&case.scene, benchmark.cache)?;
+    let recording = benchmark.record(&case.scene)?;
     let scorer = recording.scorer();
     let dense = last(&recording, Following::Dense)?;
     let dots = if case.variation.has_dots {
-        let recording = Recording::of(&with_dots(case.scene.clone())?, benchmark.cache)?;
+        let recording = benchmark.record(&with_dots(case.scene.clone())?)?;
         Some(last(&recording, Following::Dots)?)
     } else {
         None

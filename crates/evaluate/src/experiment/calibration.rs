@@ -1,7 +1,7 @@
 //! The nine calibration presses of a sensor, tracked from their images.
 
 use fingervision_calibrate::depth::{DepthFit, Maximum, MaximumFinder, Place, PressCurve, PressPoint};
-use fingervision_gel::{PressCache, Scene};
+use fingervision_gel::Scene;
 use fingervision_image::Image;
 use fingervision_touch::perspective_slopes_mm;
 use rayon::prelude::*;
@@ -21,20 +21,16 @@ pub const CALIBRATION: [(&str, Place); 9] = [
     ("calibration-corner-3mm", Place::Corner),
 ];
 
-/// Fits depth laws to the nine presses of a sensor. `adapt` makes the sensor's scene of a ready-made one.
+/// Fits depth laws to the nine presses of a sensor. `record` has the sensor see a ready-made scene.
 ///
 /// # Errors
 ///
 /// [`ExperimentError`] if a press cannot be solved or tracked, or no law fits.
 pub fn calibrate(
-    adapt: &(impl Fn(Scene) -> Result<Scene, ExperimentError> + Sync),
+    record: &(impl Fn(Scene) -> Result<Recording, ExperimentError> + Sync),
     following: Following,
-    cache: &PressCache,
 ) -> Result<DepthFit, ExperimentError> {
-    let curve = |&(name, place): &(&str, Place)| {
-        let recording = Recording::of(&adapt(Scene::find(name)?)?, cache)?;
-        curve(&recording, place, following)
-    };
+    let curve = |&(name, place): &(&str, Place)| curve(&record(Scene::find(name)?)?, place, following);
     let curves = CALIBRATION.par_iter().map(curve).collect::<Result<Vec<_>, _>>()?;
     Ok(DepthFit::new(curves)?)
 }

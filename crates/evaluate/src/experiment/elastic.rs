@@ -2,7 +2,8 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
-use fingervision_touch::{ElasticDepth, ElasticFields};
+use fingervision_optics::Camera;
+use fingervision_touch::{ElasticDepth, ElasticFields, Profile};
 use serde::Serialize;
 
 use super::{DepthScore, ExperimentError, Recording, Scorer};
@@ -24,23 +25,25 @@ pub struct ElasticScore {
 }
 
 impl ElasticScore {
-    /// Of the last frame of a recording, from its flow and where that holds; with the depth, mm. A frame that does not fit the
-    /// gel has depth 0.
+    /// Of the last frame of a recording, from its flow and where that holds, by what its profile says; with the depth, mm. A
+    /// frame that does not fit the gel has depth 0.
     ///
     /// # Errors
     ///
-    /// [`ExperimentError`] if the gel's elasticity cannot be had.
+    /// [`ExperimentError`] if the profile's camera or the gel's elasticity cannot be had.
     ///
     /// # Panics
     ///
-    /// If the recording's profile has no gel.
+    /// If the recording's profile has no camera or no gel.
     pub fn of(
         recording: &Recording,
         (flow, valid): (&FlowField, &Image<u8>),
         scorer: &Scorer,
     ) -> Result<(Self, Image<f32>), ExperimentError> {
-        let gel = recording.profile.gel.as_ref().expect("a simulated sensor has a gel");
-        let mut inverse = ElasticDepth::new(recording.camera(), gel, flow.size(), &recording.profile.elastic)?;
+        let Profile { camera, gel, elastic, .. } = &recording.profile;
+        let camera = Camera::new(camera.as_ref().expect("a simulated sensor has a camera"))?;
+        let gel = gel.as_ref().expect("a simulated sensor has a gel");
+        let mut inverse = ElasticDepth::new(&camera, gel, flow.size(), elastic)?;
         let found = inverse.solve(flow, valid);
         let (depth_mm, holds) = if found.is_misfit {
             (Image::filled(valid.width(), valid.height(), 0.0), Image::filled(valid.width(), valid.height(), 0))

@@ -3,7 +3,7 @@ use fingervision_calibrate::depth::DepthFitError;
 use fingervision_gel::SceneError;
 use fingervision_optics::CameraError;
 use fingervision_sink::SinkError;
-use fingervision_touch::{ParameterError, TrackError};
+use fingervision_touch::{ParameterError, ProfileError, TrackError};
 
 use crate::dots::DotError;
 use crate::run::RunError;
@@ -28,6 +28,9 @@ pub enum ExperimentError {
     /// A frame cannot be tracked.
     #[error(transparent)]
     Track(#[from] TrackError),
+    /// The profile cannot be told so.
+    #[error(transparent)]
+    Profile(#[from] ProfileError),
     /// A parameter is none.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
@@ -57,6 +60,7 @@ impl ExperimentError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Scene(error) => error.hint(),
+            Self::Profile(error) => error.hint(),
             Self::Fit(error) => error.hint(),
             Self::Board(error) => error.hint(),
             Self::Run(error) => error.hint(),

@@ -17,7 +17,7 @@ const FRAMES_PER_SECOND: f64 = 90.0;
 pub struct Recording {
     /// The scene's name.
     pub name: String,
-    /// The scene's camera and gel.
+    /// What the tracker is told: the scene's camera and gel, unless it is [told otherwise](Self::told).
     pub profile: Profile,
     /// How deep the indenter is in every frame, mm.
     pub depths_mm: Vec<f64>,
@@ -38,6 +38,17 @@ impl Recording {
     ///
     /// [`ExperimentError::Scene`] if the scene cannot be, [`ExperimentError::EndedEarly`] if it was not solved to its end.
     pub fn of(scene: &Scene, cache: &PressCache) -> Result<Self, ExperimentError> {
+        Self::told(scene, &[], cache)
+    }
+
+    /// The same, whose tracker is told otherwise than the sensor is: keys of the profile with their values.
+    ///
+    /// # Errors
+    ///
+    /// [`ExperimentError::Profile`] naming the key, before anything is solved; and as [`Recording::of`].
+    pub fn told(scene: &Scene, assignments: &[(String, String)], cache: &PressCache) -> Result<Self, ExperimentError> {
+        let mut profile = simulated_profile(scene);
+        profile.set_all(assignments.iter().map(|(key, value)| (key.as_str(), value.as_str())))?;
         let mut simulation = Simulation::new(scene)?;
         let press = simulation.solve(cache, &mut |_| ControlFlow::Continue(()))?;
         if let Some(end) = &press.end {
@@ -48,7 +59,7 @@ impl Recording {
         let truth = simulation.truth(count - 1)?.clone();
         Ok(Self {
             name: scene.name.clone(),
-            profile: simulated_profile(scene),
+            profile,
             depths_mm: simulation.poses().iter().map(|pose| pose.depth_mm).collect(),
             torque_z_nmm: simulation.states().last().map_or(0.0, |state| state.torque_nmm[2]),
             force_n: simulation.states().last().map_or([0.0; 3], |state| state.force_n),

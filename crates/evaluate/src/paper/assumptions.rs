@@ -5,7 +5,7 @@ use fingervision_gel::Scene;
 use serde::Serialize;
 
 use super::{Extent, Lab, Setting, published};
-use crate::experiment::{ExperimentError, Following, calibrate};
+use crate::experiment::{ExperimentError, Following, Recording, calibrate};
 use crate::page::{Cell, HtmlTable, Section};
 
 /// One sensor and contact law, and what follows for the pooled line.
@@ -54,9 +54,9 @@ pub(super) fn measure(lab: &Lab) -> Result<(Assumptions, Section), ExperimentErr
                     ("camera.focal_length_px", focal.as_str()),
                     ("camera.translation_mm", translation.as_str()),
                 ])?;
-                Ok(scene)
+                Recording::of(&scene, lab.cache)
             };
-            let fit = calibrate(&on_sensor, Following::Dense, lab.cache)?;
+            let fit = calibrate(&on_sensor, Following::Dense)?;
             rows.push(assumption(law, distance_mm, &fit)?);
         }
     }

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Lab, Setting, published};
 use crate::benchmark::with_dots;
-use crate::experiment::{ExperimentError, Following, calibrate};
+use crate::experiment::{ExperimentError, Following, Recording, calibrate};
 use crate::page::{Cell, HtmlTable, Section};
 
 /// What the nine presses of a sensor came to.
@@ -35,10 +35,10 @@ pub(super) struct Fits {
 }
 
 pub(super) fn measure(lab: &Lab, setting: Setting) -> Result<(Fits, LawFit, Section), ExperimentError> {
-    let on_sensor = |scene: Scene| Ok(setting.draft(scene, lab.extent)?);
-    let on_dots = |scene: Scene| Ok(with_dots(setting.draft(scene, lab.extent)?)?);
-    let dense = calibrate(&on_sensor, Following::Dense, lab.cache)?;
-    let dots = calibrate(&on_dots, Following::Dots, lab.cache)?;
+    let on_sensor = |scene: Scene| Recording::of(&setting.draft(scene, lab.extent)?, lab.cache);
+    let on_dots = |scene: Scene| Recording::of(&with_dots(setting.draft(scene, lab.extent)?)?, lab.cache);
+    let dense = calibrate(&on_sensor, Following::Dense)?;
+    let dots = calibrate(&on_dots, Following::Dots)?;
     let law = LawFit {
         setting,
         correlations: dense.presses.iter().map(|press| (press.curve.name.clone(), press.line.correlation)).collect(),
