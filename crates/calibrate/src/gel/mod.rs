@@ -48,6 +48,11 @@ pub struct Unknowns {
     pub youngs_modulus: bool,
 }
 
+impl Unknowns {
+    /// All is held.
+    const NONE: Self = Self { poissons_ratio: false, thickness: false, youngs_modulus: false };
+}
+
 /// Rounds of finding contact and fitting.
 const MOST_ROUNDS: usize = 4;
 /// Changes of ν and ln thickness from one round to the next below which no more follow.
@@ -71,10 +76,32 @@ pub fn fit_gel(presses: &[GelPress], profile: &Profile, unknowns: Unknowns) -> R
     }
     let camera = profile.camera.ok_or(GelFitError::Absent { table: "camera" })?;
     let camera = Camera::new(&camera).map_err(|_| GelFitError::Absent { table: "camera" })?;
-    let fitted = fit_in_rounds(gel, unknowns, |gel| looks(presses, profile, &camera, gel))?;
-    let of_sensor = warnings::of_sensor(&camera, &fitted.after.gel, &profile.elastic);
-    let mut report = GelReport::new(presses, fitted, gel, unknowns)?;
-    report.warnings.extend(of_sensor);
+    let mut report = fit_what_is_told(presses, gel, unknowns, |gel| looks(presses, profile, &camera, gel))?;
+    report.warnings.extend(warnings::of_sensor(&camera, &report.gel, &profile.elastic));
+    Ok(report)
+}
+
+/// Fits the gel; what turns out not to be determined is held as the profile has it, and the rest fitted to that.
+fn fit_what_is_told(
+    presses: &[GelPress],
+    start: GelBlock,
+    unknowns: Unknowns,
+    mut find: impl FnMut(&GelBlock) -> Result<Vec<Look>, GelFitError>,
+) -> Result<GelReport, GelFitError> {
+    let mut report = GelReport::new(presses, fit_in_rounds(start, unknowns, &mut find)?, start, unknowns)?;
+    let is_open = [0, 1].map(|i| report.is_fitted(i) && !report.estimates[i].is_determined);
+    let fewer = Unknowns {
+        poissons_ratio: unknowns.poissons_ratio && !is_open[0],
+        thickness: unknowns.thickness && !is_open[1],
+        ..unknowns
+    };
+    if fewer != unknowns && fewer != Unknowns::NONE {
+        let open = report.estimates;
+        report = fit_what_is_told(presses, start, fewer, find)?;
+        for (i, estimate) in open.into_iter().enumerate().take(2).filter(|&(i, _)| is_open[i]) {
+            report.estimates[i] = estimate;
+        }
+    }
     Ok(report)
 }
 

@@ -88,6 +88,9 @@ pub struct GelTable {
 pub struct GelReport {
     /// Poisson's ratio, thickness, Young's modulus.
     pub estimates: [GelEstimate; 3],
+    /// The gel that was fitted.
+    #[serde(skip)]
+    pub(super) gel: GelBlock,
     /// Correlation of Poisson's ratio with thickness; none where one is held.
     pub correlation: Option<f64>,
     /// Motion around contact that stays unexplained, root mean square over the depth: by the gel of the profile.
@@ -125,28 +128,28 @@ impl GelReport {
         let modulus_mpa = stiff.map(|stiff| stiff.youngs_modulus_mpa).or(start.youngs_modulus_mpa);
         let correlation = after.correlation;
         let is_wide = looks.iter().all(|look| look.radius_mm() > WIDE * gel.thickness_mm);
-        let why = why_not(correlation, is_wide);
+        let is_alike = correlation.is_some_and(|correlation| correlation.abs() > ALIKE);
+        let why = Why::new(is_wide, is_alike);
         let [ratio, thickness] =
             [0, 1].map(|i| free[i].then(|| (covariance[i][i].sqrt(), after.covariance[i][i].sqrt())));
         let h = gel.thickness_mm;
         let estimates = [
-            estimate(
-                "poissons_ratio",
-                Some(start.poissons_ratio),
-                Some(gel.poissons_ratio),
-                ratio,
-                DETERMINED[0],
-                &why,
-            ),
+            estimate("poissons_ratio", Some(start.poissons_ratio), Some(gel.poissons_ratio), ratio, DETERMINED[0], why),
             estimate(
                 "thickness_mm",
                 Some(start.thickness_mm),
                 Some(h),
                 thickness.map(|(all, scatter)| (h * all, h * scatter)),
                 h * DETERMINED[1],
-                &why,
+                why,
             ),
-            modulus_estimate(start.youngs_modulus_mpa, stiff, (unknowns.youngs_modulus, has_forces), model[2], &why),
+            modulus_estimate(
+                start.youngs_modulus_mpa,
+                stiff,
+                (unknowns.youngs_modulus, has_forces),
+                model[2],
+                why.of_forces(),
+            ),
         ];
         let reports = press_reports(presses, (&looks, &after), &before, modulus_mpa);
         let unexplained = fit::unexplained_by(&looks, &after.explained);
@@ -157,12 +160,18 @@ impl GelReport {
             residual: ResidualGrid::about(&gel, &looks, &mut models, &covariance)?,
             unexplained_before: fit::unexplained_by(&before_looks, &explained),
             unexplained,
+            gel,
             estimates,
             correlation,
             presses: reports,
             maps,
             rounds,
         })
+    }
+
+    /// Whether an estimate was fitted and not held.
+    pub(super) fn is_fitted(&self, i: usize) -> bool {
+        self.estimates[i].deviation.is_some()
     }
 
     /// What the profile's `[gel]` takes; none where nothing is determined.
@@ -204,14 +213,29 @@ fn maps(looks: &[Look], after: &Settled, before: &[(Look, Explained)]) -> [Image
     ]
 }
 
-fn why_not(correlation: Option<f64>, is_wide: bool) -> String {
-    if is_wide {
-        "every contact is wider than the gel is thick, and little of it moves beside: press with something smaller"
-            .into()
-    } else if correlation.is_some_and(|correlation| correlation.abs() > ALIKE) {
-        "Poisson's ratio and thickness move the surface alike here: hold one that you measured".into()
-    } else {
-        "the presses contradict each other or tell too little: check their depths, or press elsewhere and with other shapes".into()
+/// Why the surface may not tell of the gel.
+#[derive(Debug, Clone, Copy)]
+struct Why {
+    /// Whether it cannot, however small the deviations are.
+    is_certain: bool,
+    text: &'static str,
+}
+
+impl Why {
+    fn new(is_wide: bool, is_alike: bool) -> Self {
+        let text = if is_wide {
+            "every contact is wider than the gel is thick, and little of it moves beside: press with something smaller"
+        } else if is_alike {
+            "Poisson's ratio and thickness move the surface alike here: hold one that you measured"
+        } else {
+            "the presses contradict each other or tell too little: check their depths, or press elsewhere and with other shapes"
+        };
+        Self { is_certain: is_wide || is_alike, text }
+    }
+
+    /// The same of Young's modulus, whose deviation has that of the surface in it.
+    fn of_forces(self) -> Self {
+        Self { is_certain: false, ..self }
     }
 }
 
@@ -221,13 +245,13 @@ fn estimate(
     value: Option<f64>,
     deviation: Option<(f64, f64)>,
     limit: f64,
-    why: &str,
+    why: Why,
 ) -> GelEstimate {
-    let is_determined = deviation.is_some_and(|(all, _)| all <= limit);
+    let is_determined = deviation.is_some_and(|(all, _)| all <= limit) && !why.is_certain;
     let remark = match deviation {
         None => "held, as the profile has it".into(),
         Some(_) if is_determined => "determined".into(),
-        Some(_) => format!("not determined: {why}"),
+        Some(_) => format!("not determined: {}", why.text),
     };
     let (deviation, scatter) = (deviation.map(|(all, _)| all), deviation.map(|(_, scatter)| scatter));
     GelEstimate { key, before, value, deviation, scatter, is_determined, remark }
@@ -239,7 +263,7 @@ fn modulus_estimate(
     stiff: Option<Modulus>,
     (is_asked, has_forces): (bool, bool),
     model: f64,
-    why: &str,
+    why: Why,
 ) -> GelEstimate {
     let key = "youngs_modulus_mpa";
     let unknown = |remark: &str| GelEstimate { remark: remark.into(), ..estimate(key, before, before, None, 0.0, why) };

@@ -5,7 +5,7 @@ use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
 use fingervision_touch::{Cells, Limits, Seen, Strain, Tractions};
 
 use super::look::{Known, Look};
-use super::{Fitted, GelFitError, GelPress, GelReport, Unknowns, fit_in_rounds};
+use super::{GelFitError, GelPress, GelReport, Unknowns, fit_what_is_told};
 
 const GEL: GelBlock =
     GelBlock { size_mm: [20.0, 20.0], thickness_mm: 10.0, poissons_ratio: 0.45, youngs_modulus_mpa: Some(0.3) };
@@ -66,9 +66,8 @@ fn fit_to(
         let force = |pressed: &Pressed| has_forces.then_some(pressed.force_n);
         Ok(pressed.iter().enumerate().map(|(n, pressed)| look(pressed, n, gel, force(pressed))).collect())
     };
-    let fitted: Fitted = fit_in_rounds(start, unknowns, find)?;
     let press = |name: &str| GelPress { name: name.into(), frames: Vec::new(), size: (1, 1), was_drawn_in: false };
-    GelReport::new(&[press("a"), press("b")], fitted, start, unknowns)
+    fit_what_is_told(&[press("a"), press("b")], start, unknowns, find)
 }
 
 #[test]
@@ -102,6 +101,20 @@ fn what_is_held_stays_and_what_has_no_force_is_left_alone() {
         report.estimates[1].remark.contains("held") && report.estimates[2].remark.contains("no forces"),
         "{report}"
     );
+}
+
+#[test]
+fn what_is_not_determined_is_held_while_the_rest_is_fitted() {
+    let start = GelBlock { thickness_mm: 10.8, poissons_ratio: 0.43, youngs_modulus_mpa: Some(0.6), ..GEL };
+    // A wide contact leaves little around it: Poisson's ratio and thickness change that alike.
+    let wide = [press(5.0, [0.0, 0.0])];
+    let report = fit_to(&wide, start, ALL, true).unwrap();
+    assert!(report.estimates[..2].iter().all(|estimate| estimate.remark.contains("alike")), "{report}");
+    let forces_alone = Unknowns { youngs_modulus: true, ..Unknowns::NONE };
+    let held = fit_to(&wide, start, forces_alone, true).unwrap();
+    assert!(held.estimates[0].remark.contains("held"), "{held}");
+    assert_eq!(report.table(), held.table());
+    assert!(report.table().unwrap().youngs_modulus_mpa.is_some(), "{report}");
 }
 
 #[test]
