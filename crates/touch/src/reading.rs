@@ -110,11 +110,14 @@ pub enum Flag {
     /// Nothing like this gel before this camera was learned from: depth, contact and force are as good as elasticity alone
     /// makes them, or worse than their deviation says.
     OutsideLearned,
+    /// The flow holds in less than a tenth of contact, as where it moves too fast to be followed, or strains too much: depth
+    /// there rests on what is around it.
+    ContactUntracked,
 }
 
 impl Flag {
     /// Every flag, in the order of its bit.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Lost,
         Self::Dropped,
         Self::NoTexture,
@@ -125,6 +128,7 @@ impl Flag {
         Self::ContactCut,
         Self::GelMisfit,
         Self::OutsideLearned,
+        Self::ContactUntracked,
     ];
 
     /// The flag's name in files.
@@ -141,6 +145,7 @@ impl Flag {
             Self::ContactCut => "contact-cut",
             Self::GelMisfit => "gel-misfit",
             Self::OutsideLearned => "outside-learned",
+            Self::ContactUntracked => "contact-untracked",
         }
     }
 }

@@ -155,6 +155,9 @@ impl Tracker {
             stage.run(&mut self.reading);
             self.references.note_press(self.reading.contact_area_mm2.is_some_and(|area| area > 0.0));
         }
+        if self.references.is_pressed_at_start() {
+            self.reading.flags.raise(Flag::PressedAtStart);
+        }
         if let Some(stage) = &mut self.density {
             stage.run(&mut self.reading);
         }
@@ -191,7 +194,6 @@ impl Tracker {
         raise_if(Flag::NoTexture, !is_textured);
         raise_if(Flag::Lost, self.estimate.matched < LOST_BELOW);
         raise_if(Flag::Dropped, dropped > 0);
-        raise_if(Flag::PressedAtStart, self.references.is_pressed_at_start());
         let (light, start) = (self.picture.mean_level().max(1.0), self.light_at_start.max(1.0));
         raise_if(Flag::LightChanged, light > start * LIGHT_FACTOR || start > light * LIGHT_FACTOR);
         flags

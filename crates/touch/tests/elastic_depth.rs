@@ -282,6 +282,19 @@ fn without_what_was_learned_and_without_a_face_nothing_is_known() {
 }
 
 #[test]
+fn contact_that_was_not_followed_is_flagged() {
+    let mut press = stuck_circle();
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let fields = inverse.solve(&press.flow, &press.valid);
+    assert!(!fields.is_untracked);
+    let contact = fields.contact.clone();
+    for (valid, &contact) in press.valid.values_mut().iter_mut().zip(contact.values()) {
+        *valid &= 1 - contact;
+    }
+    assert!(inverse.solve(&press.flow, &press.valid).is_untracked);
+}
+
+#[test]
 fn a_flow_with_holes_leaves_no_hole_in_depth_and_frames_do_not_allocate() {
     let mut press = stuck_circle();
     for y in 100..110 {

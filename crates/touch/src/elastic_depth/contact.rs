@@ -21,7 +21,7 @@ const MOST_RESIDUAL: f64 = 0.8;
 const MOST_DEVIATION_MM: f64 = 0.05;
 /// A face may be deeper or less deep than what was learned says by this part of that depth: gel that slides and spreads evenly
 /// under a face grows in the image, too, as if it came closer.
-const MOST_CHANGE: f64 = 0.4;
+const MOST_CHANGE: f64 = 0.25;
 /// Rings of cells left out at the border of contact where a face's motion is fitted: walls are not the face.
 const RIM_CELLS: usize = 3;
 

@@ -34,6 +34,8 @@ pub struct ElasticFields {
     pub is_misfit: bool,
     /// Whether the gel moves and nothing like it before this camera was learned from, though what was learned is to be used.
     pub is_outside_learned: bool,
+    /// Whether the flow holds in less than a tenth of contact.
+    pub is_untracked: bool,
 }
 
 /// A field of tractions over the gel's surface: row by row, the surface's centre in the grid's middle.
@@ -78,6 +80,7 @@ impl ElasticFields {
             is_cut: false,
             is_misfit: false,
             is_outside_learned: false,
+            is_untracked: false,
         };
         fields.rest();
         fields
@@ -98,9 +101,9 @@ impl ElasticFields {
         self.torque_nmm = self.torque_nmm.map(|_| 0.0);
         self.unexplained = None;
         (self.is_beyond_linear, self.is_cut, self.is_misfit) = (false, false, false);
-        self.is_outside_learned = false;
+        (self.is_outside_learned, self.is_untracked) = (false, false);
     }
 }
 
-/// Depth that a gel can have without being seen to move, mm.
-const REST_DEVIATION_MM: f32 = 0.02;
+/// Mean depth that contact can have without the gel being seen to move, mm: that of a ball of radius 6 mm.
+const REST_DEVIATION_MM: f32 = 0.05;

@@ -49,13 +49,17 @@ use crate::TrackError;
 
 /// Cells along the gel's longer side.
 const CELLS: usize = 120;
-/// The gel is taken for untouched where no point of it seems to move by more than this, px.
-const STILL_PX: f64 = 0.15;
+/// The gel is taken for untouched where no cell of it seems to move by more than this, px: twice what noise of 5 grey levels
+/// makes the largest of all.
+const STILL_PX: f64 = 0.06;
 /// Depth over thickness beyond which the flag for large strain is raised.
 const LINEAR_RANGE: f64 = 0.25;
 /// Motion well away from contact that may stay unexplained, root mean square, as a part of the largest depth: more, and the gel
 /// is not the one that was described.
 pub const MOST_UNEXPLAINED: f64 = 0.05;
+
+/// Part of contact in which the flow has to hold.
+const LEAST_TRACKED: f64 = 0.1;
 
 /// When tractions are found in exact mode.
 const EXACT: Limits = Limits { tolerance: 1e-3, most_iterations: 30 };
@@ -244,11 +248,18 @@ impl ElasticDepth {
         self.fields.is_beyond_linear = deepest_mm > LINEAR_RANGE * thickness_mm;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
         self.fields.is_outside_learned = self.is_outside_learned;
+        self.fields.is_untracked = (self.tracked() as f64) < LEAST_TRACKED * touched as f64;
         let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);
         // Once found not to fit, a gel has to fit well or to come to rest.
         let most = if self.fields.is_misfit { 0.5 * MOST_UNEXPLAINED } else { MOST_UNEXPLAINED } as f32;
         self.fields.is_misfit = self.fields.unexplained.map_or(self.fields.is_misfit, |part| part > most);
+    }
+
+    /// Cells in contact whose flow holds.
+    fn tracked(&self) -> usize {
+        let cells = self.surface.seen.iter().zip(&self.contact.touches);
+        cells.filter(|(seen, touches)| **touches && seen.trust > 0.5).count()
     }
 
     fn deepest_mm(&self) -> f64 {

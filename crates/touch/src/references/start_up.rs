@@ -5,7 +5,7 @@
 //! the one, near −1 for the other and near 0 for shear. It is watched until the gel has first been touched or released.
 //!
 //! Compressible gel under a ball moves inwards, too. Where elasticity is known it tells the two apart: a release is no press
-//! on any gel, so while it finds a press that fits, no new rest is taken.
+//! on any gel, so a press that fits in some frames in a row says that the gel was at rest at first.
 
 use fingervision_flow::{Estimate, FlowField};
 
@@ -15,6 +15,8 @@ const MOTION_PX: f32 = 0.5;
 const CERTAIN: f32 = 0.5;
 /// Change between frames below which the gel is still, px.
 const STILL_PX: f32 = 0.05;
+/// Frames in a row that elasticity explains as a press before the gel of the first image is taken for one at rest.
+const EXPLAINED_FRAMES: u64 = 5;
 /// Every so many pixels either way are looked at.
 const STEP: usize = 8;
 
@@ -36,28 +38,31 @@ enum State {
 pub(crate) struct StartUp {
     state: State,
     rest_frames: u64,
-    /// Whether the last frame is what a press on the gel of the first image makes.
-    is_press: bool,
+    /// Frames in a row, up to the last one, that are what a press on the gel of the first image makes.
+    explained: u64,
 }
 
 impl StartUp {
     pub(crate) fn new(rest_frames: u64) -> Self {
-        Self { state: State::Untouched, rest_frames, is_press: false }
+        Self { state: State::Untouched, rest_frames, explained: 0 }
     }
 
     /// Whether the reference showed a pressed gel, as far as is known.
     pub(crate) fn is_pressed(&self) -> bool {
-        matches!(self.state, State::Pressed { .. })
+        self.explained == 0 && matches!(self.state, State::Pressed { .. })
     }
 
     /// Whether a gel that was pressed at the start has been still for long enough, and not because something holds it pressed.
     pub(crate) fn has_come_to_rest(&self) -> bool {
-        !self.is_press && matches!(self.state, State::Pressed { still } if still >= self.rest_frames)
+        self.explained == 0 && matches!(self.state, State::Pressed { still } if still >= self.rest_frames)
     }
 
     /// Takes note of whether elasticity explains the last frame as a press.
     pub(crate) fn note_press(&mut self, is_press: bool) {
-        self.is_press = is_press;
+        self.explained = if is_press { self.explained + 1 } else { 0 };
+        if self.explained >= EXPLAINED_FRAMES {
+            self.state = State::Settled;
+        }
     }
 
     /// The reference has been replaced by one at rest.

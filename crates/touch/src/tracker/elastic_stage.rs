@@ -42,6 +42,7 @@ impl ElasticStage {
             (Flag::ContactCut, found.is_cut),
             (Flag::GelMisfit, found.is_misfit),
             (Flag::OutsideLearned, found.is_outside_learned),
+            (Flag::ContactUntracked, found.is_untracked),
         ] {
             if holds {
                 reading.flags.raise(flag);
