@@ -64,7 +64,7 @@ impl GelBlock {
                 "thickness_mm",
                 self.thickness_mm,
                 self.thickness_mm <= most_mm,
-                "up to four times the longer side, in mm,",
+                "a length in mm up to four times the longer side",
             ),
             ("poissons_ratio", self.poissons_ratio, (0.0..0.5).contains(&self.poissons_ratio), "0 to below 0.5"),
         ];
@@ -92,7 +92,10 @@ mod tests {
         assert_eq!(error.to_string(), "poissons_ratio is 0.5: 0 to below 0.5 is allowed");
         assert!(GelBlock { thickness_mm: 0.0, ..block }.validate().is_err());
         let error = GelBlock { thickness_mm: 10_000.0, ..block }.validate().unwrap_err();
-        assert_eq!(error.to_string(), "thickness_mm is 10000: up to four times the longer side, in mm, is allowed");
+        assert_eq!(
+            error.to_string(),
+            "thickness_mm is 10000: a length in mm up to four times the longer side is allowed"
+        );
         assert!(GelBlock { youngs_modulus_mpa: Some(1e300), ..block }.validate().is_err());
         assert!(GelBlock { youngs_modulus_mpa: Some(f64::NAN), ..block }.validate().is_err());
     }

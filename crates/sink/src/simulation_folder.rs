@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use fingervision_gel::{Scene, Truth};
 use fingervision_image::Pixels;
-use fingervision_touch::Profile;
+use fingervision_touch::{ImageSection, Profile};
 
 use crate::claim::{FolderKind, write_file};
 use crate::picture::write_pixels;
@@ -178,7 +178,9 @@ impl SimulationFolder {
 #[must_use]
 pub fn simulated_profile(scene: &Scene) -> Profile {
     let name = format!("simulated: {}", scene.name);
-    Profile { name, camera: Some(scene.camera()), gel: Some(scene.gel), ..Profile::default() }
+    // Images of another size are then refused.
+    let image = ImageSection { region_of_interest: [0, 0, scene.render.width, scene.render.height] };
+    Profile { name, image: Some(image), camera: Some(scene.camera()), gel: Some(scene.gel), ..Profile::default() }
 }
 
 fn write_force(row: &mut String, number: u64, frame: &SimulatedFrame) -> std::fmt::Result {
