@@ -1,7 +1,8 @@
 """Writes trained weights in the order in which the sensor reads them.
 
-Of the meshes that presses were solved on the sensor knows nothing: it is told of the gel as the fine one has it. Three numbers
-of channels as little-endian u32, then for each layer its weights `[output][input][row][column]` and its biases, f32.
+Of the meshes that presses were solved on the sensor knows nothing: it is told of the gel as the medium one has it, which
+tells unseen presses best. Three numbers of channels as little-endian u32, then for each layer its weights
+`[output][input][row][column]` and its biases, f32.
 """
 
 import struct
@@ -14,7 +15,7 @@ from network import LAYERS, MESHES
 
 def main(source, target):
     weights = torch.load(source, map_location="cpu")
-    weights["enter0.bias"] += MESHES["fine"] * weights["mesh"]
+    weights["enter0.bias"] += MESHES["medium"] * weights["mesh"]
     with open(target, "wb") as file:
         file.write(struct.pack("<3I", *(len(weights[f"{name}.bias"]) for name in ("enter0", "down0", "deep0"))))
         for name in LAYERS:

@@ -16,7 +16,9 @@ from network import MESHES, ContactNetwork
 BATCH = 8
 MEAN_STEPS = 2000  # over which weights are averaged
 LEAN = 2.0  # weight of the mean error in contact
-SHARES = {"draft": 0.4, "medium": 0.5, "fine": 0.1}  # of the frames of a batch, by mesh
+SHARES = {"draft": 0.3, "medium": 0.5, "fine": 0.2}  # of the frames of a batch, by mesh
+DEEP_MM = 1.5  # contact that is less deep on average counts more
+MOST_SHALLOW = 2.5  # times as much at most
 TRACKED_SHARE = 0.75  # of them as a tracker saw them; the others as any camera would, under formulas for blur and noise
 
 
@@ -39,13 +41,17 @@ def load(folder):
 
 def cost(told, depth, contact):
     """Absolute error of depth, rounded at 0.01 mm, most of all in contact and at its border; how far its mean
-    is off there, which is what a force makes of it; cross entropy of contact; and how well the error is foretold, as that of a
-    Laplace distribution, which the depth does not heed."""
+    is off there, which is what a force makes of it; both count more where contact is shallow. Cross entropy of contact; and how
+    well the error is foretold, as that of a Laplace distribution, which the depth does not heed."""
     error = told[:, 0] - depth
-    border = (contact > 0.02) & (contact < 0.98)
-    weight = 0.35 + 4 * (contact > 0.02) + 3 * border
+    touched = (contact > 0.02).float()
+    border = touched * (contact < 0.98)
+    count = touched.sum((1, 2))
+    mean_depth = (touched * depth).sum((1, 2)) / (count + 1)
+    shallow = torch.where(count < 8, 1.0, (DEEP_MM / (mean_depth + 1e-3)).clamp(1, MOST_SHALLOW))
+    weight = 0.35 + 4 * shallow.sqrt()[:, None, None] * touched + 3 * border
     absolute = (weight * ((error * error + 1e-4).sqrt() - 0.01)).mean()
-    lean = LEAN * (((contact > 0.02).float() + border.float()) * error).mean((1, 2)).abs().mean()
+    lean = LEAN * (shallow * ((touched + border) * error).mean((1, 2)).abs()).mean()
     surprise = (error.detach().abs() * torch.exp(-told[:, 2]) + told[:, 2]).mean()
     return absolute + lean + 0.1 * functional.binary_cross_entropy_with_logits(told[:, 1], contact) + 0.002 * surprise
 

@@ -77,7 +77,7 @@ pub fn fit_gel(presses: &[GelPress], profile: &Profile, unknowns: Unknowns) -> R
     let camera = profile.camera.ok_or(GelFitError::Absent { table: "camera" })?;
     let camera = Camera::new(&camera).map_err(|_| GelFitError::Absent { table: "camera" })?;
     let mut report = fit_what_is_told(presses, gel, unknowns, |gel| looks(presses, profile, &camera, gel))?;
-    report.warnings.extend(warnings::of_sensor(&camera, &report.gel, &profile.elastic));
+    report.warnings.extend(warnings::of_sensor(&camera, &report.gel, profile.elastic));
     Ok(report)
 }
 
