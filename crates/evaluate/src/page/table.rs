@@ -11,7 +11,12 @@ pub struct HtmlTable {
     pub columns: Vec<String>,
     /// Its rows.
     pub rows: Vec<HtmlRow>,
+    /// Whether each column of cells holds words and no figures.
+    pub words: Vec<bool>,
 }
+
+/// Characters of the longest cell of a column of figures.
+const FIGURE: usize = 24;
 
 /// A row of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,11 +60,17 @@ impl HtmlTable {
     /// A table without rows.
     #[must_use]
     pub fn new<'a>(caption: impl Into<String>, columns: impl IntoIterator<Item = &'a str>) -> Self {
-        Self { caption: caption.into(), columns: columns.into_iter().map(String::from).collect(), rows: Vec::new() }
+        let columns: Vec<_> = columns.into_iter().map(String::from).collect();
+        let words = vec![false; columns.len().saturating_sub(1)];
+        Self { caption: caption.into(), columns, rows: Vec::new(), words }
     }
 
     /// Adds a row.
     pub fn row(&mut self, name: impl Into<String>, cells: impl IntoIterator<Item = Cell>) {
-        self.rows.push(HtmlRow { name: name.into(), cells: cells.into_iter().collect() });
+        let cells: Vec<_> = cells.into_iter().collect();
+        for (words, cell) in self.words.iter_mut().zip(&cells) {
+            *words |= cell.text.chars().count() > FIGURE;
+        }
+        self.rows.push(HtmlRow { name: name.into(), cells });
     }
 }
