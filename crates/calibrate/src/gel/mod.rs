@@ -89,17 +89,17 @@ fn fit_what_is_told(
     mut find: impl FnMut(&GelBlock) -> Result<Vec<Look>, GelFitError>,
 ) -> Result<GelReport, GelFitError> {
     let mut report = GelReport::new(presses, fit_in_rounds(start, unknowns, &mut find)?, start, unknowns)?;
-    let is_open = [0, 1].map(|i| report.is_fitted(i) && !report.estimates[i].is_determined);
-    let fewer = Unknowns {
-        poissons_ratio: unknowns.poissons_ratio && !is_open[0],
-        thickness: unknowns.thickness && !is_open[1],
-        ..unknowns
-    };
+    // What is held is not determined, either.
+    let [poissons_ratio, thickness] = [0, 1].map(|i| report.estimates[i].is_determined);
+    let fewer = Unknowns { poissons_ratio, thickness, ..unknowns };
     if fewer != unknowns && fewer != Unknowns::NONE {
-        let open = report.estimates;
+        let [ratio_before, thickness_before, _] = report.estimates;
         report = fit_what_is_told(presses, start, fewer, find)?;
-        for (i, estimate) in open.into_iter().enumerate().take(2).filter(|&(i, _)| is_open[i]) {
-            report.estimates[i] = estimate;
+        if unknowns.poissons_ratio && !poissons_ratio {
+            report.estimates[0] = ratio_before;
+        }
+        if unknowns.thickness && !thickness {
+            report.estimates[1] = thickness_before;
         }
     }
     Ok(report)

@@ -169,11 +169,6 @@ impl GelReport {
         })
     }
 
-    /// Whether an estimate was fitted and not held.
-    pub(super) fn is_fitted(&self, i: usize) -> bool {
-        self.estimates[i].deviation.is_some()
-    }
-
     /// What the profile's `[gel]` takes; none where nothing is determined.
     #[must_use]
     pub fn table(&self) -> Option<GelTable> {
