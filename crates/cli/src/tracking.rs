@@ -5,10 +5,9 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use fingervision_image::Frame;
-use fingervision_optics::Camera;
 use fingervision_sink::{Field, Preview, PreviewOptions, RunFolder, RunOptions, Sink, SinkError};
 use fingervision_source::Source;
-use fingervision_touch::{DepthMethod, Fields, Profile, Reading, Tracker};
+use fingervision_touch::{DepthMethod, Fields, LEARNED_FROM, Profile, Reading, Tracker};
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -91,15 +90,14 @@ impl Run {
 
     /// What there is to say of a sensor of which nothing was learned; none without elastic depth.
     fn outside_learned(&self) -> Option<String> {
-        let Profile { camera, gel, elastic, .. } = &self.profile;
-        let (camera, gel) = (Camera::new(camera.as_ref()?).ok()?, gel.as_ref()?);
-        let is_outside =
-            self.profile.depth_method() == DepthMethod::Elastic && elastic.is_outside_learned(&camera, gel);
-        is_outside.then(|| {
+        if self.profile.depth_method() != DepthMethod::Elastic {
+            return None;
+        }
+        let (camera, gel) = self.profile.elastic_sensor().ok()?;
+        self.profile.elastic.is_outside_learned(&camera, &gel).then(|| {
             let ([width, height], [_, _, distance]) = (gel.size_mm, camera.position_mm());
             format!(
-                "depth was learned on nearly square gels 0.2 to 0.5 of their side thick, of Poisson's ratio 0.29 to 0.5, seen from \
-                 0.4 to 1.4 of their side; this one is {width} by {height} by {} mm, of {}, seen from {distance:.1} mm: \
+                "depth was learned on {LEARNED_FROM}; this one is {width} by {height} by {} mm, of {}, seen from {distance:.1} mm: \
                  expect worse",
                 gel.thickness_mm, gel.poissons_ratio
             )

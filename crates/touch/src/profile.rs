@@ -211,8 +211,8 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`ProfileError::ElasticNeeds`] naming the first table that is absent.
-    pub(crate) fn elastic_sensor(&self) -> Result<(Camera, GelBlock), ProfileError> {
+    /// [`ProfileError::ElasticNeeds`] naming the first table that is absent; [`ProfileError::Settings`] if the camera is none.
+    pub fn elastic_sensor(&self) -> Result<(Camera, GelBlock), ProfileError> {
         let absent = |table| ProfileError::ElasticNeeds { table };
         let params = self.camera.ok_or(absent("camera"))?;
         let gel = self.gel.ok_or(absent("gel"))?;

@@ -2,8 +2,7 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
-use fingervision_optics::Camera;
-use fingervision_touch::{ElasticDepth, ElasticFields, Profile};
+use fingervision_touch::{ElasticDepth, ElasticFields};
 use serde::Serialize;
 
 use super::{DepthScore, ExperimentError, Recording, Scorer};
@@ -30,20 +29,14 @@ impl ElasticScore {
     ///
     /// # Errors
     ///
-    /// [`ExperimentError`] if the profile's camera or the gel's elasticity cannot be had.
-    ///
-    /// # Panics
-    ///
-    /// If the recording's profile has no camera or no gel.
+    /// [`ExperimentError`] if the profile has no camera or no gel, or the gel's elasticity cannot be had.
     pub fn of(
         recording: &Recording,
         (flow, valid): (&FlowField, &Image<u8>),
         scorer: &Scorer,
     ) -> Result<(Self, Image<f32>), ExperimentError> {
-        let Profile { camera, gel, elastic, .. } = &recording.profile;
-        let camera = Camera::new(camera.as_ref().expect("a simulated sensor has a camera"))?;
-        let gel = gel.as_ref().expect("a simulated sensor has a gel");
-        let mut inverse = ElasticDepth::new(&camera, gel, flow.size(), elastic)?;
+        let (camera, gel) = recording.profile.elastic_sensor()?;
+        let mut inverse = ElasticDepth::new(&camera, &gel, flow.size(), &recording.profile.elastic)?;
         let found = inverse.solve(flow, valid);
         let (depth_mm, holds) = if found.is_misfit {
             (Image::filled(valid.width(), valid.height(), 0.0), Image::filled(valid.width(), valid.height(), 0))

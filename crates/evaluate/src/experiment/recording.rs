@@ -75,12 +75,6 @@ impl Recording {
         self.truth.depth.size()
     }
 
-    /// The camera that took the images.
-    #[must_use]
-    pub fn camera(&self) -> &Camera {
-        &self.camera
-    }
-
     /// Scores depth maps by the truth of the last frame.
     #[must_use]
     pub fn scorer(&self) -> Scorer<'_> {

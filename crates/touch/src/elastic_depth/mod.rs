@@ -30,6 +30,7 @@ mod surface;
 mod traction;
 
 pub use fields::{ElasticFields, TractionGrid};
+pub use network::LEARNED_FROM;
 pub use params::{ElasticMode, ElasticParams};
 pub use stiffening::Strain;
 pub use surface::Seen;

@@ -37,6 +37,10 @@ pub(super) fn constants(poissons_ratio: f64, thickness_mm: f64) -> [f32; CONSTAN
     [(poissons_ratio - 0.42) * 8.0, (thickness_mm - 10.0) / 3.0].map(|value| value as f32)
 }
 
+/// The gels and cameras whose presses were learned from, in words: what `Sensor::is_learned_from` judges by.
+pub const LEARNED_FROM: &str = "nearly square gels 0.2 to 0.5 of their side thick, of Poisson's ratio 0.29 to 0.5, seen from 0.4 to \
+                               1.4 of their side";
+
 /// A gel before a camera, scaled to a longer side of [`SIZE_MM`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sensor {
