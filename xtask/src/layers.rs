@@ -21,40 +21,36 @@ const LAYERS: [(&str, &[&str]); 14] = [
     ("source", &["image", "gel"]),
     // A simulated press is written like a run: the same arrays, tables and pictures.
     ("sink", &["touch", "image", "flow", "gel"]),
+    // The crate that a program names: names alone, from the others.
+    ("fingervision", &["image", "flow", "optics", "elastic", "settings", "gel", "touch", "source", "sink"]),
     ("calibrate", &["touch", "sink", "elastic", "flow", "optics", "settings", "image"]),
     ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "sink"]),
-    ("live", &["touch", "source", "sink"]),
-    ("cli", &["image", "optics", "elastic", "flow", "gel", "touch", "calibrate", "source", "sink", "evaluate", "live"]),
-    ("xtask", &["evaluate", "gel", "image"]),
+    ("cli", &["image", "optics", "elastic", "flow", "gel", "touch", "calibrate", "source", "sink", "evaluate"]),
+    ("xtask", &["evaluate"]),
 ];
 
-/// Tests of any crate may use simulated frames.
-const FOR_TESTS: &str = "gel";
+/// What tests and examples may use beside that: those of any crate simulated frames, those of the library the fits.
+const FOR_TESTS: [(Option<&str>, &str); 2] = [(None, "gel"), (Some("fingervision"), "calibrate")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 25] = [
-    ("axum", &["live"]),
+const HEAVY: [(&str, &[&str]); 20] = [
     ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
-    ("faer", &["elastic"]),
     ("image", &["source", "sink", "evaluate"]),
     ("indicatif", &["cli"]),
-    ("mcap", &["source", "sink"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel"]),
-    ("nalgebra", &["optics", "elastic", "calibrate", "evaluate"]),
+    ("nalgebra", &["calibrate", "evaluate"]),
     ("pdf-writer", &["gel"]),
     ("png", &["gel"]),
-    ("rayon", &["elastic", "calibrate", "evaluate"]),
-    ("re_mp4", &["source"]),
+    ("rayon", &["elastic", "evaluate", "cli"]),
     ("realfft", &["elastic"]),
     ("rust_h264", &["source"]),
     ("rustfft", &["elastic"]),
-    ("serde_json", &["sink", "evaluate", "live", "cli", "xtask"]),
+    ("serde_json", &["cli", "xtask"]),
     ("svg", &["gel"]),
     ("tiff", &["source"]),
     ("tiny-skia", &["sink"]),
-    ("tokio", &["live"]),
     ("ttf-parser", &["gel", "sink"]),
     ("zune-core", &["source"]),
     ("zune-jpeg", &["source"]),
@@ -83,12 +79,13 @@ pub(crate) fn run(out: &mut impl Write) -> Result<()> {
     let metadata = Command::new(env!("CARGO")).args(arguments).current_dir(crate::workspace()).output()?;
     ensure!(metadata.status.success(), "cargo metadata: {}", String::from_utf8_lossy(&metadata.stderr).trim());
     let metadata: Metadata = serde_json::from_slice(&metadata.stdout).context("output of cargo metadata")?;
-    let faults = faults(&metadata.packages);
+    let mut faults = faults(&metadata.packages);
+    faults.extend(outdated(&metadata.packages));
     for fault in &faults {
         writeln!(out, "{fault}")?;
     }
     if !faults.is_empty() {
-        bail!("{} dependencies are not allowed", faults.len());
+        bail!("{} faults in the layers", faults.len());
     }
     writeln!(out, "layers: {} crates stand on what lies below them", metadata.packages.len())?;
     Ok(())
@@ -112,7 +109,7 @@ fn faults(packages: &[Package]) -> Vec<String> {
             let is_for_tests = dependency.kind.as_deref() == Some("dev");
             let (is_allowed, kind) = if ours.contains(dependency.name.as_str()) {
                 let below = short_name(&dependency.name);
-                (allowed.contains(&below) || is_for_tests && below == FOR_TESTS, "lies not below it")
+                (allowed.contains(&below) || is_for_tests && may_test_with(name, below), "lies not below it")
             } else {
                 (is_for_tests || may_carry(name, &dependency.name), "belongs to another crate")
             };
@@ -122,6 +119,25 @@ fn faults(packages: &[Package]) -> Vec<String> {
         }
     }
     faults
+}
+
+/// What the tables name that is not there any more, in words: crates, and heavy dependencies of those that may have them.
+fn outdated(packages: &[Package]) -> Vec<String> {
+    let find = |layer: &str| packages.iter().find(|package| short_name(&package.name) == layer);
+    let gone =
+        LAYERS.iter().filter(|(layer, _)| find(layer).is_none()).map(|(layer, _)| format!("{layer} is no crate"));
+    let uses = |owner: &str, heavy: &str| {
+        let normal = |dependency: &&Dependency| dependency.name == heavy && dependency.kind.is_none();
+        find(owner).is_some_and(|package| package.dependencies.iter().any(|dependency| normal(&dependency)))
+    };
+    let pairs = HEAVY.iter().flat_map(|(heavy, owners)| owners.iter().map(move |owner| (*heavy, *owner)));
+    let unused = pairs.filter(|(heavy, owner)| !uses(owner, heavy));
+    gone.chain(unused.map(|(heavy, owner)| format!("{owner} may use {heavy}, but does not"))).collect()
+}
+
+/// Whether a crate's tests and examples may use a crate of the workspace that does not lie below it.
+fn may_test_with(name: &str, below: &str) -> bool {
+    FOR_TESTS.iter().any(|(only, allowed)| *allowed == below && only.is_none_or(|only| only == name))
 }
 
 /// Whether a crate may use a dependency from outside the workspace.
@@ -165,6 +181,26 @@ mod tests {
         assert!(faults(&workspace(&[("clap", Some("dev"))])).is_empty());
         // Ours and the one from outside share a name, but not a package.
         assert_eq!(faults(&workspace(&[("image", None)])).len(), 1);
+    }
+
+    #[test]
+    fn the_examples_of_the_library_may_calibrate() {
+        let with = |name: &str, kind| {
+            let calibrate = package("fingervision-calibrate", &[]);
+            faults(&[package(name, &[("fingervision-calibrate", kind)]), calibrate]).len()
+        };
+        assert_eq!(with("fingervision", Some("dev")), 0);
+        assert_eq!(with("fingervision", None), 1);
+        assert_eq!(with("fingervision-flow", Some("dev")), 1);
+    }
+
+    #[test]
+    fn what_is_gone_is_found_in_the_tables() {
+        let without_gel = [package("fingervision-flow", &[]), package("fingervision-source", &[("tiff", None)])];
+        let found = outdated(&without_gel);
+        assert!(found.contains(&"gel is no crate".into()), "{found:?}");
+        assert!(found.contains(&"source may use rust_h264, but does not".into()), "{found:?}");
+        assert!(!found.iter().any(|fault| fault.starts_with("flow") || fault.contains("tiff")), "{found:?}");
     }
 
     #[test]

@@ -7,4 +7,4 @@ pub mod depth;
 pub mod gel;
 mod profile_file;
 
-pub use profile_file::{ProfileFileError, update_profile};
+pub use profile_file::{ProfileFileError, load_to_update, update_profile};

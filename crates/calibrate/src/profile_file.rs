@@ -14,10 +14,17 @@ const DIGITS: i32 = 9;
 
 /// Why a profile was not changed.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ProfileFileError {
     /// What is there cannot be read, or what would be there is no profile.
     #[error(transparent)]
     Profile(#[from] ProfileError),
+    /// The file is the record of a run, which stays as it is.
+    #[error("{} is the record of a run, not the profile of a sensor", path.display())]
+    RunRecord {
+        /// The file.
+        path: PathBuf,
+    },
     /// The file cannot be written.
     #[error("cannot write the profile {}: {kind}", path.display())]
     Write {
@@ -34,6 +41,10 @@ impl ProfileFileError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Profile(error) => error.hint(),
+            Self::RunRecord { path } => {
+                let path = path.display();
+                Some(format!("take its profile out: fingervision profile show {path} --toml > sensor.toml"))
+            }
             Self::Write { .. } => Some("choose a file that you may write, in a folder that exists".into()),
         }
     }
@@ -51,7 +62,7 @@ pub fn update_profile(path: &Path, table: &str, values: &impl Serialize) -> Resu
     let text = match fs::read_to_string(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
         _ => {
-            Profile::load(path)?;
+            load_to_update(path)?;
             fs::read_to_string(path).map_err(|error| refused(path, &error))?
         }
     };
@@ -65,6 +76,20 @@ pub fn update_profile(path: &Path, table: &str, values: &impl Serialize) -> Resu
         let _ = fs::remove_file(&beside);
         refused(path, &error)
     })
+}
+
+/// The profile of a sensor that is to be calibrated further, before anything is measured.
+///
+/// # Errors
+///
+/// [`ProfileFileError`] if the file is no profile, or the record of a run.
+pub fn load_to_update(path: &Path) -> Result<Profile, ProfileFileError> {
+    let profile = Profile::load(path)?;
+    let text = fs::read_to_string(path).map_err(|error| refused(path, &error))?;
+    if Profile::is_run_record(&text) {
+        return Err(ProfileFileError::RunRecord { path: path.to_owned() });
+    }
+    Ok(profile)
 }
 
 fn refused(path: &Path, error: &io::Error) -> ProfileFileError {

@@ -117,7 +117,7 @@ impl Sensor {
             }
             before = pose;
             let reading = tracker.reading();
-            depth.solve(&reading.flow, &reading.valid);
+            depth.solve(&reading.flow, &reading.deviation, &reading.valid);
             let seen = depth.cells().seen;
             for plane in 0..4 {
                 target.extend(seen.iter().map(|seen| [seen.apparent_mm, seen.slope].as_flattened()[plane]));

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use fingervision_elastic::GelBlock;
 use fingervision_image::Frame;
-use fingervision_touch::{DepthLine, DepthSection, ElasticMode, Fields, Profile, Reading, Tracker};
+use fingervision_touch::{DepthLine, DepthSection, ElasticMode, Fields, ImageSection, Profile, Reading, Tracker};
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -19,11 +19,18 @@ use crate::profile_args::ProfileArgs;
 use press::{FRAMES, Press};
 use report::{ElasticTimes, Report, end_point_error_px};
 
+/// Columns and rows of the press where the profile names none, px.
+const SIZE: (usize, usize) = (610, 450);
+/// A principal point in the middle of a smaller or larger image than that is taken to be elsewhere, px.
+const LEAST_SIDE: f64 = 32.0;
+const MOST_SIDE: f64 = 4096.0;
+
 /// Measure the speed of tracking on this machine, one thread
 ///
-/// A press at 610x450 px is rendered first: a reference, then a round bump that grows to 25 px in 30 frames. It is
-/// tracked once to warm up, then again and again, each time from a new reference. Every frame behind the reference is
-/// timed from the colour image in memory to depth: flow, density, filter and line. Without --profile a made-up line
+/// A press is rendered first: a reference, then a round bump that grows to 25 px in 30 frames. It is as large as the profile's region of
+/// interest, or without [image] as the image around the camera's principal point; without --profile 610x450 px. It is tracked once to warm up, then again and again, each time from a new reference. Every frame behind the reference is
+/// timed from the colour image in memory to depth: flow, density, filter and line, or with [camera] and [gel] elasticity; no gel presses
+/// so, which elasticity takes the longest for. Without --profile a made-up line
 /// turns the density into depth, and what depth from elasticity adds to the flow is measured too, for a made-up camera
 /// and gel. Nothing is read or written meanwhile.
 #[derive(Debug, clap::Args)]
@@ -41,18 +48,24 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
-    let press = Press::new()?;
+    let mut profile = args.profile.load_or(calibrated())?;
+    let size = image_size(&profile);
+    // The images show what is tracked and no more: positions in a profile are those in the region.
+    profile.image = None;
+    // Whether it can be tracked at all is known before anything is drawn.
+    Tracker::new(&profile, size, true, Fields::NONE)?;
+    let press = Press::new(size)?;
     if let Some(folder) = &args.write_frames {
         let written = press.write(folder, &args.output.progress("writing", Some(FRAMES)))?;
         return args.output.result(out, &written, &written.to_string());
     }
-    let report = measure(args, &press)?;
+    let report = measure(args, &profile, &press)?;
     args.output.result(out, &report, &report.to_string())
 }
 
 /// Renders the press, tracks it once for its error, then as often as needed for its times.
-fn measure(args: &Args, press: &Press) -> Result<Report, Failure> {
-    let profile = args.profile.load_or(calibrated())?;
+fn measure(args: &Args, profile: &Profile, press: &Press) -> Result<Report, Failure> {
+    args.profile.expect_effect(profile, Fields::default(), args.output)?;
     let region = profile.region(press.size())?;
     let passes = u64::from(args.frames).div_ceil(FRAMES - 1);
     let is_made_up = args.profile.is_absent();
@@ -64,19 +77,34 @@ fn measure(args: &Args, press: &Press) -> Result<Report, Failure> {
         progress.inc(1);
     }
     let (mut errors_px, mut times_ms) = (Vec::new(), Vec::new());
-    track(&profile, press, &frames, Fields::default(), |reading, _| {
+    track(profile, press, &frames, Fields::default(), |reading, _| {
         errors_px.push(end_point_error_px([&reading.flow.u, &reading.flow.v], &press.motion(reading.sequence), region));
         progress.inc(1);
     })?;
     for _ in 0..passes {
-        track(&profile, press, &frames, Fields::default(), |_, time_ms| {
+        track(profile, press, &frames, Fields::default(), |_, time_ms| {
             times_ms.push(time_ms);
             progress.inc(1);
         })?;
     }
     let elastic = is_made_up.then(|| elastic_times(press, &frames, || progress.inc(1))).transpose()?;
     progress.finish_and_clear();
-    Ok(Report::new((region.width, region.height), times_ms, &errors_px, elastic))
+    Ok(Report::new((region.width, region.height), press.amplitude_px(), times_ms, &errors_px, elastic))
+}
+
+/// Columns and rows that a profile's sensor is tracked in, px: its region of interest, or the image that has the camera's
+/// principal point in its middle, or the usual size.
+fn image_size(profile: &Profile) -> (usize, usize) {
+    if let Some(ImageSection { region_of_interest: [_, _, width, height] }) = profile.image {
+        return (width, height);
+    }
+    let around =
+        |middle: f64| Some((2.0 * middle + 1.0).round()).filter(|side| (LEAST_SIDE..=MOST_SIDE).contains(side));
+    let sides = profile.camera.map(|camera| camera.principal_point_px.map(around));
+    match sides {
+        Some([Some(width), Some(height)]) => (width as usize, height as usize),
+        _ => SIZE,
+    }
 }
 
 /// Tracks the press with a new tracker; hands over each reading behind the reference and the time it took, ms.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use fingervision_evaluate::run::{Errors, FrameReport, Options, Report};
 use fingervision_gel::{PressCache, Scene};
+use fingervision_sink::Precision;
 use fingervision_source::open;
 use fingervision_touch::Profile;
 use serde::Serialize;
@@ -14,6 +15,7 @@ use crate::evaluate;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
+use crate::part::Part;
 use crate::simulation_run::{SimulationRun, SimulationSummary};
 use crate::summary::Summary;
 use crate::tracking::Run;
@@ -68,7 +70,7 @@ fn simulate(args: &Args, folder: &Path) -> Result<(SimulationSummary, Option<Fai
         has_images: true,
         overwrite: args.out.is_none(),
         output: args.output,
-        interrupt: Interrupt::listen()?,
+        interrupt: Interrupt::listen(),
     };
     simulation.simulate(&scene, folder)
 }
@@ -77,8 +79,12 @@ fn track(args: &Args, sensor: &Path, folder: &Path) -> Result<(Summary, Option<F
     let run = Run {
         profile: Profile::load(&sensor.join("profile.toml"))?,
         fields: None,
+        precision: Precision::default(),
+        overlay: None,
         folder: folder.to_owned(),
         overwrite: args.out.is_none(),
+        part: Part::default(),
+        skips_bad_frames: false,
         output: args.output,
     };
     let mut source = open(sensor.join("frames"), &fingervision_source::Options::default())?;
@@ -102,8 +108,7 @@ fn text(DemoResult { summary, simulation, truth, picture }: &DemoResult) -> Stri
 /// What the deepest frame was to read, and how far its depth and contact are off.
 fn true_readout(simulation: &SimulationSummary, truth: &Report) -> Option<String> {
     let FrameReport { true_depth_mm, errors, .. } = truth.deepest()?;
-    let [x, y, z] = simulation.force_n;
-    let mut text = format!("depth up to {:.2} mm, force ({x:.2}, {y:.2}, {z:.2}) N", (*true_depth_mm)?);
+    let mut text = format!("depth up to {:.2} mm, force {}", (*true_depth_mm)?, simulation.force);
     let depth = errors.depth_mm?;
     let mean = |errors: Option<Errors>| errors.map_or(f64::NAN, |errors| errors.mean);
     let (inside, everywhere) = (mean(depth.inside), mean(depth.everywhere));

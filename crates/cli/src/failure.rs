@@ -16,6 +16,8 @@ use fingervision_sink::SinkError;
 use fingervision_source::SourceError;
 use fingervision_touch::{ProfileError, TrackError};
 
+use crate::interrupt;
+
 /// Why a command ends early.
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -35,15 +37,48 @@ impl Failure {
         Self::Stated { message: message.into(), hint: Some(hint.into()) }
     }
 
-    /// Writes the error and its hint, a line each.
-    pub(crate) fn report(&self, errors: &mut impl Write) -> ExitCode {
+    /// Writes the error and its hint: a line each, or one JSON object in a line. Returns the exit code that the object names.
+    pub(crate) fn report(&self, wording: Wording, errors: &mut impl Write) -> ExitCode {
         let Self::Stated { message, hint } = self else { return ExitCode::SUCCESS };
+        let exit_code = interrupt::exit_code().unwrap_or(1);
         // Without standard error there is nobody left to tell.
-        let _ = writeln!(errors, "error: {}", one_line(message));
-        if let Some(hint) = hint {
-            let _ = writeln!(errors, "hint: {}", one_line(hint));
+        let _ = wording.error(message, hint.as_deref(), exit_code, errors);
+        ExitCode::from(exit_code)
+    }
+}
+
+/// How errors and notes are worded on standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Wording {
+    /// Lines for people.
+    Text,
+    /// A JSON object a line, for programs.
+    Json,
+}
+
+impl Wording {
+    /// An error, what to do about it and the exit code that it leads to.
+    pub(crate) fn error(
+        self,
+        message: &str,
+        hint: Option<&str>,
+        exit_code: u8,
+        errors: &mut impl Write,
+    ) -> io::Result<()> {
+        let (error, hint) = (one_line(message), hint.map(one_line));
+        if self == Self::Json {
+            return writeln!(errors, "{}", serde_json::json!({ "error": error, "hint": hint, "exit_code": exit_code }));
         }
-        ExitCode::FAILURE
+        writeln!(errors, "error: {error}")?;
+        hint.map_or(Ok(()), |hint| writeln!(errors, "hint: {hint}"))
+    }
+
+    /// Something worth knowing.
+    pub(crate) fn note(self, text: &str, errors: &mut impl Write) -> io::Result<()> {
+        match self {
+            Self::Text => writeln!(errors, "note: {text}"),
+            Self::Json => writeln!(errors, "{}", serde_json::json!({ "note": text })),
+        }
     }
 }
 
@@ -152,7 +187,8 @@ impl From<io::Error> for Failure {
         if error.kind() == ErrorKind::BrokenPipe {
             Self::BrokenPipe
         } else {
-            Self::Stated { message: format!("cannot write the output: {error}"), hint: None }
+            let hint = "free some space where the output goes, or print to another place";
+            Self::new(format!("cannot write the output: {error}"), hint)
         }
     }
 }

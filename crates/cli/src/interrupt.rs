@@ -1,36 +1,80 @@
-//! Ctrl-C: the first asks the run to end after the frame at hand, the second ends it at once.
+//! Ctrl-C and SIGTERM: a command that has nothing to keep ends at once; one that writes as it goes ends after the frame at
+//! hand, and at once when it is asked a second time.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::io;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, LazyLock};
+use std::thread;
+use std::time::Duration;
 
-use crate::failure::Failure;
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag;
 
-/// What a shell expects of a program that Ctrl-C ended.
-const EXIT_CODE: i32 = 130;
+use crate::failure::{Failure, Wording};
 
-/// Set by the first Ctrl-C.
-static IS_ASKED: AtomicBool = AtomicBool::new(false);
+/// A shell adds this to the number of the signal that ended a program.
+const EXIT_CODE_OF_SIGNALS: u8 = 128;
+/// How often the signal is looked for where it ends the command at once.
+const POLL: Duration = Duration::from_millis(50);
+
+/// What the signal handlers have written. They may do nothing but set a flag.
+static HEARD: LazyLock<Heard> = LazyLock::new(Heard::default);
+
+#[derive(Debug, Default)]
+struct Heard {
+    is_asked: Arc<AtomicBool>,
+    /// The last signal; 0 before the first.
+    signal: Arc<AtomicUsize>,
+    /// Whether the command itself looks for the signal and ends in order.
+    is_in_order: AtomicBool,
+}
 
 /// Whether somebody wants the run to end.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Interrupt(());
 
-impl Interrupt {
-    /// Listens from now on.
-    pub(crate) fn listen() -> Result<Self, Failure> {
-        let on_signal = || {
-            if IS_ASKED.swap(true, Ordering::Relaxed) {
-                std::process::exit(EXIT_CODE);
-            }
-        };
-        match ctrlc::set_handler(on_signal) {
-            // A process has one handler, and this is the only one here.
-            Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(Self(())),
-            Err(error) => Err(Failure::Stated { message: format!("cannot listen to Ctrl-C: {error}"), hint: None }),
+/// Listens from now on; until [`Interrupt::listen`] a signal ends the command at once.
+pub(crate) fn watch(wording: Wording) -> Result<(), Failure> {
+    for signal in [SIGINT, SIGTERM] {
+        listen_to(signal).map_err(|error| {
+            let hint = "start the command from a shell, where signals reach it";
+            Failure::new(format!("cannot listen to Ctrl-C: {error}"), hint)
+        })?;
+    }
+    thread::spawn(move || {
+        while !HEARD.is_asked.load(Ordering::Acquire) || HEARD.is_in_order.load(Ordering::Acquire) {
+            thread::sleep(POLL);
         }
+        let failure = Failure::new("interrupted before the result was written", "run the command again");
+        let _ = failure.report(wording, &mut io::stderr().lock());
+        std::process::exit(exit_code().map_or(1, i32::from));
+    });
+    Ok(())
+}
+
+fn listen_to(signal: i32) -> io::Result<()> {
+    // The first handler finds the flag set by the signal before.
+    flag::register_conditional_shutdown(signal, i32::from(EXIT_CODE_OF_SIGNALS) + signal, Arc::clone(&HEARD.is_asked))?;
+    flag::register_usize(signal, Arc::clone(&HEARD.signal), signal as usize)?;
+    flag::register(signal, Arc::clone(&HEARD.is_asked))?;
+    Ok(())
+}
+
+/// The exit code that a shell expects of a program that was interrupted; none if it was not.
+pub(crate) fn exit_code() -> Option<u8> {
+    let signal = u8::try_from(HEARD.signal.load(Ordering::Acquire)).unwrap_or_default();
+    (signal > 0).then(|| EXIT_CODE_OF_SIGNALS.saturating_add(signal))
+}
+
+impl Interrupt {
+    /// From now on the command asks whether to end; it has something to put in order.
+    pub(crate) fn listen() -> Self {
+        HEARD.is_in_order.store(true, Ordering::Release);
+        Self(())
     }
 
     #[expect(clippy::unused_self, reason = "who asks has begun to listen")]
     pub(crate) fn is_asked(self) -> bool {
-        IS_ASKED.load(Ordering::Relaxed)
+        HEARD.is_asked.load(Ordering::Acquire)
     }
 }

@@ -1,43 +1,67 @@
 //! The `fingervision` command: glue between the libraries and the person at the keyboard, a file per subcommand.
 //!
 //! Data goes to standard output, messages to standard error. Exit codes: 0 done, 1 failed with one `error:` line and
-//! where possible a `hint:`, 2 wrong usage. A reader that closes the pipe early is no failure.
+//! where possible a `hint:`, 2 wrong usage, 130 ended by Ctrl-C and 143 by SIGTERM. A reader that closes the pipe early is
+//! no failure. With `--json` every message is a JSON object in a line of its own, `{"error", "hint", "exit_code"}` or
+//! `{"note"}`.
 
 mod bench;
 mod calibrate;
 mod demo;
+mod disk;
 mod doctor;
 mod evaluate;
 mod failure;
 mod interrupt;
 mod output;
+mod part;
 mod pattern;
+mod profile;
 mod profile_args;
 mod report_folder;
 mod reproduce;
 mod run_record;
 mod scene_args;
+mod shell;
 mod simulate;
 mod simulated_press;
 mod simulation_run;
+mod skipped;
 mod summary;
+mod threads;
 mod track;
 mod tracking;
 mod truth;
 
+use std::env;
+use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use failure::Failure;
+use failure::{Failure, Wording};
+
+/// The exit code of wrong usage.
+const WRONG_USAGE: u8 = 2;
+
+/// Where to begin.
+const NEXT_STEPS: &str = "\
+Begin:
+  fingervision demo                        see it work, with nothing attached
+  fingervision doctor                      check this machine
+  fingervision profile new --out s.toml    describe your sensor, then: fingervision calibrate
+  fingervision track RECORDING --out run   track a folder of images or a video
+`fingervision COMMAND --help` explains a command.";
 
 /// Camera-based touch: from images of a patterned gel to flow, depth and force.
 #[derive(Debug, Parser)]
-#[command(name = "fingervision", version, arg_required_else_help = true)]
-struct Cli {
+#[command(name = "fingervision", version, arg_required_else_help = true, after_help = NEXT_STEPS)]
+pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
+    #[command(flatten)]
+    threads: threads::ThreadArgs,
 }
 
 #[derive(Debug, Subcommand)]
@@ -48,9 +72,12 @@ enum Command {
     Reproduce(reproduce::Args),
     Demo(demo::Args),
     Pattern(pattern::Args),
+    Profile(profile::Args),
     Calibrate(calibrate::Args),
     Bench(bench::Args),
     Doctor(doctor::Args),
+    Completions(shell::CompletionsArgs),
+    Man(shell::ManArgs),
 }
 
 impl Command {
@@ -62,18 +89,52 @@ impl Command {
             Self::Reproduce(args) => reproduce::run(args, out)?,
             Self::Demo(args) => demo::run(args, out)?,
             Self::Pattern(args) => pattern::run(args, out)?,
+            Self::Profile(args) => profile::run(args, out)?,
             Self::Calibrate(args) => calibrate::run(args, out)?,
             Self::Bench(args) => bench::run(args, out)?,
             Self::Doctor(args) => doctor::run(args, out)?,
+            Self::Completions(args) => shell::completions(args, out)?,
+            Self::Man(args) => shell::man(args, out)?,
         }
         Ok(out.flush()?)
     }
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    match cli.command.run(&mut io::stdout().lock()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(&mut io::stderr().lock()),
+    let arguments: Vec<OsString> = env::args_os().collect();
+    let is_json = arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json");
+    let wording = if is_json { Wording::Json } else { Wording::Text };
+    let cli = match Cli::try_parse_from(&arguments) {
+        Ok(cli) => cli,
+        Err(error) if is_json && error.use_stderr() => return wrong_usage(&error),
+        Err(error) => error.exit(),
+    };
+    let done = interrupt::watch(wording)
+        .and_then(|()| expect_text(wording, &arguments))
+        .and_then(|()| cli.threads.apply())
+        .and_then(|()| cli.command.run(&mut io::stdout().lock()));
+    done.map_or_else(|failure| failure.report(wording, &mut io::stderr().lock()), |()| ExitCode::SUCCESS)
+}
+
+/// Wrong usage, for a program: what clap says first, and the rest of it as the hint.
+fn wrong_usage(error: &clap::Error) -> ExitCode {
+    let text = error.to_string();
+    let (message, rest) = text.split_once('\n').unwrap_or((&text, ""));
+    let hint = rest.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+    let message = message.trim_start_matches("error: ");
+    // Without standard error there is nobody left to tell.
+    let _ = Wording::Json.error(message, Some(&hint), WRONG_USAGE, &mut io::stderr().lock());
+    ExitCode::from(WRONG_USAGE)
+}
+
+/// JSON holds nothing but text: refuses before any work what could not be named in the result.
+fn expect_text(wording: Wording, arguments: &[OsString]) -> Result<(), Failure> {
+    let odd = arguments.iter().skip(1).find(|argument| argument.to_str().is_none());
+    match odd.filter(|_| wording == Wording::Json) {
+        Some(odd) => Err(Failure::new(
+            format!("{} is not UTF-8 text, which --json needs", odd.display()),
+            "rename the file or folder, or leave --json out",
+        )),
+        None => Ok(()),
     }
 }

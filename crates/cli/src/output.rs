@@ -1,18 +1,23 @@
 //! How much a command says, and in which form.
 
 use std::io::{self, Write};
+use std::path::Path;
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Wording};
+
+/// How often a bar is drawn anew while nothing happens.
+const TICK: Duration = Duration::from_millis(200);
 
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(crate) struct OutputArgs {
     /// Say nothing but errors
     #[arg(long, short)]
     quiet: bool,
-    /// Print the result as JSON
+    /// Print the result as JSON; errors and notes too, an object a line on standard error
     #[arg(long)]
     json: bool,
 }
@@ -23,19 +28,24 @@ impl OutputArgs {
         self.json
     }
 
+    fn wording(self) -> Wording {
+        if self.json { Wording::Json } else { Wording::Text }
+    }
+
     /// Says something to the person at the keyboard, on standard error.
     pub(crate) fn note(self, text: &str) {
         if !self.quiet {
             // Without standard error there is nobody left to tell.
-            let _ = writeln!(io::stderr(), "note: {text}");
+            let _ = self.wording().note(text, &mut io::stderr());
         }
     }
 
     /// Hands over the result: as JSON where asked for, else as text unless quiet.
     pub(crate) fn result(self, out: &mut impl Write, value: &impl Serialize, text: &str) -> Result<(), Failure> {
         if self.json {
-            serde_json::to_writer_pretty(&mut *out, value).map_err(io::Error::from)?;
-            writeln!(out)?;
+            // Whole or not at all: half an object is worse than none.
+            let json = serde_json::to_string_pretty(value).map_err(io::Error::from)?;
+            writeln!(out, "{json}")?;
         } else if !self.quiet {
             writeln!(out, "{}", text.trim_end())?;
         }
@@ -47,11 +57,7 @@ impl OutputArgs {
         if self.quiet {
             return ProgressBar::hidden();
         }
-        let bar = ProgressBar::new(count).with_prefix(doing);
-        match ProgressStyle::with_template("{prefix} {bar:40} {pos}/{len} {elapsed} {msg}") {
-            Ok(style) => bar.with_style(style),
-            Err(_) => bar,
-        }
+        ticking(ProgressBar::new(count), doing, "{spinner} {prefix} {pos}/{len}, {elapsed} {wide_msg}")
     }
 
     /// A bar on standard error over `count` frames, after what is done with them; a counter where their number is not
@@ -61,13 +67,28 @@ impl OutputArgs {
             return ProgressBar::hidden();
         }
         let (bar, template) = match count {
-            Some(count) => (ProgressBar::new(count), "{prefix} {bar:40} {pos}/{len} frames, {eta} left"),
-            None => (ProgressBar::new_spinner(), "{spinner} {prefix} {pos} frames in {elapsed}"),
+            Some(count) => (ProgressBar::new(count), "{spinner} {prefix} {pos}/{len} frames, {elapsed} {wide_bar}"),
+            None => (ProgressBar::new_spinner(), "{spinner} {prefix} {pos} frames, {elapsed}"),
         };
-        let bar = bar.with_prefix(doing);
-        match ProgressStyle::with_template(template) {
-            Ok(style) => bar.with_style(style),
-            Err(_) => bar,
-        }
+        ticking(bar, doing, template)
     }
+}
+
+/// Refuses a file that is there already: without `--overwrite` nothing is replaced. A device takes whatever it is given.
+pub(crate) fn refuse_existing(file: &Path) -> Result<(), Failure> {
+    if !file.is_file() {
+        return Ok(());
+    }
+    Err(Failure::new(format!("{} exists already", file.display()), "choose a new name or pass --overwrite"))
+}
+
+/// A bar that fits any width of terminal, and whose time runs on while a step takes long.
+fn ticking(bar: ProgressBar, doing: &'static str, template: &str) -> ProgressBar {
+    let bar = bar.with_prefix(doing);
+    let bar = match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    };
+    bar.enable_steady_tick(TICK);
+    bar
 }

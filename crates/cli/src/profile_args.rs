@@ -2,26 +2,47 @@
 
 use std::path::PathBuf;
 
-use fingervision_touch::Profile;
+use fingervision_touch::{Fields, Profile};
 
 use crate::failure::Failure;
+use crate::output::OutputArgs;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ProfileArgs {
-    /// The file that describes the sensor; without it the whole image is tracked, uncalibrated
+    /// The profile of the sensor, as in sensor.toml, or the run.toml of an earlier run; without it the whole image is tracked, without
+    /// depth
+    ///
+    /// `fingervision profile new` begins one.
     #[arg(long, value_name = "FILE")]
     profile: Option<PathBuf>,
-    /// Set one value of the profile, as in `flow.finest_level=1`; may be repeated
+    /// Set one value of the profile, as in `flow.noise_levels=1.5`; may be repeated
     ///
-    /// The run.toml of any run lists the keys with their values.
+    /// `fingervision profile show FILE` and the run.toml of any run list the keys with their values. A value that changes nothing
+    /// under the others is refused.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     assignments: Vec<(String, String)>,
 }
 
 impl ProfileArgs {
+    /// The paths of the values that were set.
+    pub(crate) fn keys(&self) -> impl Iterator<Item = &str> {
+        self.assignments.iter().map(|(key, _)| key.as_str())
+    }
+
     /// Whether nothing was said of the profile.
     pub(crate) fn is_absent(&self) -> bool {
         self.profile.is_none() && self.assignments.is_empty()
+    }
+
+    /// Refuses what was set and changes nothing for these fields; names what the profile's file holds of that kind.
+    pub(crate) fn expect_effect(&self, profile: &Profile, fields: Fields, output: OutputArgs) -> Result<(), Failure> {
+        profile.expect_effect(self.keys(), fields)?;
+        for key in self.profile.iter().flat_map(|_| changed_keys(profile)) {
+            if let Some(idle) = profile.no_effect(&key, fields) {
+                output.note(&idle.to_string());
+            }
+        }
+        Ok(())
     }
 
     /// The profile in force.
@@ -37,10 +58,33 @@ impl ProfileArgs {
     }
 }
 
+/// The paths of the algorithms' parameters that differ from their defaults.
+fn changed_keys(profile: &Profile) -> Vec<String> {
+    let table = |profile: &Profile| toml::Table::try_from(profile).unwrap_or_default();
+    let (profile, defaults) = (table(profile), table(&Profile::default()));
+    let mut keys = Vec::new();
+    for name in ["flow", "references", "elastic"] {
+        if let Some(value) = profile.get(name) {
+            add_changed(name, value, defaults.get(name), &mut keys);
+        }
+    }
+    keys
+}
+
+fn add_changed(path: &str, value: &toml::Value, default: Option<&toml::Value>, keys: &mut Vec<String>) {
+    match value.as_table() {
+        Some(table) => table.iter().for_each(|(key, value)| {
+            add_changed(&format!("{path}.{key}"), value, default.and_then(|default| default.get(key)), keys);
+        }),
+        None if default != Some(value) => keys.push(path.into()),
+        None => {}
+    }
+}
+
 /// Takes `KEY=VALUE` apart.
 pub(crate) fn assignment(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.trim().is_empty() => Ok((key.trim().into(), value.trim().into())),
-        _ => Err("it takes KEY=VALUE, as in flow.finest_level=1".into()),
+        _ => Err("it takes KEY=VALUE, as in flow.noise_levels=1.5".into()),
     }
 }

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use fingervision_evaluate::page::Page;
+use fingervision_sink::{FolderKind, FolderLock};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -11,38 +12,42 @@ use crate::failure::Failure;
 const PAGE: &str = "report.html";
 const NUMBERS: &str = "report.json";
 
-/// A folder that takes a report; an earlier one there is replaced.
+/// What such a folder consists of. The scenes of a benchmark stay: the next one writes them anew.
+const REPORT: FolderKind = FolderKind { noun: "report", marker: PAGE, files: &[NUMBERS], images: None, folders: &[] };
+/// Stands for the page while the report is made, so that an earlier one is not taken for it.
+const UNDER_WAY: &str =
+    "<!doctype html><meta charset=\"utf-8\"><title>fingervision</title><p>This report is not finished.</p>\n";
+
+/// A folder that takes a report.
 #[derive(Debug)]
-pub(crate) struct ReportFolder(PathBuf);
+pub(crate) struct ReportFolder {
+    path: PathBuf,
+    lock: FolderLock,
+}
 
 impl ReportFolder {
-    /// Makes the folder, so that what cannot be written shows before anything is computed.
-    pub(crate) fn create(path: &Path) -> Result<Self, Failure> {
-        fs::create_dir_all(path).map_err(|error| refused(path, &error))?;
-        let folder = Self(path.to_owned());
-        // An earlier report shall not be taken for the one under way.
-        for name in [PAGE, NUMBERS] {
-            match fs::remove_file(path.join(name)) {
-                Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(refused(path, &error)),
-                _ => {}
-            }
-        }
+    /// Makes the folder, so that what cannot be written shows before anything is computed. An earlier report there is
+    /// replaced only where that is asked for.
+    pub(crate) fn create(path: &Path, overwrite: bool) -> Result<Self, Failure> {
+        let folder = Self { path: path.to_owned(), lock: REPORT.claim(path, overwrite)? };
+        folder.add(PAGE, UNDER_WAY.as_bytes())?;
         Ok(folder)
     }
 
     /// Writes a file into the folder.
     pub(crate) fn add(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
-        let path = self.0.join(name);
-        let parent = path.parent().unwrap_or(&self.0);
+        let path = self.path.join(name);
+        let parent = path.parent().unwrap_or(&self.path);
         fs::create_dir_all(parent).and_then(|()| fs::write(&path, bytes)).map_err(|error| refused(&path, &error))
     }
 
     /// Writes the numbers and the page; where the page is.
-    pub(crate) fn write(&self, numbers: &impl Serialize, page: &Page) -> Result<PathBuf, Failure> {
+    pub(crate) fn write(self, numbers: &impl Serialize, page: &Page) -> Result<PathBuf, Failure> {
         let json = serde_json::to_string_pretty(numbers).map_err(std::io::Error::from)?;
         self.add(NUMBERS, json.as_bytes())?;
         self.add(PAGE, page.html().as_bytes())?;
-        Ok(self.0.join(PAGE))
+        drop(self.lock);
+        Ok(self.path.join(PAGE))
     }
 }
 

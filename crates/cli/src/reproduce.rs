@@ -9,7 +9,6 @@ use fingervision_gel::PressCache;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
 use crate::report_folder::ReportFolder;
 
@@ -21,7 +20,8 @@ const FOLDER: &str = "fingervision-reproduction";
 /// Simulated presses are rendered, tracked and calibrated, then compared with their exact truth, in the paper's own setting and on the default sensor. Solved presses are kept: a second time is quicker. The folder gets report.html, which holds all its pictures, and report.json with every number.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The folder to write, where an earlier report is replaced; without it ./fingervision-reproduction
+    /// The folder to write: new, empty, or with --overwrite an earlier report; without it ./fingervision-reproduction, where an
+    /// earlier report is replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// One sensor, draft meshes, two indenters, half as many frames: to see that it works
@@ -30,6 +30,9 @@ pub(crate) struct Args {
     /// Solve every press anew, and do not keep it
     #[arg(long)]
     no_cache: bool,
+    /// Replace an earlier report in the folder
+    #[arg(long)]
+    overwrite: bool,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -42,15 +45,15 @@ struct ReproduceResult {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
-    let interrupt = Interrupt::listen()?;
-    let folder = ReportFolder::create(args.out.as_deref().unwrap_or(Path::new(FOLDER)))?;
+    let folder =
+        ReportFolder::create(args.out.as_deref().unwrap_or(Path::new(FOLDER)), args.overwrite || args.out.is_none())?;
     let extent = if args.quick { Extent::Quick } else { Extent::Full };
     let cache = if args.no_cache { PressCache::OFF } else { PressCache::standard() };
     let bar = args.output.steps("reproducing", extent.parts());
     let progress = |part: &str| {
         bar.set_message(part.to_owned());
         bar.inc(1);
-        if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        ControlFlow::Continue(())
     };
     let reproduction = reproduce(extent, &cache, &progress)?;
     bar.finish_and_clear();

@@ -11,13 +11,13 @@ pub(crate) struct SceneArgs {
     /// The scene.toml of any simulation lists the keys with their values.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     assignments: Vec<(String, String)>,
-    /// Take a coarse mesh: seconds instead of minutes
+    /// Solve on a coarse mesh, 0.75 mm where the gel is touched: seconds instead of minutes
     #[arg(long)]
     draft: bool,
-    /// Show the motion in this many frames
+    /// How many frames to divide the motion into, as in 31; without it as many as the scene says
     #[arg(long, value_name = "N")]
     frames: Option<usize>,
-    /// Solve without looking for the press among those solved before, and do not keep it
+    /// Solve the press anew, although it was solved before, and do not keep it
     #[arg(long)]
     no_cache: bool,
 }

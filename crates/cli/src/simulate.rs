@@ -19,24 +19,24 @@ const MOST_RANDOM: u64 = 10_000;
 /// Simulate a press: camera images, their exact truth and the profile to track them with
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A ready-made scene (see --list) or a scene file
+    /// A ready-made scene, as in letter (--list names them), or a scene file
     #[arg(required_unless_present_any = ["list", "random"], conflicts_with_all = ["list", "random"])]
     scene: Option<String>,
-    /// The folder to write: new, empty, or with --overwrite a previous simulation
+    /// The folder to write, as in letter: new, empty, or with --overwrite a previous simulation
     #[arg(long, value_name = "DIR", required_unless_present = "list")]
     out: Option<PathBuf>,
     /// Name the ready-made scenes
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["out", "assignments", "draft", "frames", "no_cache", "truth_only", "seed", "overwrite"])]
     list: bool,
-    /// Write this many random scenes instead, into the folders scene-0000, scene-0001, ...
+    /// Write N random scenes instead, as in 100, into the folders scene-0000, scene-0001, ...
     #[arg(long, value_name = "N", conflicts_with = "list", value_parser = clap::value_parser!(u64).range(1..=MOST_RANDOM))]
     random: Option<u64>,
     #[command(flatten)]
     scenes: SceneArgs,
-    /// Write no images
+    /// Write the truth and the profile, but no images
     #[arg(long)]
     truth_only: bool,
-    /// Other pattern and noise; with --random, other scenes
+    /// Seed of pattern and noise, as in 7; without it the scene's own. With --random also the seed of the scenes, 0 if left out
     #[arg(long)]
     seed: Option<u64>,
     /// Replace a previous simulation in the folder
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
         has_images: !args.truth_only,
         overwrite: args.overwrite,
         output: args.output,
-        interrupt: Interrupt::listen()?,
+        interrupt: Interrupt::listen(),
     };
     if let Some(count) = args.random {
         return simulate_random(args, &run, &folder, count, out);

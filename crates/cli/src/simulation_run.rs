@@ -1,17 +1,19 @@
 //! One scene on its way into a folder: solved, drawn, written, summed up.
 
 use std::fmt;
+use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use fingervision_gel::{EarlyEnd, Origin, PressCache, Scene, Simulation};
+use fingervision_gel::{EarlyEnd, MotionKind, Origin, PressCache, Scene, Simulation};
 use fingervision_sink::{SimulatedFrame, SimulationFolder, SimulationPreview};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
+use crate::summary::Force;
 
 /// How scenes become folders.
 #[derive(Debug)]
@@ -42,8 +44,17 @@ pub(crate) struct SimulationSummary {
     drawing_s: f64,
     /// Of the deepest frame; of the last of them where there are several.
     depth_mm: f64,
-    pub(crate) force_n: [f64; 3],
+    #[serde(flatten)]
+    pub(crate) force: Force<f64>,
+    /// How far a rigid board slides along x from frame to frame, mm; none for what is pressed.
+    #[serde(skip)]
+    slide_mm: Option<f64>,
+    /// The camera's distance, mm.
+    #[serde(skip)]
+    distance_mm: f64,
     has_images: bool,
+    /// Absent if it could not be drawn.
+    preview: Option<PathBuf>,
 }
 
 impl SimulationRun {
@@ -64,8 +75,13 @@ impl SimulationRun {
         let mut preview = SimulationPreview::new(scene, simulation.states().len());
         let drawn = self.draw(&mut simulation, &mut folder, &mut preview);
         let closed = folder.finish();
-        let saved = preview.save(&path.join("preview.png"));
         let frames = *closed.as_ref().unwrap_or(&0);
+        let picture = path.join("preview.png");
+        let saved = if frames > 0 { preview.save(&picture) } else { Ok(()) };
+        if saved.is_err() {
+            // Half a picture is none; the error that is reported is the one that cut it.
+            let _ = fs::remove_file(&picture);
+        }
         let deepest = deepest(&simulation, frames as usize);
         let summary = SimulationSummary {
             scene: scene.name.clone(),
@@ -77,8 +93,11 @@ impl SimulationRun {
             solving_s,
             drawing_s: begin.elapsed().as_secs_f64(),
             depth_mm: simulation.poses()[deepest].depth_mm,
-            force_n: simulation.states()[deepest].force_n,
-            has_images: self.has_images,
+            force: simulation.states()[deepest].force_n.into(),
+            has_images: self.has_images && frames > 0,
+            preview: (frames > 0 && saved.is_ok()).then_some(picture),
+            slide_mm: slide_mm(&simulation),
+            distance_mm: scene.camera().translation_mm[2],
         };
         let ended = drawn.and(closed.map(drop).map_err(Failure::from)).and(saved.map_err(Failure::from));
         let ended = ended.and(end.map_or(Ok(()), |end| Err(ended_early(&end, &summary))));
@@ -124,13 +143,21 @@ impl SimulationRun {
             preview.write(&frame);
             bar.inc(1);
             if self.interrupt.is_asked() && number + 1 < count {
-                let message = format!("interrupted after {} of {count} frames", number + 1);
-                return Err(Failure::new(message, "what was written can be read"));
+                let asked = simulation.poses().len();
+                let message = format!("interrupted after {} of {asked} frames", number + 1);
+                return Err(Failure::new(message, "what was written can be read; --overwrite begins again"));
             }
         }
         bar.finish_and_clear();
         Ok(())
     }
+}
+
+/// How far a rigid board slides along x from frame to frame, mm; none for another motion.
+fn slide_mm(simulation: &Simulation) -> Option<f64> {
+    let [first, second, ..] = simulation.poses() else { return None };
+    let step_mm = second.shear_mm[0] - first.shear_mm[0];
+    (simulation.scene().motion.kind == MotionKind::Rigid && step_mm > 0.0).then_some((1e6 * step_mm).round() / 1e6)
 }
 
 /// The last of the deepest frames among the first so many; the first where there is none.
@@ -162,21 +189,29 @@ impl SimulationSummary {
 
     /// All in a line.
     pub(crate) fn line(&self) -> String {
-        let Self { folder, frames, depth_mm, force_n: [x, y, z], solving_s, drawing_s, .. } = self;
+        let Self { folder, frames, depth_mm, force, solving_s, drawing_s, .. } = self;
         let (folder, seconds) = (folder.display(), solving_s + drawing_s);
-        format!("{folder}  {frames} frames, {depth_mm:.2} mm deep, force ({x:.2}, {y:.2}, {z:.2}) N, {seconds:.1} s")
+        format!("{folder}  {frames} frames, {depth_mm:.2} mm deep, force {force}, {seconds:.1} s")
     }
 }
 
 /// A few lines for people.
 impl fmt::Display for SimulationSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (folder, [x, y, z]) = (self.folder.display(), self.force_n);
+        let (folder, force) = (self.folder.display(), self.force);
         writeln!(f, "{}", self.headline())?;
-        writeln!(f, "force    ({x:.2}, {y:.2}, {z:.2}) N on the gel at {:.2} mm", self.depth_mm)?;
+        writeln!(f, "force    {force} on the gel at {:.2} mm", self.depth_mm)?;
         writeln!(f, "folder   {folder}")?;
-        writeln!(f, "preview  {folder}/preview.png")?;
-        if self.has_images {
+        if let Some(preview) = &self.preview {
+            writeln!(f, "preview  {}", preview.display())?;
+        }
+        if let Some(step_mm) = self.slide_mm.filter(|_| self.has_images) {
+            writeln!(
+                f,
+                "next     fingervision calibrate camera {folder}/frames --step-mm {step_mm} --profile SENSOR.toml --prior distance_mm={}±0.5",
+                self.distance_mm
+            )?;
+        } else if self.has_images {
             writeln!(f, "track    fingervision track {folder}/frames --profile {folder}/profile.toml --out RUN")?;
         }
         Ok(())

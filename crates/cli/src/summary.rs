@@ -7,12 +7,22 @@ use std::path::PathBuf;
 use fingervision_touch::{Flag, Reading};
 use serde::Serialize;
 
+use crate::skipped::Skipped;
+
+/// Why a frame has no depth, what weighs most first.
+const NO_DEPTH: [Flag; 3] = [Flag::NoTexture, Flag::Lost, Flag::GelMisfit];
+/// A depth that is printed as nothing, mm.
+const LEAST_DEPTH_MM: f32 = 0.005;
+
 /// What a run came to.
 #[derive(Debug, Serialize)]
 pub(crate) struct Summary {
     pub(crate) folder: PathBuf,
     /// Absent if it could not be drawn.
     pub(crate) preview: Option<PathBuf>,
+    /// The video, where one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) overlay: Option<PathBuf>,
     /// Columns and rows of the fields, px.
     pub(crate) size: (usize, usize),
     pub(crate) has_depth: bool,
@@ -20,6 +30,8 @@ pub(crate) struct Summary {
     pub(crate) seconds: f64,
     #[serde(flatten)]
     pub(crate) tally: Tally,
+    #[serde(flatten)]
+    pub(crate) skipped: Skipped,
 }
 
 /// What is counted while readings come.
@@ -30,6 +42,10 @@ pub(crate) struct Tally {
     tracking_ms: f64,
     /// How many frames carried each flag that was ever up.
     flagged: BTreeMap<&'static str, u64>,
+    /// How many frames the source skipped.
+    dropped_frames: u64,
+    /// How many frames have no depth, by the flag that says why; `not-valid` where no pixel holds.
+    without_depth: BTreeMap<&'static str, u64>,
     /// The last of the deepest readings; none without depth.
     pub(crate) deepest: Option<Deepest>,
 }
@@ -40,21 +56,63 @@ pub(crate) struct Deepest {
     pub(crate) sequence: u64,
     pub(crate) max_depth_mm: f32,
     pub(crate) contact_area_mm2: Option<f32>,
-    pub(crate) force_n: Option<[f32; 3]>,
-    pub(crate) torque_nmm: Option<f32>,
+    #[serde(flatten)]
+    pub(crate) force: Option<Force<f32>>,
+    pub(crate) torque_z_nmm: Option<f32>,
+}
+
+/// Force on the gel, N, named as in the tables.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(crate) struct Force<T> {
+    #[serde(rename = "force_x_n")]
+    x: T,
+    #[serde(rename = "force_y_n")]
+    y: T,
+    #[serde(rename = "force_z_n")]
+    z: T,
+}
+
+impl<T> From<[T; 3]> for Force<T> {
+    fn from([x, y, z]: [T; 3]) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl<T: fmt::Display> fmt::Display for Force<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { x, y, z } = self;
+        write!(f, "({x:.2}, {y:.2}, {z:.2}) N")
+    }
 }
 
 impl Tally {
     pub(crate) fn count(&mut self, reading: &Reading) {
         self.frames += 1;
+        self.dropped_frames = reading.dropped_frames;
+        if reading.depth.is_some() && reading.max_depth_mm.is_none() {
+            let reason = NO_DEPTH.into_iter().find(|&flag| reading.flags.has(flag)).map_or("not-valid", Flag::name);
+            *self.without_depth.entry(reason).or_default() += 1;
+        }
         self.tracking_ms += reading.latency_ms;
         for flag in reading.flags.iter() {
             *self.flagged.entry(flag.name()).or_default() += 1;
         }
         let is_deeper = |depth: &f32| self.deepest.is_none_or(|deepest| *depth >= deepest.max_depth_mm);
         if let Some(max_depth_mm) = reading.max_depth_mm.filter(is_deeper) {
-            let &Reading { sequence, contact_area_mm2, force_n, torque_nmm, .. } = reading;
-            self.deepest = Some(Deepest { sequence, max_depth_mm, contact_area_mm2, force_n, torque_nmm });
+            let &Reading { sequence, contact_area_mm2, force_n, torque_nmm: torque_z_nmm, .. } = reading;
+            let force = force_n.map(Force::from);
+            self.deepest = Some(Deepest { sequence, max_depth_mm, contact_area_mm2, force, torque_z_nmm });
+        }
+    }
+
+    /// Leaves out the deepest reading where it tells nothing: an untouched gel, while most frames have no depth.
+    pub(crate) fn finish(&mut self) {
+        let is_untouched = |deepest: &Deepest| {
+            deepest.contact_area_mm2.map_or(deepest.max_depth_mm < LEAST_DEPTH_MM, |area| area <= 0.0)
+        };
+        let without_depth: u64 = self.without_depth.values().sum();
+        if 2 * without_depth > self.frames && self.deepest.as_ref().is_some_and(is_untouched) {
+            self.deepest = None;
         }
     }
 }
@@ -62,26 +120,47 @@ impl Tally {
 /// A few lines for people.
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Tally { frames, tracking_ms, flagged, deepest } = &self.tally;
+        let Tally { frames, tracking_ms, flagged, dropped_frames, without_depth, deepest } = &self.tally;
         let ((width, height), seconds) = (self.size, self.seconds);
-        let mean_ms = tracking_ms / *frames as f64;
-        writeln!(
-            f,
-            "{frames} frames of {width}x{height} px in {seconds:.1} s; tracking takes {mean_ms:.1} ms a frame"
-        )?;
+        write!(f, "{frames} frames of {width}x{height} px in {seconds:.1} s")?;
+        if *frames > 0 {
+            write!(f, "; tracking takes {:.1} ms a frame", tracking_ms / *frames as f64)?;
+        }
+        writeln!(f)?;
+        if self.skipped.count > 0 {
+            let frames = if self.skipped.count == 1 { "frame" } else { "frames" };
+            writeln!(f, "skipped  {} {frames} that could not be read", self.skipped.count)?;
+        }
         for flag in Flag::ALL.map(Flag::name) {
             if let Some(count) = flagged.get(flag) {
-                writeln!(f, "flagged  {flag} in {count} of {frames} frames")?;
+                write!(f, "flagged  {flag} in {count} of {frames} frames")?;
+                match dropped_frames {
+                    1.. if flag == Flag::Dropped.name() => writeln!(f, ": {dropped_frames} missing before them")?,
+                    _ => writeln!(f)?,
+                }
             }
+        }
+        for (reason, count) in without_depth {
+            writeln!(f, "no depth in {count} of {frames} frames: {}", in_words(reason))?;
         }
         if let Some(deepest) = deepest {
             writeln!(f, "deepest  {deepest}")?;
         }
         writeln!(f, "folder   {}", self.folder.display())?;
-        match &self.preview {
-            Some(preview) => writeln!(f, "preview  {}", preview.display()),
-            None => Ok(()),
+        if let Some(preview) = &self.preview {
+            writeln!(f, "preview  {}", preview.display())?;
         }
+        self.overlay.as_ref().map_or(Ok(()), |overlay| writeln!(f, "overlay  {}", overlay.display()))
+    }
+}
+
+/// What a reason for no depth means.
+fn in_words(reason: &str) -> &str {
+    match reason {
+        "gel-misfit" => "the flow there cannot be that of the profile's gel and camera (gel-misfit)",
+        "lost" => "the images there do not match the reference (lost)",
+        "no-texture" => "the images there have too little texture (no-texture)",
+        _ => "no pixel there holds",
     }
 }
 
@@ -92,9 +171,70 @@ impl fmt::Display for Deepest {
         if let Some(area) = self.contact_area_mm2 {
             write!(f, ", contact {area:.1} mm²")?;
         }
-        if let Some([x, y, z]) = self.force_n {
-            write!(f, ", force ({x:.2}, {y:.2}, {z:.2}) N")?;
+        if let Some(force) = &self.force {
+            write!(f, ", force {force}")?;
         }
-        self.torque_nmm.map_or(Ok(()), |torque| write!(f, ", torque {torque:.1} N mm"))
+        self.torque_z_nmm.map_or(Ok(()), |torque| write!(f, ", torque {torque:.1} N mm"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fingervision_image::Image;
+    use fingervision_touch::{Fields, Profile, Tracker};
+
+    use super::*;
+
+    fn summary(readings: &[Reading]) -> Summary {
+        let mut tally = Tally::default();
+        for reading in readings {
+            tally.count(reading);
+        }
+        tally.finish();
+        let (folder, preview, size) = ("run".into(), None, (64, 64));
+        Summary {
+            folder,
+            preview,
+            overlay: None,
+            size,
+            has_depth: true,
+            seconds: 1.0,
+            tally,
+            skipped: Skipped::default(),
+        }
+    }
+
+    fn reading(flag: Option<Flag>, max_depth_mm: Option<f32>, contact_area_mm2: f32) -> Reading {
+        let tracker = Tracker::new(&Profile::default(), (64, 64), false, Fields::NONE).unwrap();
+        let mut reading = tracker.reading().clone();
+        if let Some(flag) = flag {
+            reading.flags.raise(flag);
+        }
+        (reading.depth, reading.force_n) = (Some(Image::filled(64, 64, 0.0)), Some([0.0; 3]));
+        (reading.max_depth_mm, reading.contact_area_mm2) = (max_depth_mm, Some(contact_area_mm2));
+        reading
+    }
+
+    #[test]
+    fn frames_without_depth_are_counted_with_their_reason_and_no_zeros_are_told() {
+        let misfit = reading(Some(Flag::GelMisfit), None, 0.0);
+        let text = summary(&[reading(None, Some(0.001), 0.0), misfit.clone(), misfit.clone()]).to_string();
+        assert!(text.contains("no depth in 2 of 3 frames: the flow there cannot be that of"), "{text}");
+        assert!(!text.contains("deepest"), "{text}");
+        let touched = summary(&[reading(None, Some(1.0), 9.0), misfit]).to_string();
+        assert!(touched.contains("deepest  frame 0: depth up to 1.00 mm, contact 9.0 mm²"), "{touched}");
+    }
+
+    #[test]
+    fn a_run_without_frames_has_no_mean() {
+        let text = summary(&[]).to_string();
+        assert!(text.starts_with("0 frames of 64x64 px in 1.0 s\n"), "{text}");
+    }
+
+    #[test]
+    fn json_names_forces_as_the_table_does() {
+        let json = serde_json::to_value(summary(&[reading(None, Some(1.0), 9.0)])).unwrap();
+        assert_eq!(json["deepest"]["force_z_n"], 0.0, "{json}");
+        assert!(json["deepest"].get("torque_z_nmm").is_some(), "{json}");
     }
 }

@@ -5,42 +5,80 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use fingervision_gel::PressCache;
-use fingervision_sink::{Field, simulated_profile};
+use fingervision_sink::{Field, Precision, simulated_profile};
 use fingervision_source::{Options, SimulatedLocation, SimulatedSource, Source, open};
 use fingervision_touch::Profile;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
+use crate::part::PartArgs;
 use crate::profile_args::ProfileArgs;
-use crate::tracking::Run;
+use crate::tracking::{Run, fields_to_compute};
 
 /// Track a recording: flow, density and, with a profile that knows the sensor, depth, contact and force of every frame
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 MP4 or MOV, motion JPEG AVI) or a simulated scene
+    /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV) or a simulated scene
     ///
     /// A scene is sim:NAME or sim:FILE, as in sim:letter; `fingervision simulate --list` names those that are ready-made.
     /// Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft takes a coarse mesh. Without --profile its own
     /// camera and gel are the sensor.
     source: PathBuf,
-    /// The folder to write: new, empty, or with --overwrite a previous run
+    /// The folder to write, as in run: new, empty, or with --overwrite a previous run
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
     profile: ProfileArgs,
-    /// The fields to write; without it flow, density and, where calibrated, depth
+    /// The fields to write, as in flow,depth; without it flow and, where the profile allows it, depth, and density where depth is not
+    /// elastic
     ///
     /// With elastic depth, the contact and where both hold (`contact.npy`, `depth_valid.npy`) are written beside it.
     #[arg(long, value_delimiter = ',', value_name = "FIELD,...", value_enum)]
     fields: Option<Vec<FieldName>>,
+    /// How numbers are written: float16 takes half the disk and is off by up to 1 part in 2048
+    ///
+    /// For a flow of 8 to 16 px that is 0.004 px, for a depth of 1 to 2 mm 0.0005 mm.
+    #[arg(long, value_name = "TYPE", value_enum, default_value_t = NumberType::Float32)]
+    dtype: NumberType,
+    /// Write a video too: the camera image with the contact on it, depth, and force over time
+    ///
+    /// The file is motion JPEG in AVI, FILE.avi. It can be played while it grows, and after the run was killed.
+    #[arg(long, value_name = "FILE", value_parser = overlay_name)]
+    overlay: Option<PathBuf>,
     /// Nominal rate of an image folder or a simulated scene, frames a second; videos carry their own times
-    #[arg(long, value_name = "RATE", default_value_t = Options::default().frames_per_second, value_parser = rate)]
-    fps: f64,
+    ///
+    /// 30 without it.
+    #[arg(long, value_name = "RATE", value_parser = rate)]
+    fps: Option<f64>,
+    #[command(flatten)]
+    part: PartArgs,
+    /// Leave out frames that cannot be read, as a truncated image, instead of ending the run at the first
+    ///
+    /// Each is named in a note and counted in the result; the reading after it is flagged `dropped`. A video goes on at its next key
+    /// frame. The reference frame must be readable.
+    #[arg(long)]
+    skip_bad_frames: bool,
     /// Replace a previous run in the folder
     #[arg(long)]
     overwrite: bool,
     #[command(flatten)]
     output: OutputArgs,
+}
+
+/// What `--dtype` takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum NumberType {
+    Float32,
+    Float16,
+}
+
+impl From<NumberType> for Precision {
+    fn from(number: NumberType) -> Self {
+        match number {
+            NumberType::Float32 => Self::Float32,
+            NumberType::Float16 => Self::Float16,
+        }
+    }
 }
 
 /// What `--fields` takes.
@@ -81,10 +119,15 @@ impl From<FieldName> for Field {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    let part = args.part.part()?;
     let (profile, mut source) = sensor(args)?;
-    let fields = args.fields.as_ref().map(|fields| fields.iter().map(|&field| field.into()).collect());
+    let fields: Option<Vec<Field>> =
+        args.fields.as_ref().map(|fields| fields.iter().map(|&field| field.into()).collect());
+    args.profile.expect_effect(&profile, fields_to_compute(fields.as_deref()), args.output)?;
     let (folder, overwrite, output) = (args.out.clone(), args.overwrite, args.output);
-    let run = Run { profile, fields, folder, overwrite, output };
+    let (precision, overlay) = (args.dtype.into(), args.overlay.clone());
+    let skips_bad_frames = args.skip_bad_frames;
+    let run = Run { profile, fields, precision, overlay, folder, overwrite, part, skips_bad_frames, output };
     let (summary, failure) = run.track(source.as_mut())?;
     output.result(out, &summary, &summary.to_string())?;
     failure.map_or(Ok(()), Err)
@@ -92,10 +135,18 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 
 /// The profile in force and the frames. A simulated scene knows its own sensor.
 fn sensor(args: &Args) -> Result<(Profile, Box<dyn Source>), Failure> {
-    let options = Options { frames_per_second: args.fps };
+    let options = args.fps.map_or_else(Options::default, |frames_per_second| Options { frames_per_second });
     let Some(location) = SimulatedLocation::of(&args.source)? else {
+        if args.fps.is_some() && args.source.is_file() {
+            let message = format!("--fps has no effect: {} carries its own times", args.source.display());
+            return Err(Failure::new(message, "leave --fps out"));
+        }
         return Ok((args.profile.load()?, open(&args.source, &options)?));
     };
+    if args.fps.is_some() && location.has_rate() {
+        let message = format!("--fps has no effect: {} names a rate of its own", args.source.display());
+        return Err(Failure::new(message, "give the rate once"));
+    }
     let scene = location.scene()?;
     let profile = args.profile.load_or(simulated_profile(&scene))?;
     let bar = args.output.progress("solving", Some(scene.motion.frames as u64));
@@ -106,6 +157,19 @@ fn sensor(args: &Args) -> Result<(Profile, Box<dyn Source>), Failure> {
     let source = SimulatedSource::open(&location, &options, &PressCache::standard(), &mut progress)?;
     bar.finish_and_clear();
     Ok((profile, Box::new(source)))
+}
+
+fn overlay_name(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("avi")) {
+        return Ok(path);
+    }
+    let avi = path.with_extension("avi");
+    Err(format!(
+        "the video is motion JPEG in AVI: name it {}; `ffmpeg -i {0} -c:v libx264 -pix_fmt yuv420p {}` makes another kind of it",
+        avi.display(),
+        path.with_extension("mp4").display()
+    ))
 }
 
 fn rate(text: &str) -> Result<f64, String> {

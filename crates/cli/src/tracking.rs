@@ -5,14 +5,17 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use fingervision_image::Frame;
-use fingervision_sink::{Field, Preview, PreviewOptions, RunFolder, RunOptions, Sink, SinkError};
+use fingervision_sink::{Field, Overlay, Precision, Preview, PreviewOptions, RunFolder, RunOptions, Sink, SinkError};
 use fingervision_source::Source;
 use fingervision_touch::{DepthMethod, Fields, LEARNED_FROM, Profile, Reading, Tracker};
 
+use crate::disk;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
+use crate::part::Part;
 use crate::run_record::run_record;
+use crate::skipped::Skipped;
 use crate::summary::{Summary, Tally};
 
 /// What to make of a source.
@@ -22,10 +25,18 @@ pub(crate) struct Run {
     pub(crate) profile: Profile,
     /// The fields asked for; absent: all that the profile is calibrated for.
     pub(crate) fields: Option<Vec<Field>>,
+    /// How numbers with a fraction are written.
+    pub(crate) precision: Precision,
+    /// The video to write, if any.
+    pub(crate) overlay: Option<PathBuf>,
     /// The folder to write.
     pub(crate) folder: PathBuf,
     /// Whether a previous run there may be replaced.
     pub(crate) overwrite: bool,
+    /// The frames to track.
+    pub(crate) part: Part,
+    /// Whether a frame that cannot be read is left out instead of ending the run.
+    pub(crate) skips_bad_frames: bool,
     pub(crate) output: OutputArgs,
 }
 
@@ -33,7 +44,10 @@ pub(crate) struct Run {
 struct Sinks {
     folder: RunFolder,
     preview: Preview,
+    overlay: Option<Overlay>,
     tally: Tally,
+    skipped: Skipped,
+    part: Part,
 }
 
 impl Run {
@@ -46,33 +60,61 @@ impl Run {
     /// Whatever keeps the run from beginning.
     pub(crate) fn track(&self, source: &mut dyn Source) -> Result<(Summary, Option<Failure>), Failure> {
         let begin = Instant::now();
+        for remark in source.remarks() {
+            self.output.note(&remark);
+        }
         let region = self.profile.region(source.size())?;
-        let Some(first) = source.next_frame()? else { return Err(SinkError::NoReadings.into()) };
+        let mut skipped = Skipped::default();
+        let first = self.reference(source, &mut skipped)?;
         let mut tracker = self.tracker(&first, source.size())?;
         let fields = self.fields_to_keep(tracker.reading());
         let traction = tracker.reading().traction.as_ref();
-        let record = run_record(&source.description(), &fields, &self.profile, traction)?;
+        let record = run_record(&source.description(), &fields, &self.profile, traction, self.part)?;
         let traction_size = traction.map(|grid| (grid.columns, grid.rows));
-        let options = RunOptions { size: tracker.size(), traction_size, fields, overwrite: self.overwrite };
+        let (precision, overwrite) = (self.precision, self.overwrite);
+        let options = RunOptions { size: tracker.size(), traction_size, precision, fields, overwrite };
         let mm_per_px = self.profile.mm_per_px().map(|scale| scale as f32);
+        let pictures = PreviewOptions { region: Some(region), mm_per_px };
+        let frames = self.part.written(source.frame_count());
+        disk::check(&self.folder, options.bytes_per_frame(), frames, self.output);
+        self.check_overlay()?;
         let mut sinks = Sinks {
             folder: RunFolder::create(&self.folder, &options, &record)?,
-            preview: Preview::new(PreviewOptions { region: Some(region), mm_per_px }),
+            preview: Preview::new(pictures),
+            overlay: self.overlay.as_deref().map(|path| Overlay::create(path, options.size, pictures)).transpose()?,
             tally: Tally::default(),
+            skipped,
+            part: self.part,
         };
         let ended = self.stream(source, first, &mut tracker, &mut sinks);
         Ok(self.finish(sinks, &tracker, begin, ended))
     }
 
+    /// Sees that no file is replaced that was not to be; one within the run's folder goes with the previous run.
+    fn check_overlay(&self) -> Result<(), Failure> {
+        match &self.overlay {
+            Some(path) if path.exists() && !self.overwrite => {
+                Err(Failure::new(format!("{} is there already", path.display()), "name a new file or pass --overwrite"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The frame that tracking begins with.
+    fn reference(&self, source: &mut dyn Source, skipped: &mut Skipped) -> Result<Frame, Failure> {
+        let wanted = self.part.reference;
+        while let Some(frame) = skipped.next_frame(source, self.skips_bad_frames, self.output)? {
+            let Some(wanted) = wanted.filter(|&wanted| wanted != frame.sequence) else { return Ok(frame) };
+            if frame.sequence > wanted {
+                let message = format!("the reference frame {wanted} cannot be read");
+                return Err(Failure::new(message, "name another that shows the gel untouched with --reference-frame"));
+            }
+        }
+        Err(SinkError::NoReadings.into())
+    }
+
     fn tracker(&self, first: &Frame, frame_size: (usize, usize)) -> Result<Tracker, Failure> {
-        let is_asked = |field| self.fields.as_ref().is_some_and(|fields| fields.contains(&field));
-        let by_default = self.fields.is_none();
-        let fields = Fields {
-            density: by_default || is_asked(Field::Density),
-            depth: by_default || is_asked(Field::Depth) || is_asked(Field::DepthDeviation) || is_asked(Field::Contact),
-            displacement: is_asked(Field::Displacement),
-            traction: is_asked(Field::Traction),
-        };
+        let (by_default, fields) = (self.fields.is_none(), fields_to_compute(self.fields.as_deref()));
         let tracker = Tracker::new(&self.profile, frame_size, first.pixels.is_colour(), fields)?;
         let absent = self.fields.iter().flatten().find(|field| !field.is_in(tracker.reading()));
         if let Some(field) = absent {
@@ -138,7 +180,11 @@ impl Run {
 
     /// What is written: all that was asked for, and with elastic depth always contact and where they hold.
     fn fields_to_keep(&self, reading: &Reading) -> Vec<Field> {
-        let by_default = || [Field::Flow, Field::Density, Field::Depth].to_vec();
+        // Beside elastic depth, density is one more array of which nothing is made.
+        let by_default = || match self.profile.depth_method() {
+            DepthMethod::Elastic => vec![Field::Flow, Field::Depth],
+            DepthMethod::Density => vec![Field::Flow, Field::Density, Field::Depth],
+        };
         let mut fields = self.fields.clone().unwrap_or_else(by_default);
         fields.retain(|field| field.is_in(reading));
         let is_elastic = [Field::Depth, Field::Displacement, Field::Contact, Field::Traction]
@@ -160,8 +206,8 @@ impl Run {
         tracker: &mut Tracker,
         sinks: &mut Sinks,
     ) -> Result<(), Failure> {
-        let interrupt = Interrupt::listen()?;
-        let count = source.frame_count();
+        let interrupt = Interrupt::listen();
+        let count = self.part.tracked(source.frame_count());
         let progress = self.output.progress("tracking", count);
         let mut next = Some(first);
         while let Some(frame) = next {
@@ -170,10 +216,15 @@ impl Run {
             if interrupt.is_asked() {
                 return interrupted(progress.position(), count);
             }
-            next = source.next_frame()?;
+            if self.part.is_behind(frame.sequence + 1) {
+                break;
+            }
+            let following = sinks.skipped.next_frame(source, self.skips_bad_frames, self.output)?;
+            // Frames left out may reach beyond the part.
+            next = following.filter(|frame| !self.part.is_behind(frame.sequence));
         }
         progress.finish_and_clear();
-        Ok(())
+        if sinks.tally.frames == 0 { Err(self.part.absent()) } else { Ok(()) }
     }
 
     /// Puts everything on the disk and draws the preview. The first error is the one that counts.
@@ -184,7 +235,9 @@ impl Run {
         begin: Instant,
         ended: Result<(), Failure>,
     ) -> (Summary, Option<Failure>) {
-        let Sinks { folder, preview, tally } = sinks;
+        let Sinks { folder, preview, overlay, mut tally, skipped, .. } = sinks;
+        tally.finish();
+        let overlaid = overlay.map_or(Ok(()), Overlay::finish);
         let path = self.folder.join("preview.png");
         let drawn = if tally.frames > 0 { preview.save(&path) } else { Ok(()) };
         let has_preview = tally.frames > 0 && drawn.is_ok();
@@ -196,21 +249,42 @@ impl Run {
         let summary = Summary {
             folder: self.folder.clone(),
             preview: has_preview.then_some(path),
+            overlay: self.overlay.clone(),
             size: tracker.size(),
             has_depth: tracker.has_depth(),
             seconds: begin.elapsed().as_secs_f64(),
             tally,
+            skipped,
         };
-        let ended = ended.and(closed.map(drop).map_err(Failure::from)).and(drawn.map_err(Failure::from));
+        let ended = ended.and(closed.map(drop).map_err(Failure::from));
+        let ended = ended.and(drawn.map_err(Failure::from)).and(overlaid.map_err(Failure::from));
         (summary, ended.err())
+    }
+}
+
+/// What the tracker computes for the fields that are asked for; absent: all that the profile is calibrated for.
+pub(crate) fn fields_to_compute(asked: Option<&[Field]>) -> Fields {
+    let is_asked = |field| asked.is_some_and(|fields| fields.contains(&field));
+    let by_default = asked.is_none();
+    Fields {
+        density: by_default || is_asked(Field::Density),
+        depth: by_default || is_asked(Field::Depth) || is_asked(Field::DepthDeviation) || is_asked(Field::Contact),
+        displacement: is_asked(Field::Displacement),
+        traction: is_asked(Field::Traction),
     }
 }
 
 impl Sinks {
     fn write(&mut self, reading: &Reading, frame: &Frame) -> Result<(), SinkError> {
+        if !self.part.is_written(reading.sequence) {
+            return Ok(());
+        }
         self.folder.write(reading, frame)?;
-        self.preview.write(reading, frame)?;
         self.tally.count(reading);
+        self.preview.write(reading, frame)?;
+        if let Some(overlay) = &mut self.overlay {
+            overlay.write(reading, frame)?;
+        }
         Ok(())
     }
 }
@@ -218,9 +292,10 @@ impl Sinks {
 /// A stream without an end has ended when it is told to; one with an end is cut short.
 fn interrupted(frames: u64, count: Option<u64>) -> Result<(), Failure> {
     match count {
-        Some(count) if frames < count => {
-            Err(Failure::new(format!("interrupted after {frames} of {count} frames"), "what was written can be read"))
-        }
+        Some(count) if frames < count => Err(Failure::new(
+            format!("interrupted after {frames} of {count} frames"),
+            "what was written can be read; --overwrite begins again",
+        )),
         _ => Ok(()),
     }
 }

@@ -18,4 +18,4 @@ pub use layer::{
     BlockOperator, ContactParams, Layer, LayerContact, LayerError, LayerOperator, LayerPress, SurfaceGrid,
     WaveCompliance,
 };
-pub use press::{MeshParams, Press, PressError, PressSetup, Resolution, StepReport, SweptRegion, swept_region};
+pub use press::{GoOn, MeshParams, Press, PressError, PressSetup, Resolution, StepReport, SweptRegion, swept_region};

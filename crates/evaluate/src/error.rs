@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// What keeps a table from being measured.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum EvaluateError {
     /// A sheet cannot be rendered.
     #[error(transparent)]

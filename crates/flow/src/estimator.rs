@@ -12,6 +12,8 @@ use fingervision_image::Image;
 pub struct Reference {
     search: SearchReference,
     affine: AffineReference,
+    mean_level: f32,
+    sharpness: f32,
     /// The picture itself, where the round trip is checked.
     picture: Option<Picture>,
 }
@@ -21,6 +23,18 @@ impl Reference {
     #[must_use]
     pub fn textured(&self) -> f32 {
         self.affine.textured
+    }
+
+    /// Mean grey level of the picture.
+    #[must_use]
+    pub fn mean_level(&self) -> f32 {
+        self.mean_level
+    }
+
+    /// How sharp the picture is; see [`Picture::sharpness`].
+    #[must_use]
+    pub fn sharpness(&self) -> f32 {
+        self.sharpness
     }
 }
 
@@ -49,6 +63,9 @@ pub struct Estimate {
     /// Root mean square of what the matching patches leave unexplained, grey levels a channel; not a number where none
     /// matches.
     pub residual_levels: f32,
+    /// Part of its variance that half of the textured patches leave unexplained at least, 0 to 1: what noise, blur or
+    /// another picture put into most of the image. What a contact hides does not count.
+    pub unexplained: f32,
 }
 
 impl Estimate {
@@ -61,6 +78,7 @@ impl Estimate {
             valid: Image::filled(width, height, 0),
             matched: 0.0,
             residual_levels: 0.0,
+            unexplained: 0.0,
         }
     }
 
@@ -71,6 +89,7 @@ impl Estimate {
         self.valid.copy_from(&other.valid);
         self.matched = other.matched;
         self.residual_levels = other.residual_levels;
+        self.unexplained = other.unexplained;
     }
 }
 
@@ -151,13 +170,15 @@ impl FlowEstimator {
     #[must_use]
     pub fn reference(&self) -> Reference {
         let picture = self.params.validity.max_round_trip_px.map(|_| self.picture());
-        Reference { search: self.search.reference(), affine: self.affine.reference(), picture }
+        let (search, affine) = (self.search.reference(), self.affine.reference());
+        Reference { search, affine, mean_level: 0.0, sharpness: 0.0, picture }
     }
 
     /// Makes a picture the reference.
     pub fn prepare(&self, picture: &Picture, reference: &mut Reference) {
         self.search.prepare(picture, &mut reference.search);
         self.affine.prepare(picture, &mut reference.affine);
+        (reference.mean_level, reference.sharpness) = (picture.mean_level(), picture.sharpness());
         if let Some(kept) = &mut reference.picture {
             kept.copy_from(picture);
         }
@@ -217,6 +238,7 @@ impl FlowEstimator {
         self.search.flow(&reference.search, current, guess, &mut out.flow);
         self.affine.start(&out.flow);
         self.affine.inspect(&reference.affine, current);
+        self.affine.add_fine_error(&out.flow, &mut self.found);
         self.affine.write_validity(&reference.affine, out);
     }
 }

@@ -122,10 +122,10 @@ impl Default for AffineParams {
             steps: 2,
             search_steps: 5,
             colour_row_step: 2,
-            iterations: 6,
-            continuity_px: 0.008,
+            iterations: 4,
+            continuity_px: 0.006,
             curvature_px: 0.012,
-            bond_tolerance: 6.0,
+            bond_tolerance: 3.0,
         }
     }
 }

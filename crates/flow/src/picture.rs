@@ -61,9 +61,28 @@ impl Picture {
         coarsest.iter().sum::<f32>() / coarsest.len() as f32
     }
 
+    /// How sharp the picture is, dimensionless: the mean squared difference of neighbours in a row at full size over that at a
+    /// quarter of it. Light and contrast do not change it, blur lowers it: edges that are blurred twice as much halve it. It
+    /// depends on the pattern, too, so it compares pictures of one sensor. 0 where nothing differs.
+    #[must_use]
+    pub fn sharpness(&self) -> f32 {
+        let coarse = roughness(self.grey.level(2.min(self.grey.levels() - 1)), 1);
+        if coarse > 0.0 { roughness(self.grey.level(0), 4) / coarse } else { 0.0 }
+    }
+
     /// Columns and rows at full size, px.
     #[must_use]
     pub fn size(&self) -> (usize, usize) {
         self.grey.level(0).size()
     }
+}
+
+/// Mean squared difference of neighbours in every `step`-th row, grey levels².
+fn roughness(image: &Image<f32>, step: usize) -> f32 {
+    let rows = image.rows().step_by(step);
+    let (sum, count) = rows.fold((0.0, 0), |(sum, count), row| {
+        let differences = row.iter().zip(&row[1..]).map(|(left, right)| (right - left).powi(2));
+        (sum + differences.sum::<f32>(), count + row.len() - 1)
+    });
+    sum / count as f32
 }

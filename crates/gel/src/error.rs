@@ -1,5 +1,6 @@
 /// Why a sheet or a motion cannot be rendered.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum GelError {
     /// A parameter of the sheet lies outside its range.
     #[error("{name} is {value}: {allowed} is allowed")]

@@ -56,8 +56,8 @@ pub use error::GelError;
 pub use fingervision_elastic::{MeshParams, Resolution};
 pub use indenter::{Indenter, IndenterError, IndenterRelief, IndenterShape};
 pub use pattern::{
-    ColourPattern, Coupling, Motif, NEIGHBOUR_DISTANCE, Pattern, PatternError, Print, Texture, Trackability, View,
-    trackability,
+    ColourPattern, Coupling, Motif, NEIGHBOUR_DISTANCE, Paper, Pattern, PatternError, Print, Texture, Trackability,
+    View, trackability,
 };
 pub use render::{FrameRenderer, MotionBlur, RenderError, RenderParams, RingLight};
 pub use scene::{

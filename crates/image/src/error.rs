@@ -2,6 +2,7 @@ use crate::Rect;
 
 /// What can be wrong with an image before any computation starts.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ImageError {
     /// A buffer does not hold `width · height` values.
     #[error("{len} values cannot fill an image of {width}x{height} px")]

@@ -19,6 +19,12 @@ impl Pyramid {
         Self { levels: levels.collect() }
     }
 
+    /// Number of levels, the full size included.
+    #[must_use]
+    pub fn levels(&self) -> usize {
+        self.levels.len()
+    }
+
     /// The image at a level.
     ///
     /// # Panics

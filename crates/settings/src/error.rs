@@ -7,6 +7,7 @@ use crate::{Place, nearest};
 
 /// What is wrong with a document.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SettingsError {
     /// The file cannot be read.
     #[error("cannot read the {noun} {}: {}", file.display(), why_unreadable(*kind))]

@@ -13,6 +13,8 @@ use std::io::{Seek, SeekFrom, Write};
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
+use half::f16;
+
 use crate::SinkError;
 
 /// Bytes of the whole header, a multiple of 64 as the format asks.
@@ -53,13 +55,23 @@ impl Element for f32 {
     }
 }
 
-impl<const N: usize> Element for [f32; N] {
-    const DESCR: &'static str = f32::DESCR;
-    const CHANNELS: &'static [usize] = &[N];
-    const LEN: usize = N * f32::LEN;
+impl Element for f16 {
+    const DESCR: &'static str = "<f2";
+    const CHANNELS: &'static [usize] = &[];
+    const LEN: usize = 2;
 
     fn put(self, bytes: &mut [u8]) {
-        for (value, bytes) in self.into_iter().zip(bytes.chunks_exact_mut(f32::LEN)) {
+        bytes.copy_from_slice(&self.to_le_bytes());
+    }
+}
+
+impl<const N: usize, T: Element> Element for [T; N] {
+    const DESCR: &'static str = T::DESCR;
+    const CHANNELS: &'static [usize] = &[N];
+    const LEN: usize = N * T::LEN;
+
+    fn put(self, bytes: &mut [u8]) {
+        for (value, bytes) in self.into_iter().zip(bytes.chunks_exact_mut(T::LEN)) {
             value.put(bytes);
         }
     }

@@ -1,6 +1,6 @@
-//! A folder of our own: made, found empty, or emptied of what an earlier command wrote there.
+//! A folder of our own: made, found empty, or emptied of what an earlier command wrote there, and locked meanwhile.
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 
@@ -8,33 +8,56 @@ use crate::SinkError;
 
 /// What a command writes into a folder.
 #[derive(Debug)]
-pub(crate) struct FolderKind {
+pub struct FolderKind {
     /// What the folder is then called.
-    pub(crate) noun: &'static str,
+    pub noun: &'static str,
     /// The file that tells such a folder from any other. It is removed last: a clearing that is cut short still leaves a
     /// folder of this kind.
-    pub(crate) marker: &'static str,
+    pub marker: &'static str,
     /// What else it may hold, a path each.
-    pub(crate) files: &'static [&'static str],
+    pub files: &'static [&'static str],
     /// A folder in it that holds nothing but numbered images, if there is one.
-    pub(crate) images: Option<&'static str>,
+    pub images: Option<&'static str>,
+    /// Folders in it that are removed where nothing is left in them.
+    pub folders: &'static [&'static str],
+}
+
+/// Keeps other commands from writing into a folder while it lasts. The system releases it when a process is killed.
+#[derive(Debug)]
+pub struct FolderLock {
+    /// Absent where the system locks no folders.
+    _folder: Option<File>,
+}
+
+impl FolderLock {
+    /// Locks a folder that is there.
+    fn take(path: &Path) -> Result<Self, SinkError> {
+        // Not every file system knows locks: what cannot be locked is written without.
+        let Ok(folder) = File::open(path) else { return Ok(Self { _folder: None }) };
+        match folder.try_lock() {
+            Err(TryLockError::WouldBlock) => Err(SinkError::Busy { path: path.to_path_buf() }),
+            Err(TryLockError::Error(_)) => Ok(Self { _folder: None }),
+            Ok(()) => Ok(Self { _folder: Some(folder) }),
+        }
+    }
 }
 
 impl FolderKind {
-    /// Makes the folder and sees that it is empty, or empties it of what an earlier command wrote.
+    /// Makes the folder, locks it and sees that it is empty, or empties it of what an earlier command wrote.
     ///
     /// # Errors
     ///
-    /// [`SinkError::Previous`] if it holds an earlier one and `overwrite` is not asked for, [`SinkError::FolderNotEmpty`]
+    /// [`SinkError::Busy`] if another command is writing there, [`SinkError::Previous`] if it holds an earlier one and `overwrite` is not asked for, [`SinkError::FolderNotEmpty`]
     /// if it holds anything else, [`SinkError::Write`] if it cannot be made or emptied.
-    pub(crate) fn claim(&self, path: &Path, overwrite: bool) -> Result<(), SinkError> {
+    pub fn claim(&self, path: &Path, overwrite: bool) -> Result<FolderLock, SinkError> {
         fs::create_dir_all(path).map_err(SinkError::writing(path))?;
+        let lock = FolderLock::take(path)?;
         let is_empty = fs::read_dir(path).map_err(SinkError::writing(path))?.next().is_none();
         let is_ours = path.join(self.marker).exists();
         match (is_empty, is_ours) {
-            (true, _) => Ok(()),
+            (true, _) => Ok(lock),
             (false, false) => Err(SinkError::FolderNotEmpty { path: path.to_path_buf(), noun: self.noun }),
-            (false, true) if overwrite => self.empty(path),
+            (false, true) if overwrite => self.empty(path).map(|()| lock),
             (false, true) => Err(SinkError::Previous { path: path.to_path_buf(), noun: self.noun }),
         }
     }
@@ -48,7 +71,12 @@ impl FolderKind {
                 }
             }
         }
-        self.files.iter().chain([&self.marker]).try_for_each(|name| remove(&path.join(name)))
+        self.files.iter().try_for_each(|name| remove(&path.join(name)))?;
+        for folder in self.folders.iter().copied().chain(self.images) {
+            // A folder that holds what others put there stays.
+            let _ = fs::remove_dir(path.join(folder));
+        }
+        remove(&path.join(self.marker))
     }
 }
 

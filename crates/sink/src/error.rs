@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 
 /// Why a reading could not be written.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SinkError {
     /// The folder holds what an earlier command wrote and overwriting was not asked for.
     #[error("folder {} holds a previous {noun}", .path.display())]
@@ -19,6 +20,12 @@ pub enum SinkError {
         path: PathBuf,
         /// What was to be written there.
         noun: &'static str,
+    },
+    /// Another command is writing into the folder.
+    #[error("folder {} is being written by another command", .path.display())]
+    Busy {
+        /// The folder.
+        path: PathBuf,
     },
     /// The operating system refused to create, write or remove a file or folder.
     #[error("cannot write {}: {error}", .path.display())]
@@ -57,8 +64,9 @@ impl SinkError {
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Previous { .. } => Some("choose a new folder or pass --overwrite"),
+            Self::Busy { .. } => Some("wait until the other command ends, or choose another folder"),
             Self::FolderNotEmpty { .. } => Some("choose a new or an empty folder"),
-            Self::Write { error, .. } => hint_for(error.kind()),
+            Self::Write { error, .. } => Some(hint_for(error.kind())),
             Self::SizeMismatch { .. } => Some("start a new run for every size of image"),
             Self::FieldAbsent { .. } => Some("leave the field out of --fields, or calibrate the profile for it"),
             Self::NoReadings => Some("check that the source hands out frames"),
@@ -71,15 +79,13 @@ impl SinkError {
     }
 }
 
-fn hint_for(kind: ErrorKind) -> Option<&'static str> {
+fn hint_for(kind: ErrorKind) -> &'static str {
     match kind {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
-            Some("free some space or choose a folder on another disk; what was written so far can be read")
+            "free some space or choose a folder on another disk; what was written so far can be read"
         }
-        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => Some("choose a folder that you may write to"),
-        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
-            Some("a file stands in the folder's place: choose another")
-        }
-        _ => None,
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a folder that you may write to",
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "a file stands in the folder's place: choose another",
+        _ => "check the folder and the disk that it lies on",
     }
 }

@@ -4,15 +4,18 @@ mod axes;
 mod canvas;
 mod colour_map;
 mod comparison;
+mod course;
 mod curves;
 mod flow_colours;
 mod heat_map;
 mod heat_panels;
 mod lines;
 mod outline;
+mod overlay;
 mod page;
 mod panels;
 mod preview;
+#[cfg(feature = "simulate")]
 mod simulation;
 mod strongest;
 mod text;
@@ -33,7 +36,9 @@ pub use flow_colours::{colour_wheel, flow_colours};
 pub use heat_map::{HeatScale, heat_map};
 pub use heat_panels::{HeatPanel, HeatPanels};
 pub use lines::FramePlot;
+pub use overlay::Overlay;
 pub use preview::{Preview, PreviewOptions};
+#[cfg(feature = "simulate")]
 pub use simulation::SimulationPreview;
 
 use crate::SinkError;
@@ -64,8 +69,12 @@ pub fn png(image: &Image<Rgb>) -> Result<Vec<u8>, SinkError> {
         .map_err(SinkError::writing(Path::new("a picture")))
 }
 
-/// Writes a frame as PNG, its bits as they are.
-pub(crate) fn write_pixels(pixels: &Pixels, path: &Path) -> Result<(), SinkError> {
+/// Writes a frame's pixels as PNG, their bits as they are: a folder of them is a recording.
+///
+/// # Errors
+///
+/// [`SinkError::Write`] if the file cannot be written.
+pub fn write_pixels(pixels: &Pixels, path: &Path) -> Result<(), SinkError> {
     let size = pixels.size();
     match pixels {
         Pixels::Grey8(image) => encode(image.values(), size, ColorType::L8, path),

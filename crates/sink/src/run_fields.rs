@@ -1,14 +1,16 @@
-//! The arrays that a run keeps, one a field.
+//! The arrays that a run keeps, one a field. Where float32 is said, a run of half precision has float16.
 
 use std::path::Path;
 
 use fingervision_image::Image;
 use fingervision_touch::{Reading, TractionGrid};
 
+use crate::float_array::FloatArray;
 use crate::{ArrayWriter, RunOptions, SinkError};
 
 /// A field that a run can keep as an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Field {
     /// Displacement, px: `flow.npy`, float32 `[frame][row][column][x, y]`.
     Flow,
@@ -63,6 +65,20 @@ impl Field {
         }
     }
 
+    /// Bytes that a frame of it takes in a run.
+    fn bytes_per_frame(self, options: &RunOptions) -> u64 {
+        let count = |(columns, rows): (usize, usize)| (columns * rows) as u64;
+        let number = options.precision.bytes() as u64;
+        let pixels = count(options.size);
+        match self {
+            Self::Flow => 2 * number * pixels,
+            Self::Density | Self::Depth | Self::DepthDeviation | Self::Deviation => number * pixels,
+            Self::Displacement => 3 * number * pixels,
+            Self::Traction => 3 * number * count(options.traction_size.unwrap_or_default()),
+            Self::DepthValid | Self::Contact => pixels,
+        }
+    }
+
     /// Whether readings with these fields carry it.
     #[must_use]
     pub fn is_in(self, reading: &Reading) -> bool {
@@ -78,14 +94,24 @@ impl Field {
     }
 }
 
+impl RunOptions {
+    /// Bytes that every frame adds to the run's arrays.
+    #[must_use]
+    pub fn bytes_per_frame(&self) -> u64 {
+        let kept = Field::ALL.iter().filter(|field| self.fields.contains(field));
+        let valid = (self.size.0 * self.size.1) as u64;
+        valid + kept.map(|field| field.bytes_per_frame(self)).sum::<u64>()
+    }
+}
+
 /// The arrays that a run keeps.
 #[derive(Debug)]
 pub(crate) struct RunFields {
     size: (usize, usize),
     traction_size: (usize, usize),
-    flow: Option<ArrayWriter<[f32; 2]>>,
-    scalars: Vec<(Field, ArrayWriter<f32>)>,
-    vectors: Vec<(Field, ArrayWriter<[f32; 3]>)>,
+    flow: Option<FloatArray<[f32; 2]>>,
+    scalars: Vec<(Field, FloatArray<f32>)>,
+    vectors: Vec<(Field, FloatArray<[f32; 3]>)>,
     masks: Vec<(Field, ArrayWriter<u8>)>,
     valid: ArrayWriter<u8>,
 }
@@ -100,18 +126,17 @@ impl RunFields {
         for field in Field::ALL.into_iter().filter(|field| options.fields.contains(field)) {
             let path = folder.join(field.name()).with_extension("npy");
             match field {
-                Field::Flow => arrays.flow = Some(ArrayWriter::create(&path, width, height)?),
+                Field::Flow => arrays.flow = Some(FloatArray::create(&path, options.size, options)?),
                 Field::Density | Field::Depth | Field::DepthDeviation | Field::Deviation => {
-                    arrays.scalars.push((field, ArrayWriter::create(&path, width, height)?));
+                    arrays.scalars.push((field, FloatArray::create(&path, options.size, options)?));
                 }
                 Field::DepthValid | Field::Contact => {
                     arrays.masks.push((field, ArrayWriter::create(&path, width, height)?));
                 }
-                Field::Displacement => arrays.vectors.push((field, ArrayWriter::create(&path, width, height)?)),
-                Field::Traction => {
-                    let (columns, rows) = traction_size;
-                    arrays.vectors.push((field, ArrayWriter::create(&path, columns, rows)?));
+                Field::Displacement => {
+                    arrays.vectors.push((field, FloatArray::create(&path, options.size, options)?));
                 }
+                Field::Traction => arrays.vectors.push((field, FloatArray::create(&path, traction_size, options)?)),
             }
         }
         Ok(arrays)
@@ -165,7 +190,7 @@ impl RunFields {
     ///
     /// [`SinkError::Write`] if a header cannot be rewritten.
     pub(crate) fn commit(&mut self) -> Result<(), SinkError> {
-        self.flow.iter_mut().try_for_each(ArrayWriter::commit)?;
+        self.flow.iter_mut().try_for_each(FloatArray::commit)?;
         self.scalars.iter_mut().try_for_each(|(_, array)| array.commit())?;
         self.vectors.iter_mut().try_for_each(|(_, array)| array.commit())?;
         self.masks.iter_mut().try_for_each(|(_, array)| array.commit())?;
@@ -174,7 +199,7 @@ impl RunFields {
 
     /// Bytes of all files.
     pub(crate) fn len_bytes(&self) -> u64 {
-        let flow = self.flow.as_ref().map_or(0, ArrayWriter::len_bytes);
+        let flow = self.flow.as_ref().map_or(0, FloatArray::len_bytes);
         let scalars: u64 = self.scalars.iter().map(|(_, array)| array.len_bytes()).sum();
         let vectors: u64 = self.vectors.iter().map(|(_, array)| array.len_bytes()).sum();
         let masks: u64 = self.masks.iter().map(|(_, array)| array.len_bytes()).sum();
@@ -187,7 +212,7 @@ impl RunFields {
     ///
     /// [`SinkError::Write`] if the disk refuses a file.
     pub(crate) fn finish(self) -> Result<(), SinkError> {
-        self.flow.into_iter().try_for_each(ArrayWriter::finish)?;
+        self.flow.into_iter().try_for_each(FloatArray::finish)?;
         self.scalars.into_iter().try_for_each(|(_, array)| array.finish())?;
         self.vectors.into_iter().try_for_each(|(_, array)| array.finish())?;
         self.masks.into_iter().try_for_each(|(_, array)| array.finish())?;
@@ -213,7 +238,7 @@ fn scalar(reading: &Reading, field: Field) -> Option<&Image<f32>> {
 }
 
 fn stage_displacement(
-    array: &mut ArrayWriter<[f32; 3]>,
+    array: &mut FloatArray<[f32; 3]>,
     displacement: &[Image<f32>; 3],
     size: (usize, usize),
 ) -> Result<(), SinkError> {
@@ -225,7 +250,7 @@ fn stage_displacement(
 }
 
 fn stage_traction(
-    array: &mut ArrayWriter<[f32; 3]>,
+    array: &mut FloatArray<[f32; 3]>,
     grid: &TractionGrid,
     expected: (usize, usize),
 ) -> Result<(), SinkError> {

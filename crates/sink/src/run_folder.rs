@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use fingervision_image::Frame;
 use fingervision_touch::Reading;
 
-use crate::claim::{FolderKind, write_file};
+use crate::claim::{FolderKind, FolderLock, write_file};
 use crate::run_fields::RunFields;
-use crate::{Field, Sink, SinkError, Table};
+use crate::{Field, Precision, Sink, SinkError, Table};
 
 /// What a run consists of; `run.toml` says how it was made.
 const RUN: FolderKind = FolderKind {
@@ -26,9 +26,12 @@ const RUN: FolderKind = FolderKind {
         "valid.npy",
         "readings.csv",
         "preview.png",
+        "overlay.avi",
         "report.html",
+        "evaluation/evaluation.png",
     ],
     images: None,
+    folders: &["evaluation"],
 };
 
 /// What a run keeps and where it may write.
@@ -38,6 +41,8 @@ pub struct RunOptions {
     pub size: (usize, usize),
     /// Columns and rows of the grid of tractions, if [`Field::Traction`] is kept.
     pub traction_size: Option<(usize, usize)>,
+    /// How numbers with a fraction are written.
+    pub precision: Precision,
     /// The fields to keep; `valid.npy` (uint8, 1 where the fields hold) is always kept.
     pub fields: Vec<Field>,
     /// Whether a previous run in the folder may be replaced.
@@ -46,6 +51,7 @@ pub struct RunOptions {
 
 /// What a finished run consists of.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RunSummary {
     /// The folder.
     pub folder: PathBuf,
@@ -65,6 +71,7 @@ pub struct RunFolder {
     frames: u64,
     fields: RunFields,
     table: Table,
+    lock: FolderLock,
 }
 
 impl RunFolder {
@@ -75,14 +82,14 @@ impl RunFolder {
     ///
     /// # Errors
     ///
-    /// [`SinkError::Previous`] or [`SinkError::FolderNotEmpty`] if the folder is taken, [`SinkError::Write`] if it
+    /// [`SinkError::Busy`], [`SinkError::Previous`] or [`SinkError::FolderNotEmpty`] if the folder is taken, [`SinkError::Write`] if it
     /// or a file in it cannot be written.
     pub fn create(path: &Path, options: &RunOptions, run_toml: &str) -> Result<Self, SinkError> {
-        RUN.claim(path, options.overwrite)?;
+        let lock = RUN.claim(path, options.overwrite)?;
         write_file(&path.join(RUN.marker), run_toml.as_bytes())?;
         let fields = RunFields::create(path, options)?;
         let table = Table::create(&path.join("readings.csv"))?;
-        Ok(Self { path: path.to_path_buf(), frames: 0, fields, table })
+        Ok(Self { path: path.to_path_buf(), frames: 0, fields, table, lock })
     }
 
     /// The folder.
@@ -100,6 +107,7 @@ impl RunFolder {
         let bytes = self.table.len_bytes() + self.fields.len_bytes();
         self.table.finish()?;
         self.fields.finish()?;
+        drop(self.lock);
         Ok(RunSummary { folder: self.path, frames: self.frames, bytes })
     }
 }

@@ -8,7 +8,7 @@ use fingervision_gel::{Scene, Truth};
 use fingervision_image::Pixels;
 use fingervision_touch::{ImageSection, Profile};
 
-use crate::claim::{FolderKind, write_file};
+use crate::claim::{FolderKind, FolderLock, write_file};
 use crate::picture::write_pixels;
 use crate::rows::Rows;
 use crate::{ArrayWriter, SinkError};
@@ -32,6 +32,7 @@ const SIMULATION: FolderKind = FolderKind {
         Scene::FILES_BESIDE[1],
     ],
     images: Some(FRAMES),
+    folders: &["truth"],
 };
 
 /// The columns of `truth/force.csv`, in order.
@@ -63,6 +64,7 @@ pub struct SimulationFolder {
     contact: ArrayWriter<u8>,
     visible: ArrayWriter<u8>,
     forces: Rows,
+    lock: FolderLock,
 }
 
 /// One frame of a simulated press.
@@ -88,10 +90,10 @@ impl SimulationFolder {
     ///
     /// # Errors
     ///
-    /// [`SinkError::Previous`] or [`SinkError::FolderNotEmpty`] if the folder is taken, [`SinkError::Write`] if it or a
+    /// [`SinkError::Busy`], [`SinkError::Previous`] or [`SinkError::FolderNotEmpty`] if the folder is taken, [`SinkError::Write`] if it or a
     /// file in it cannot be written.
     pub fn create(path: &Path, scene: &Scene, has_frames: bool, overwrite: bool) -> Result<Self, SinkError> {
-        SIMULATION.claim(path, overwrite)?;
+        let lock = SIMULATION.claim(path, overwrite)?;
         let (resolved, file) = scene.with_file_beside();
         write_file(&path.join(SIMULATION.marker), resolved.to_toml().as_bytes())?;
         if let (Some(from), Some(beside)) = (file, resolved.file()) {
@@ -115,6 +117,7 @@ impl SimulationFolder {
             contact: ArrayWriter::create(&truth.join("contact.npy"), width, height)?,
             visible: ArrayWriter::create(&truth.join("visible.npy"), width, height)?,
             forces: Rows::create(&truth.join("force.csv"), &FORCE_COLUMNS)?,
+            lock,
         })
     }
 
@@ -162,6 +165,7 @@ impl SimulationFolder {
         self.contact.finish()?;
         self.visible.finish()?;
         self.forces.finish()?;
+        drop(self.lock);
         Ok(self.count)
     }
 

@@ -64,6 +64,30 @@ fn contact_is_outlined_and_the_force_read_out() {
 }
 
 #[test]
+fn depth_and_force_are_drawn_over_time_where_they_are_known() {
+    /// Whether a column of plots below the legends holds a colour.
+    fn holds(picture: &Image<[u8; 3]>, column: usize, colour: [u8; 3]) -> bool {
+        let lowest = picture.height() - 230;
+        (lowest..picture.height()).any(|y| (column * 533..(column + 1) * 533).any(|x| picture.at(x, y) == colour))
+    }
+    const BLUE: [u8; 3] = [0, 114, 178];
+    const ORANGE: [u8; 3] = [213, 94, 0];
+    let whole = of_frames(0..24);
+    assert!((0..3).all(|column| holds(&whole, column, BLUE)), "flow, depth and normal force are lines");
+    assert!(holds(&whole, 2, ORANGE) && !holds(&whole, 0, ORANGE), "shear force is a line beside the normal force");
+
+    let mut without = preview();
+    for frame in 0..24 {
+        let mut reading = PRESS.reading(frame);
+        (reading.force_n, reading.max_depth_mm) = (None, None);
+        without.write(&reading, &PRESS.frame(frame)).unwrap();
+    }
+    let picture = without.draw().unwrap();
+    assert!(!holds(&picture, 2, ORANGE), "no line for a force that is not known");
+    assert!(holds(&picture, 2, BLUE), "the flow takes the whole width");
+}
+
+#[test]
 fn nothing_seen_is_nothing_drawn() {
     assert!(matches!(preview().draw(), Err(SinkError::NoReadings)));
 }

@@ -8,15 +8,17 @@ use std::fs::{self, File};
 use std::path::Path;
 use std::process::Command;
 
-use fingervision_sink::{Field, RunFolder, RunOptions, Sink, SinkError};
+use fingervision_sink::{Field, Precision, RunFolder, RunOptions, Sink, SinkError};
 use fingervision_touch::Flag;
+use half::f16;
 use synthetic::{Press, TRACTION_SIZE};
 
 const PRESS: Press = Press { width: 24, height: 16, frames: 8 };
 
 fn options(overwrite: bool) -> RunOptions {
     let size = (PRESS.width, PRESS.height);
-    RunOptions { size, traction_size: Some(TRACTION_SIZE), fields: Field::ALL.to_vec(), overwrite }
+    let precision = Precision::Float32;
+    RunOptions { size, traction_size: Some(TRACTION_SIZE), precision, fields: Field::ALL.to_vec(), overwrite }
 }
 
 fn shape(path: &Path) -> Vec<u64> {
@@ -53,6 +55,31 @@ fn what_is_written_is_read_back() {
     let bytes: u64 = files.map(|name| fs::metadata(path.join(name)).unwrap().len()).sum();
     assert_eq!(summary.bytes, bytes);
     assert_eq!(fs::read_to_string(path.join("run.toml")).unwrap(), "version = 1\n");
+}
+
+#[test]
+fn half_precision_takes_half_the_bytes_and_is_close() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = RunOptions { precision: Precision::Float16, ..options(false) };
+    let mut run = RunFolder::create(folder.path(), &options, "").unwrap();
+    let before = fs::metadata(folder.path().join("readings.csv")).unwrap().len();
+    let reading = PRESS.reading(4);
+    run.write(&reading, &PRESS.frame(4)).unwrap();
+    let table = fs::metadata(folder.path().join("readings.csv")).unwrap().len();
+    let (headers, pixels) = (10 * 128, 24 * 16);
+    let bytes = run.finish().unwrap().bytes;
+    assert!(before < table && bytes == table + headers + options.bytes_per_frame());
+    assert_eq!(options.bytes_per_frame(), pixels * (2 * 9 + 3) + 15 * 3 * 2);
+
+    let file = npyz::NpyFile::new(File::open(folder.path().join("flow.npy")).unwrap()).unwrap();
+    assert_eq!(file.dtype().descr(), "'<f2'");
+    assert_eq!(file.shape(), [1, 16, 24, 2]);
+    let bytes = fs::read(folder.path().join("flow.npy")).unwrap();
+    let found = bytes[128..].chunks_exact(2).map(|pair| f16::from_le_bytes([pair[0], pair[1]]).to_f32());
+    let expected = reading.flow.u.values().iter().zip(reading.flow.v.values()).flat_map(|(&u, &v)| [u, v]);
+    for (found, expected) in found.zip(expected) {
+        assert!((found - expected).abs() <= expected.abs() / 2048.0 + 1e-7, "{found} for {expected}");
+    }
 }
 
 #[test]

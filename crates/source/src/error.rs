@@ -5,10 +5,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// What is read, for hints.
-const READ: &str = "folders of PNG, JPEG, TIFF or BMP images, H.264 MP4 and motion JPEG AVI are read";
+const READ: &str = "folders of PNG, JPEG, TIFF or BMP images and videos are read: H.264 in MP4 or MOV, motion JPEG in AVI, MP4 \
+                    or MOV";
 
 /// Why a source cannot be opened or read on.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SourceError {
     /// Nothing lies at the path.
     #[error("{}: no such file or folder", path.display())]
@@ -102,6 +104,14 @@ pub enum SourceError {
         /// The rate asked for, frames per second.
         frames_per_second: f64,
     },
+    /// An option of a simulated scene whose value is none.
+    #[error("{location}: {value} is no number of frames per second")]
+    Option {
+        /// The location asked for.
+        location: String,
+        /// What was given.
+        value: String,
+    },
 }
 
 impl SourceError {
@@ -113,11 +123,16 @@ impl SourceError {
             Self::NotRead { hint, .. } => Some(hint.clone()),
             Self::TooFewFrames { path, count } => Some(too_few_hint(path, *count)),
             Self::Container { .. } => Some("the recording may not have been closed; record again".into()),
-            Self::Frame { .. } => Some("the frames before it are whole".into()),
+            Self::Frame { .. } => Some("the frames before it are whole: record it again, or leave it out".into()),
             Self::PixelRange { .. } => Some("scale the images to 0 to 1, or store them with 8 or 16 bit".into()),
-            Self::FormatChanged { .. } => Some("one source holds frames of one size and one pixel format".into()),
+            Self::FormatChanged { .. } => Some(
+                "keep frames of one size and one pixel format in a folder, and track the others on their own".into(),
+            ),
             Self::Simulated { hint, .. } => hint.clone(),
-            Self::Io { .. } | Self::Rate { .. } => None,
+            Self::Io { .. } => Some("check that the file exists, and that you may read it".into()),
+            Self::Rate { .. } | Self::Option { .. } => {
+                Some("give a number above 0, as in --fps 60 or sim:letter?fps=60".into())
+            }
         }
     }
 
@@ -130,18 +145,31 @@ impl SourceError {
         Self::NotRead { path: path.to_owned(), what: what.into(), hint: READ.into() }
     }
 
+    pub(crate) fn no_regular_file(path: &Path) -> Self {
+        let hint = "move it out of the folder, or store the images or the video in regular files".into();
+        Self::NotRead { path: path.to_owned(), what: "a pipe, socket or device".into(), hint }
+    }
+
     pub(crate) fn single_image(path: &Path) -> Self {
         let hint = "give the folder that holds the images".into();
         Self::NotRead { path: path.to_owned(), what: "a single image".into(), hint }
     }
 
     pub(crate) fn unread_video(path: &Path, what: String) -> Self {
-        let input = path.display();
-        let output = path.with_extension("h264.mp4");
-        let output = output.display();
-        let hint = format!("convert it: ffmpeg -i '{input}' -c:v libx264 -crf 12 -pix_fmt yuv420p -an '{output}'");
-        Self::NotRead { path: path.to_owned(), what, hint }
+        Self::NotRead { path: path.to_owned(), what, hint: conversion(path, "") }
     }
+
+    pub(crate) fn interlaced(path: &Path) -> Self {
+        let what = "interlaced motion JPEG (two fields a frame)".into();
+        Self::NotRead { path: path.to_owned(), what, hint: conversion(path, "-vf yadif ") }
+    }
+}
+
+/// The command that makes a video of it that is read.
+fn conversion(path: &Path, filter: &str) -> String {
+    let (input, output) = (path.display(), path.with_extension("h264.mp4"));
+    let output = output.display();
+    format!("convert it: ffmpeg -i '{input}' {filter}-c:v libx264 -crf 12 -pix_fmt yuv420p -an '{output}'")
 }
 
 fn counted(count: u64) -> String {

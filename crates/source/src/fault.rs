@@ -36,8 +36,8 @@ impl Fault {
 /// Runs foreign decoding code; a panic in there becomes an error.
 ///
 /// The H.264 decoder is young and meets files from anywhere. No damaged file is known to make it panic, but one that
-/// does must not take down a robot's process. What panicked is in an unknown state and must not be used again; sources
-/// end after an error, so nothing is.
+/// does must not take down a robot's process. What panicked is in an unknown state and must not be used again: a
+/// source that goes on after an error does so with a new decoder.
 pub(crate) fn guarded<T>(decode: impl FnOnce() -> T) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(decode)).map_err(|_| "damaged beyond what the decoder can bear".into())
 }

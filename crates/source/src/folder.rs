@@ -1,8 +1,10 @@
 //! A folder of images, one frame a file.
 
+use crate::compression::mixed;
 use crate::natural::natural_order;
+use crate::numbering;
 use crate::picture::{PictureFault, decode};
-use crate::{FrameFormat, Source, SourceError};
+use crate::{FrameFormat, Source, SourceError, regular};
 use fingervision_image::Frame;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -14,12 +16,16 @@ const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "tif", "tiff", "bmp"];
 pub(crate) struct FolderSource {
     folder: PathBuf,
     files: Vec<PathBuf>,
+    /// The sequence number of each file.
+    sequences: Vec<u64>,
     frames_per_second: f64,
     format: FrameFormat,
     /// The first frame, read when the folder was opened.
     first: Option<Frame>,
     /// The next file to read; past the last after an error.
     next: usize,
+    /// The file that an error was given for.
+    failed: Option<usize>,
 }
 
 impl FolderSource {
@@ -28,19 +34,22 @@ impl FolderSource {
         if files.len() < 2 {
             return Err(SourceError::TooFewFrames { path: folder.to_owned(), count: files.len() as u64 });
         }
+        let sequences = sequences(&files);
         let first = read(&files[0], 0, frames_per_second)?;
         Ok(Self {
             folder: folder.to_owned(),
             files,
+            sequences,
             frames_per_second,
             format: FrameFormat::from(&first.pixels),
             first: Some(first),
             next: 1,
+            failed: None,
         })
     }
 
     fn read_next(&self) -> Result<Frame, SourceError> {
-        let (path, sequence) = (&self.files[self.next], self.next as u64);
+        let (path, sequence) = (&self.files[self.next], self.sequences[self.next]);
         let frame = read(path, sequence, self.frames_per_second)?;
         let found = FrameFormat::from(&frame.pixels);
         if found == self.format {
@@ -60,8 +69,17 @@ impl Source for FolderSource {
             return Ok(None);
         }
         let frame = self.read_next();
+        if frame.is_err() {
+            self.failed = Some(self.next);
+        }
         self.next = if frame.is_ok() { self.next + 1 } else { self.files.len() };
         frame.map(Some)
+    }
+
+    fn resume(&mut self) -> bool {
+        let Some(failed) = self.failed.take() else { return false };
+        self.next = failed + 1;
+        true
     }
 
     fn frame_count(&self) -> Option<u64> {
@@ -76,6 +94,10 @@ impl Source for FolderSource {
         let (folder, count, rate) = (self.folder.display(), self.files.len(), self.frames_per_second);
         format!("{folder}: {count} images, {}, nominally {rate} frames per second", self.format)
     }
+
+    fn remarks(&self) -> Vec<String> {
+        mixed(&self.files).into_iter().collect()
+    }
 }
 
 /// The image files of a folder in natural order; hidden files and folders are left out.
@@ -86,11 +108,18 @@ fn images_in(folder: &Path) -> Result<Vec<PathBuf>, SourceError> {
         let path = entry.map_err(io)?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         if is_image_name(&name) && !path.is_dir() {
+            regular::check(&path)?;
             names.push((name, path));
         }
     }
     names.sort_by(|(a, _), (b, _)| natural_order(a, b));
     Ok(names.into_iter().map(|(_, path)| path).collect())
+}
+
+/// The files' sequence numbers: those in their names where these count, else their places in the folder.
+fn sequences(files: &[PathBuf]) -> Vec<u64> {
+    let stems: Option<Vec<&str>> = files.iter().map(|file| file.file_stem()?.to_str()).collect();
+    stems.and_then(numbering::by_names).unwrap_or_else(|| (0..files.len() as u64).collect())
 }
 
 fn is_image_name(name: &str) -> bool {
@@ -99,6 +128,7 @@ fn is_image_name(name: &str) -> bool {
 }
 
 fn read(path: &Path, sequence: u64, frames_per_second: f64) -> Result<Frame, SourceError> {
+    regular::check(path)?;
     let bytes = fs::read(path).map_err(|error| SourceError::io(path, error))?;
     let path = path.to_owned();
     match decode(&bytes) {

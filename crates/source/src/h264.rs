@@ -78,6 +78,11 @@ impl Decoder for H264 {
         }
         conversion.convert(&picture).map(Pixels::Rgb8)
     }
+
+    fn is_key(&self, sample: &[u8]) -> bool {
+        let is_whole = check_lengths(sample, self.length_size).is_ok();
+        is_whole && parse_avcc(sample, self.length_size).iter().any(|unit| unit.nal_unit_type == NalUnitType::SliceIdr)
+    }
 }
 
 /// Why a unit is refused.

@@ -5,10 +5,11 @@
 //! - A **folder of images**: PNG, JPEG, TIFF and BMP, one frame a file, in natural order (`frame2` before `frame10`).
 //!   Grey and colour, 8 and 16 bit, are kept as they are stored; floating-point TIFF must lie in 0 to 1 and becomes
 //!   16 bit. A palette reads as colour, transparency is dropped. The time of a frame is nominal: its number over
-//!   [`Options::frames_per_second`].
+//!   [`Options::frames_per_second`]. Where the names count the images, a number that is missing is missing in the frames'
+//!   sequence numbers too.
 //! - A **video file**: H.264 in MP4 or MOV, and motion JPEG in AVI, MP4 or MOV. Frames come in the order in which they
-//!   are shown, at the presentation time that the file carries.
-//! - A **simulated scene**, `sim:SCENE`: see [`SimulatedLocation`]. It is solved when it is opened, or found in the cache
+//!   are shown, at the presentation time that the file carries; a jump in time leaves a gap in their sequence numbers.
+//! - A **simulated scene** (feature `simulate`), `sim:SCENE`: see `SimulatedLocation`. It is solved when it is opened, or found in the cache
 //!   of solved presses; then frames are drawn one at a time.
 //!
 //! Luma and chroma become RGB by the matrix and range that the video names; where it names none, by BT.601 in limited
@@ -21,6 +22,7 @@
 //! [hint](SourceError::hint) gives the command that converts the file.
 
 mod avi;
+mod compression;
 mod error;
 mod fault;
 mod folder;
@@ -29,8 +31,11 @@ mod h264;
 mod jpeg;
 mod mp4;
 mod natural;
+mod numbering;
 mod open;
 mod picture;
+mod regular;
+#[cfg(feature = "simulate")]
 mod simulated;
 mod source;
 mod track;
@@ -40,5 +45,6 @@ mod yuv;
 pub use error::SourceError;
 pub use format::FrameFormat;
 pub use open::open;
+#[cfg(feature = "simulate")]
 pub use simulated::{SimulatedLocation, SimulatedSource};
 pub use source::{Options, Source};

@@ -2,11 +2,9 @@
 
 use crate::folder::FolderSource;
 use crate::video::VideoSource;
-use crate::{Options, SimulatedLocation, SimulatedSource, Source, SourceError, avi, mp4};
-use fingervision_gel::PressCache;
+use crate::{Options, Source, SourceError, avi, mp4, regular};
 use std::fs::{self, File};
 use std::io::Read;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 /// How many bytes tell what a file is.
@@ -15,7 +13,7 @@ const SIGNATURE_LEN: u64 = 64;
 /// Opens a folder of images or a video file, by content and not by name, or a simulated scene, `sim:SCENE`.
 ///
 /// The first frame is read at once, so that a source that opens has a size. A simulated scene is solved first, which may
-/// take minutes; [`SimulatedSource::open`] tells how far it is.
+/// take minutes; `SimulatedSource::open` tells how far it is.
 ///
 /// # Errors
 ///
@@ -27,9 +25,9 @@ const SIGNATURE_LEN: u64 = 64;
 pub fn open(location: impl AsRef<Path>, options: &Options) -> Result<Box<dyn Source>, SourceError> {
     let path = location.as_ref();
     options.validate()?;
-    if let Some(location) = SimulatedLocation::of(path)? {
-        let progress = &mut |_| ControlFlow::Continue(());
-        return Ok(Box::new(SimulatedSource::open(&location, options, &PressCache::standard(), progress)?));
+    #[cfg(feature = "simulate")]
+    if let Some(source) = crate::simulated::open(path, *options)? {
+        return Ok(source);
     }
     if let Some(what) = promised(path) {
         return Err(SourceError::not_read_yet(path, what));
@@ -51,6 +49,7 @@ fn promised(path: &Path) -> Option<&'static str> {
 }
 
 fn open_file(path: &Path) -> Result<Box<dyn Source>, SourceError> {
+    regular::check(path)?;
     let io = |error| SourceError::io(path, error);
     let mut signature = Vec::new();
     File::open(path).and_then(|file| file.take(SIGNATURE_LEN).read_to_end(&mut signature)).map_err(io)?;

@@ -1,5 +1,6 @@
 //! Frames of a simulated press, as if a camera saw it: `sim:circle`, `sim:my/scene.toml?fps=60`.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 
 use fingervision_gel::{EarlyEnd, PressCache, Progress, Scene, SceneError, Simulation};
@@ -8,6 +9,13 @@ use fingervision_image::Frame;
 use crate::{FrameFormat, Options, Source, SourceError};
 
 const PREFIX: &str = "sim:";
+
+/// The simulated press at a location, solved without a word in between; none if the location asks for something else.
+pub(crate) fn open(location: &Path, options: Options) -> Result<Option<Box<dyn Source>>, SourceError> {
+    let Some(location) = SimulatedLocation::of(location)? else { return Ok(None) };
+    let progress: Progress = &mut |_| ControlFlow::Continue(());
+    Ok(Some(Box::new(SimulatedSource::open(&location, &options, &PressCache::standard(), progress)?)))
+}
 
 /// A simulated press that is asked for by a location.
 ///
@@ -28,7 +36,8 @@ impl SimulatedLocation {
     ///
     /// # Errors
     ///
-    /// [`SourceError::NotRead`] for an option that there is not, [`SourceError::Rate`] for a rate that is none.
+    /// [`SourceError::NotRead`] for an option that there is not, [`SourceError::Option`] and [`SourceError::Rate`] for a rate
+    /// that is none.
     pub fn of(location: &Path) -> Result<Option<Self>, SourceError> {
         let Some(location) = location.to_str().filter(|location| location.starts_with(PREFIX)) else { return Ok(None) };
         let rest = &location[PREFIX.len()..];
@@ -38,7 +47,8 @@ impl SimulatedLocation {
         for option in options.split('&').filter(|option| !option.is_empty()) {
             match option.split_once('=') {
                 Some(("fps", rate)) => {
-                    let frames_per_second = rate.parse().unwrap_or(f64::NAN);
+                    let not_a_number = |_| SourceError::Option { location: location.into(), value: rate.into() };
+                    let frames_per_second = rate.parse().map_err(not_a_number)?;
                     Options { frames_per_second }.validate()?;
                     asked.frames_per_second = Some(frames_per_second);
                 }
@@ -47,6 +57,12 @@ impl SimulatedLocation {
             }
         }
         Ok(Some(asked))
+    }
+
+    /// Whether the location names a rate.
+    #[must_use]
+    pub fn has_rate(&self) -> bool {
+        self.frames_per_second.is_some()
     }
 
     /// The scene that is asked for.
@@ -106,7 +122,7 @@ impl SimulatedSource {
         let mut simulation = Simulation::new(&location.scene()?).map_err(refused)?;
         let end = simulation.solve(cache, progress).map_err(refused)?.end.clone();
         if end == Some(EarlyEnd::Stopped) {
-            return Err(location.fault(EarlyEnd::Stopped.to_string(), None));
+            return Err(location.fault(EarlyEnd::Stopped.to_string(), Some("run the command again".into())));
         }
         let frames_per_second = location.frames_per_second.unwrap_or(options.frames_per_second);
         Ok(Self { location: location.clone(), simulation, frames_per_second, next: 0, end })
@@ -179,7 +195,8 @@ mod tests {
     fn what_is_no_option_is_named() {
         let refusal = |text: &str| SimulatedLocation::of(Path::new(text)).unwrap_err().to_string();
         assert_eq!(refusal("sim:letter?frames=3"), "sim:letter?frames=3: the option frames=3 is not read");
-        assert!(refusal("sim:letter?fps=fast").contains("a rate is a positive number"));
+        assert_eq!(refusal("sim:letter?fps=fast"), "sim:letter?fps=fast: fast is no number of frames per second");
+        assert_eq!(refusal("sim:letter?fps=nan"), "NaN frames per second: a rate is a positive number");
         assert!(refusal("sim:letter?fps=0").starts_with("0 frames per second"));
     }
 
@@ -191,7 +208,7 @@ mod tests {
         std::fs::write(&path, scene).unwrap();
         let location = location(&format!("sim:{}?fps=50", path.display()));
         let open = || {
-            let progress: Progress = &mut |_| std::ops::ControlFlow::Continue(());
+            let progress: Progress = &mut |_| ControlFlow::Continue(());
             SimulatedSource::open(&location, &Options::default(), &PressCache::OFF, progress).unwrap()
         };
         let mut source = open();

@@ -12,7 +12,7 @@ pub trait Source: Send {
     /// The next frame, or `None` after the last.
     ///
     /// Frames are read one at a time and handed over whole. After an error the source is at its end: the frames
-    /// handed out so far stand, and every further call returns `None`.
+    /// handed out so far stand, and every further call returns `None`, unless [`resume`](Self::resume) goes on behind it.
     ///
     /// # Errors
     ///
@@ -20,6 +20,14 @@ pub trait Source: Send {
     /// [`SourceError::FormatChanged`] if it differs from the first in size or pixel format, [`SourceError::NotFound`] and
     /// [`SourceError::Io`] if its file cannot be read.
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError>;
+
+    /// Goes on behind the frame that [`next_frame`](Self::next_frame) gave an error for; false where there is no way on.
+    ///
+    /// The next frame is the first that needs nothing of what is lost: in H.264 the next key frame. Frames in between are
+    /// left out, which their numbers show.
+    fn resume(&mut self) -> bool {
+        false
+    }
 
     /// How many frames there are from the first to the last, or `None` where that is not known beforehand.
     ///
@@ -31,6 +39,11 @@ pub trait Source: Send {
 
     /// One line for logs and reports: where the frames come from and what they are.
     fn description(&self) -> String;
+
+    /// What is odd about the source but does not keep it from being read, a sentence each.
+    fn remarks(&self) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 /// How a source is read.

@@ -5,9 +5,9 @@
 
 use crate::fault::Fault;
 use crate::h264::H264;
-use crate::jpeg::MotionJpeg;
+use crate::jpeg::{MotionJpeg, has_two_fields};
 use crate::track::{Codec, Sample, Shown, Track};
-use crate::{FrameFormat, Source, SourceError};
+use crate::{FrameFormat, Source, SourceError, numbering};
 use fingervision_image::{Frame, Pixels};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -20,6 +20,9 @@ const MAX_WAITING: usize = 16;
 /// Turns one sample into one picture; samples come in decoding order.
 pub(crate) trait Decoder: Send {
     fn decode(&mut self, sample: &[u8]) -> Result<Pixels, String>;
+
+    /// Whether a sample can be decoded without those before it.
+    fn is_key(&self, sample: &[u8]) -> bool;
 }
 
 /// Reads the frames of a video file in presentation order.
@@ -41,6 +44,8 @@ pub(crate) struct VideoSource {
     waiting: BTreeMap<u64, Frame>,
     /// Comes after the frames that wait.
     failure: Option<SourceError>,
+    /// The first sample behind the one that the failure is about.
+    behind_failure: Option<usize>,
     /// The compressed bytes of one sample.
     sample: Vec<u8>,
 }
@@ -51,13 +56,10 @@ impl VideoSource {
         let io = |error| SourceError::io(path, error);
         let mut file = File::open(path).map_err(io)?;
         let file_len = file.metadata().map_err(io)?.len();
-        let track = read(&mut file).map_err(|fault| fault.at(path))?;
-        let decoder: Box<dyn Decoder> = match &track.codec {
-            Codec::H264 { config, colour } => Box::new(H264::new(config, *colour).map_err(|fault| fault.at(path))?),
-            Codec::MotionJpeg => Box::new(MotionJpeg),
-        };
-        let mut to_show: Vec<u64> = track.samples.iter().filter_map(|sample| Some(sample.shown?.sequence)).collect();
-        to_show.sort_unstable_by(|a, b| b.cmp(a));
+        let mut track = read(&mut file).map_err(|fault| fault.at(path))?;
+        number_by_time(&mut track.samples);
+        let decoder = decoder(&track.codec).map_err(|fault| fault.at(path))?;
+        let to_show = numbers_last_first(&track.samples);
         if to_show.len() < 2 {
             return Err(SourceError::TooFewFrames { path: path.to_owned(), count: to_show.len() as u64 });
         }
@@ -73,9 +75,14 @@ impl VideoSource {
             decoded: 0,
             waiting: BTreeMap::new(),
             failure: None,
+            behind_failure: None,
             sample: Vec::new(),
         };
         source.first = source.advance()?;
+        // The sample last read: a file is of one kind throughout.
+        if matches!(source.track.codec, Codec::MotionJpeg) && has_two_fields(&source.sample) {
+            return Err(SourceError::interlaced(path));
+        }
         Ok(source)
     }
 
@@ -86,6 +93,7 @@ impl VideoSource {
             self.decoded += 1;
             if let Err(error) = self.decode(sample) {
                 self.failure = Some(error);
+                self.behind_failure = Some(self.decoded);
             }
         }
         if let Some((sequence, frame)) = self.waiting.pop_first() {
@@ -147,6 +155,16 @@ impl VideoSource {
         read.map_err(|error| SourceError::io(&self.path, error))
     }
 
+    /// The first sample from this one on that needs none before it; one that cannot be read counts, to be named.
+    fn next_key(&mut self, from: usize) -> usize {
+        let count = self.track.samples.len();
+        let mut is_start = |index: usize| {
+            let is_read = self.read(self.track.samples[index], 0).is_ok();
+            !is_read || self.decoder.is_key(&self.sample)
+        };
+        (from..count).find(|&index| is_start(index)).unwrap_or(count)
+    }
+
     fn shown_count(&self) -> u64 {
         self.track.samples.iter().filter(|sample| sample.shown.is_some()).count() as u64
     }
@@ -156,12 +174,32 @@ impl VideoSource {
     }
 }
 
+/// Leaves a gap in the sequence numbers where the times of the film jump.
+fn number_by_time(samples: &mut [Sample]) {
+    let mut shown: Vec<&mut Shown> = samples.iter_mut().filter_map(|sample| sample.shown.as_mut()).collect();
+    shown.sort_by_key(|shown| shown.sequence);
+    let times_s: Vec<f64> = shown.iter().map(|shown| shown.time_s).collect();
+    for (shown, number) in shown.iter_mut().zip(numbering::by_times(&times_s)) {
+        shown.sequence = number;
+    }
+}
+
 impl Source for VideoSource {
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
         match self.first.take() {
             Some(first) => Ok(Some(first)),
             None => self.advance(),
         }
+    }
+
+    fn resume(&mut self) -> bool {
+        let Some(behind) = self.behind_failure.take() else { return false };
+        // The old one may be in an unknown state. A new one was made of the same parameters before.
+        let Ok(decoder) = decoder(&self.track.codec) else { return false };
+        self.decoder = decoder;
+        self.decoded = self.next_key(behind);
+        self.to_show = numbers_last_first(&self.track.samples[self.decoded..]);
+        true
     }
 
     fn frame_count(&self) -> Option<u64> {
@@ -180,4 +218,19 @@ impl Source for VideoSource {
         let format = self.format.map(|format| format.to_string()).unwrap_or_default();
         format!("{}: {codec} video, {} frames, {format}", self.path.display(), self.shown_count())
     }
+}
+
+/// A decoder at the start of a film.
+fn decoder(codec: &Codec) -> Result<Box<dyn Decoder>, Fault> {
+    Ok(match codec {
+        Codec::H264 { config, colour } => Box::new(H264::new(config, *colour)?),
+        Codec::MotionJpeg => Box::new(MotionJpeg),
+    })
+}
+
+/// The sequence numbers of samples that are shown, last first.
+fn numbers_last_first(samples: &[Sample]) -> Vec<u64> {
+    let mut numbers: Vec<u64> = samples.iter().filter_map(|sample| Some(sample.shown?.sequence)).collect();
+    numbers.sort_unstable_by(|a, b| b.cmp(a));
+    numbers
 }

@@ -46,6 +46,12 @@ make -f lavfi -i "$(scene 48x32)" $x264 -pix_fmt yuv422p -bf 2 -g 4 \
 # Motion JPEG.
 make -f lavfi -i "$(scene 48x32)" -c:v mjpeg -q:v 2 -pix_fmt yuvj422p -bitexact colour.avi
 make -f lavfi -i "$(scene 48x32)" -c:v mjpeg -q:v 2 -pix_fmt yuvj420p -bitexact jpeg.mov
+# In MP4 the same codec is an MPEG-4 object type: the pictures of jpeg.mov with sound, and pieces with odd sides and full
+# chroma.
+make -f lavfi -i "$(scene 48x32)" -f lavfi -i "sine=duration=0.4" -c:a aac -b:a 8k \
+    -c:v mjpeg -q:v 2 -pix_fmt yuvj420p -bitexact jpeg.mp4
+make -f lavfi -i "$(scene 47x31)" -c:v mjpeg -q:v 2 -pix_fmt yuvj444p -bitexact \
+    -movflags frag_every_frame+empty_moov odd_jpeg.mp4
 
 reference b_frames.mp4 170m limited left 1 12
 reference phone.mp4 709 full left 4 3 ,transpose=cclock
@@ -54,10 +60,12 @@ reference trimmed.mp4 170m limited left 4 3
 reference fragments.mov 170m limited left 4 3
 reference colour.avi 170m full center 4 3
 reference jpeg.mov 170m full center 4 3
+reference odd_jpeg.mp4 170m full center 4 3
 
 # What is not read.
 tiny="nullsrc=size=32x32:rate=30:duration=0.1,format=yuv420p"
 make -f lavfi -i "$tiny" -c:v libx265 -x265-params log-level=none -tag:v hvc1 -bitexact h265.mp4
 make -f lavfi -i "$tiny" -c:v libvpx-vp9 -bitexact vp9.webm
 make -f lavfi -i "$tiny" -c:v libx264 -pix_fmt yuv420p10le -bitexact ten_bit.mp4
+make -f lavfi -i "$tiny" -c:v mpeg2video -bitexact mpeg2.mp4
 make -f lavfi -i "$tiny" -c:v libx264 -bitexact h264.avi

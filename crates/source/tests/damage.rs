@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+use fingervision_image::Frame;
 use fingervision_source::{Options, SourceError, open};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -98,4 +99,67 @@ fn a_flipped_byte_anywhere_never_panics() {
     for_every_change(flip, |name, number, sequences, _| {
         assert!(sequences.is_sorted_by(|a, b| a < b), "{name}, change {number}: {sequences:?}");
     });
+}
+
+/// All frames that can be read, and why the others cannot.
+fn read_on(path: &Path) -> (Vec<Frame>, Vec<SourceError>) {
+    let (mut frames, mut errors) = (Vec::new(), Vec::new());
+    let mut source = open(path, &Options::default()).unwrap();
+    loop {
+        match source.next_frame() {
+            Ok(Some(frame)) => frames.push(frame),
+            Ok(None) => return (frames, errors),
+            Err(error) => {
+                errors.push(error);
+                if !source.resume() {
+                    return (frames, errors);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_damaged_video_goes_on_at_its_next_key_frame() {
+    // Its samples lie one after another from byte 48; those numbered 0 and 8 are key frames.
+    const PREDICTED: usize = 48 + 852;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("clip.mp4");
+    let mut bytes = fs::read(clip("b_frames.mp4")).unwrap();
+    bytes[PREDICTED] = 0xff;
+    fs::write(&path, bytes).unwrap();
+    let (whole, _) = read_on(&clip("b_frames.mp4"));
+    let (frames, errors) = read_on(&path);
+    assert_eq!(frames.iter().map(|frame| frame.sequence).collect::<Vec<_>>(), [0, 8, 9, 10, 11]);
+    assert!(errors.len() == 1 && matches!(errors[0], SourceError::Frame { .. }), "{errors:?}");
+    assert!(frames[1..] == whole[8..], "frames behind the key frame are as in the whole video");
+}
+
+#[test]
+fn a_video_damaged_anywhere_is_read_to_its_end_in_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("clip");
+    for name in CLIPS {
+        let whole = fs::read(clip(name)).unwrap();
+        for start in (0..whole.len()).step_by(97) {
+            let mut bytes = whole.clone();
+            let end = (start + 5).min(bytes.len());
+            bytes[start..end].fill(0xff);
+            fs::write(&path, bytes).unwrap();
+            if open(&path, &Options::default()).is_ok() {
+                let (frames, _) = read_on(&path);
+                assert!(frames.is_sorted_by(|a, b| a.sequence < b.sequence), "{name}, damaged from byte {start}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_video_that_is_cut_off_ends_although_it_is_read_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("clip.avi");
+    let whole = fs::read(clip("colour.avi")).unwrap();
+    fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    let (frames, errors) = read_on(&path);
+    assert!(!frames.is_empty() && !errors.is_empty(), "{} frames, {errors:?}", frames.len());
 }

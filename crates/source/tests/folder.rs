@@ -61,17 +61,38 @@ fn level(frame: &Frame) -> f32 {
 
 #[test]
 fn frames_come_in_natural_order_at_the_nominal_rate() {
-    let folder = folder([("frame10.png", grey(10)), ("frame2.png", grey(2)), ("frame1.png", grey(1))]);
+    let folder = folder([("frame10.png", grey(10)), ("frame9.png", grey(9)), ("frame8.png", grey(8))]);
     let mut source = open(folder.path(), &Options { frames_per_second: 90.0 }).unwrap();
     assert_eq!((source.size(), source.frame_count()), ((8, 6), Some(3)));
     assert!(source.description().ends_with("3 images, 8x6 px 8-bit grey, nominally 90 frames per second"));
-    for (sequence, wanted) in [1.0, 2.0, 10.0].into_iter().enumerate() {
+    for (sequence, wanted) in [8.0, 9.0, 10.0].into_iter().enumerate() {
         let frame = source.next_frame().unwrap().unwrap();
         assert_eq!((frame.sequence, level(&frame)), (sequence as u64, wanted));
         assert!((frame.capture_time_s - sequence as f64 / 90.0).abs() < 1e-12);
     }
     assert!(source.next_frame().unwrap().is_none());
     assert!(source.next_frame().unwrap().is_none());
+}
+
+#[test]
+fn numbers_that_are_missing_in_the_names_are_missing_in_the_sequence() {
+    let folder = folder([("000001.png", grey(1)), ("000002.png", grey(2)), ("000005.png", grey(5))]);
+    let frames = frames(folder.path());
+    assert_eq!(frames.iter().map(|frame| frame.sequence).collect::<Vec<_>>(), [0, 1, 4]);
+    assert!((frames[2].capture_time_s - 4.0 / 30.0).abs() < 1e-12);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_refused_before_it_is_opened() {
+    let folder = folder([("0.png", grey(1)), ("1.png", grey(2)), ("3.png", grey(3))]);
+    let pipe = folder.path().join("2.png");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for path in [folder.path(), &pipe] {
+        let error = open_error(path);
+        assert!(error.to_string().ends_with("2.png: a pipe, socket or device is not read"), "{error}");
+        assert!(error.hint().unwrap().contains("regular files"));
+    }
 }
 
 #[test]
@@ -267,4 +288,24 @@ fn a_rate_that_no_camera_has_is_refused() {
         let error = open(folder.path(), &Options { frames_per_second }).err().unwrap();
         assert!(matches!(error, SourceError::Rate { .. }), "{error}");
     }
+}
+
+#[test]
+fn a_folder_goes_on_behind_an_image_that_cannot_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    for frame in 0..4 {
+        image::GrayImage::new(8, 6).save(folder.path().join(format!("{frame}.png"))).unwrap();
+    }
+    fs::write(folder.path().join("1.png"), "no image").unwrap();
+    image::GrayImage::new(6, 6).save(folder.path().join("2.png")).unwrap();
+    let mut source = open(folder.path(), &Options::default()).unwrap();
+    assert!(!source.resume(), "there is nothing to go on from");
+    let mut sequences = Vec::new();
+    for _ in 0..6 {
+        match source.next_frame() {
+            Ok(frame) => sequences.extend(frame.map(|frame| frame.sequence)),
+            Err(_) => assert!(source.resume() && !source.resume()),
+        }
+    }
+    assert_eq!(sequences, [0, 3]);
 }

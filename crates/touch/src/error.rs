@@ -4,6 +4,7 @@ use fingervision_image::ImageError;
 
 /// What keeps a frame from being tracked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TrackError {
     /// The profile does not fit the frames or itself.
     #[error(transparent)]
@@ -62,20 +63,26 @@ impl TrackError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Profile(error) => error.hint(),
-            Self::Parameter(error) => Some(format!("give {} a value in its range: {}", error.key, error.allowed)),
-            Self::Flow(FlowError::Parameter { name, range, .. }) => Some(format!("flow.{name} takes {range}")),
+            Self::Parameter(error) => {
+                Some(format!("set {} in the profile, or with --set, to {}", error.key, error.allowed))
+            }
+            Self::Flow(FlowError::Parameter { name, range, .. }) => {
+                Some(format!("set flow.{name} in the profile, or with --set, to {range}"))
+            }
             Self::Flow(FlowError::TooSmall { .. }) => {
                 Some("record at a larger size or widen image.region_of_interest".into())
             }
             Self::Flow(FlowError::TooLarge { .. }) => Some("crop with image.region_of_interest".into()),
-            Self::Image { .. } => Some("image.region_of_interest must lie inside the frame".into()),
+            Self::Image { .. } => {
+                Some("correct image.region_of_interest = [x, y, width, height], or leave [image] out".into())
+            }
             Self::SizeChanged { .. } => Some("record with one camera mode, or track the parts on their own".into()),
             Self::OutOfOrder { .. } => Some("hand frames over in the order of capture".into()),
             Self::NoSurface => Some(
                 "correct [camera], or set depth.method=density and give depth.density a slope_mm and an intercept_mm"
                     .into(),
             ),
-            Self::Gel(_) => Some("correct [gel]".into()),
+            Self::Gel(_) => Some("correct size_mm, thickness_mm and poissons_ratio in the profile's [gel]".into()),
         }
     }
 }

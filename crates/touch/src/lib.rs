@@ -26,7 +26,7 @@ pub use elastic_depth::{
 };
 pub use error::TrackError;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
-pub use profile::{DepthMethod, DepthSection, ImageSection, Profile, ProfileError};
+pub use profile::{DepthMethod, DepthSection, ImageSection, Profile, ProfileError, ProfileReview, Remark, Weight};
 pub use reading::{Flag, Flags, Reading};
 pub use references::{Policy, ReferenceParams};
 pub use tracker::{Fields, Tracker};

@@ -13,7 +13,13 @@
 //! # Ok::<(), fingervision_touch::ProfileError>(())
 //! ```
 
+mod effect;
 mod error;
+mod remarks;
+#[cfg(test)]
+mod remarks_tests;
+mod review;
+mod run_record;
 #[cfg(test)]
 mod tests;
 mod validate;
@@ -30,6 +36,9 @@ use serde::{Deserialize, Serialize};
 use crate::{DensityParams, DepthLaw, ElasticParams, ReferenceParams};
 
 pub use error::ProfileError;
+pub use remarks::{Remark, Weight};
+pub use review::ProfileReview;
+use run_record::RunRecord;
 
 const PROFILE: Document = Document::new("profile");
 
@@ -119,7 +128,7 @@ impl Default for Profile {
 }
 
 impl Profile {
-    /// Reads a profile from a file.
+    /// Reads a profile from a file: a profile's own, or the `run.toml` of a run, whose `[profile]` is taken.
     ///
     /// # Errors
     ///
@@ -129,15 +138,22 @@ impl Profile {
         Self::from_toml(&text).map_err(|error| error.in_file(path))
     }
 
-    /// Reads a profile from the text of its file.
+    /// Reads a profile from the text of its file, as [`Profile::load`].
     ///
     /// # Errors
     ///
     /// [`ProfileError::Settings`] with its line, or whatever [`Profile::validate`] finds.
     pub fn from_toml(text: &str) -> Result<Self, ProfileError> {
-        let profile: Self = PROFILE.parse(text)?;
+        let profile: Self =
+            if Self::is_run_record(text) { PROFILE.parse::<RunRecord>(text)?.profile } else { PROFILE.parse(text)? };
         profile.validate().map_err(|error| error.in_text(text))?;
         Ok(profile)
+    }
+
+    /// Whether a text is that of a `run.toml`, which holds the profile that was in force in a table of its own.
+    #[must_use]
+    pub fn is_run_record(text: &str) -> bool {
+        run_record::is_run_record(text)
     }
 
     /// The profile as the text of a file, every default written out.

@@ -7,6 +7,7 @@ use crate::TractionGrid;
 
 /// Every quantity computed from one frame. All fields lie on the reference grid.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Reading {
     /// The frame's place in its source's count.
     pub sequence: u64,
@@ -57,8 +58,10 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// A reading at rest on a reference grid of this size, without the fields that have to be asked for.
-    pub(crate) fn new(width: usize, height: usize) -> Self {
+    /// A reading at rest on a reference grid of this size, without the fields that have to be asked for. A tracker makes
+    /// readings; this one is for whoever tests what takes them.
+    #[must_use]
+    pub fn new(width: usize, height: usize) -> Self {
         Self {
             sequence: 0,
             capture_time_s: 0.0,
@@ -88,6 +91,7 @@ impl Reading {
 /// One thing that can be out of order in a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
+#[non_exhaustive]
 pub enum Flag {
     /// Most of the image does not match the reference: the fields do not hold.
     Lost,
@@ -97,7 +101,7 @@ pub enum Flag {
     NoTexture,
     /// The gel already moves in the first frames: the reference may show a pressed gel.
     PressedAtStart,
-    /// Mean light changed by a factor above 1.25, either way, since the first frame.
+    /// Mean light differs by a factor above 1.25, either way, from the reference's.
     LightChanged,
     /// The density's Gaussians do not overlap somewhere (3σ ≤ M).
     DensityGap,
@@ -113,11 +117,19 @@ pub enum Flag {
     /// The flow holds in less than a tenth of contact, as where it moves too fast to be followed, or strains too much: depth
     /// there rests on what is around it.
     ContactUntracked,
+    /// The image is blurred more than the reference, by lost focus or by motion.
+    OutOfFocus,
+    /// Noise and motion do not explain how the image differs from the reference: it is blurred, compressed, or one of another
+    /// sensor. Deviations are larger accordingly.
+    ImageMismatch,
+    /// The flow's deviation is more than 2.5 times that of the images which elastic depth was trained on: depth, contact and force are
+    /// less certain than their deviation says.
+    UncertainFlow,
 }
 
 impl Flag {
     /// Every flag, in the order of its bit.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 14] = [
         Self::Lost,
         Self::Dropped,
         Self::NoTexture,
@@ -129,6 +141,9 @@ impl Flag {
         Self::GelMisfit,
         Self::OutsideLearned,
         Self::ContactUntracked,
+        Self::OutOfFocus,
+        Self::ImageMismatch,
+        Self::UncertainFlow,
     ];
 
     /// The flag's name in files.
@@ -146,6 +161,9 @@ impl Flag {
             Self::GelMisfit => "gel-misfit",
             Self::OutsideLearned => "outside-learned",
             Self::ContactUntracked => "contact-untracked",
+            Self::OutOfFocus => "out-of-focus",
+            Self::ImageMismatch => "image-mismatch",
+            Self::UncertainFlow => "uncertain-flow",
         }
     }
 }

@@ -16,6 +16,7 @@ const SIZE: (usize, usize) = (240, 240);
 /// A press in its last frame, and an inverse for its gel and camera.
 struct Press {
     flow: FlowField,
+    deviation: Image<f32>,
     valid: Image<u8>,
     depth_mm: Image<f32>,
     lateral_mm: Image<[f32; 3]>,
@@ -43,6 +44,7 @@ impl Press {
         let valid = Image::from_fn(SIZE.0, SIZE.1, |x, y| u8::from(truth.flow.at(x, y)[0].is_finite()));
         Self {
             flow,
+            deviation: Image::filled(SIZE.0, SIZE.1, 0.02),
             valid,
             depth_mm: truth.depth.clone(),
             lateral_mm: truth.displacement.clone(),
@@ -79,7 +81,7 @@ fn close(found: f32, wanted: f64, relative: f64) -> bool {
 fn a_stuck_face_is_found_with_its_depth_and_force() {
     let press = stuck_circle();
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let fields = inverse.solve(&press.flow, &press.valid);
+    let fields = inverse.solve(&press.flow, &press.deviation, &press.valid);
     let (error_mm, overlap) = press.judge(fields);
     assert!(error_mm < 0.025 && overlap > 0.8, "{error_mm} mm, {overlap}");
     let centre = fields.depth_mm.at(120, 120);
@@ -104,7 +106,7 @@ fn a_ball_that_slides_is_found_with_its_force() {
     let press =
         Press::new("shape = 'sphere'\nradius_mm = 6.0", "frictionless", "keyframes = [{ at = 4, depth_mm = 1.5 }]");
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let fields = inverse.solve(&press.flow, &press.valid);
+    let fields = inverse.solve(&press.flow, &press.deviation, &press.valid);
     let (error_mm, overlap) = press.judge(fields);
     assert!(error_mm < 0.03 && overlap > 0.7, "{error_mm} mm, {overlap}");
     assert!(close(fields.force_n.unwrap()[2], press.force_n[2], 0.15), "{:?} {:?}", fields.force_n, press.force_n);
@@ -122,7 +124,7 @@ fn a_face_that_slides_and_spreads_is_not_taken_for_one_that_sticks() {
         }
     }
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let centre = inverse.solve(&press.flow, &press.valid).depth_mm.at(120, 120);
+    let centre = inverse.solve(&press.flow, &press.deviation, &press.valid).depth_mm.at(120, 120);
     assert!(centre < 2.5, "{centre} mm deep, 3.5 as one that sticks");
 }
 
@@ -131,7 +133,7 @@ fn shear_is_told_from_the_face_that_drags() {
     let motion = "keyframes = [{ at = 2, depth_mm = 1.0 }, { at = 4, shear_mm = [1.0, 0.0] }]";
     let press = Press::new("shape = 'rectangle'\nsize_mm = [6.0, 6.0]", "stick", motion);
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let fields = inverse.solve(&press.flow, &press.valid);
+    let fields = inverse.solve(&press.flow, &press.deviation, &press.valid);
     let force = fields.force_n.unwrap();
     assert!(close(force[0], press.force_n[0], 0.1), "{force:?} {:?}", press.force_n);
     assert!(close(force[2], press.force_n[2], 0.1), "{force:?} {:?}", press.force_n);
@@ -144,12 +146,12 @@ fn a_ball_that_is_dragged_is_not_taken_for_a_deeper_one() {
     let motion = "keyframes = [{ at = 2, depth_mm = 0.8 }, { at = 4, shear_mm = [1.5, 0.0] }]";
     let press = Press::new("shape = 'sphere'\nradius_mm = 12.0", "stick", motion);
     let mut exact = press.inverse(ElasticMode::Exact);
-    let (error_mm, overlap) = press.judge(exact.solve(&press.flow, &press.valid));
+    let (error_mm, overlap) = press.judge(exact.solve(&press.flow, &press.deviation, &press.valid));
     assert!(error_mm < 0.018 && overlap > 0.7, "{error_mm} mm, {overlap}");
     // Live mode knows of drag from the frame before, and without it is 0.021 mm off.
     let mut live = press.inverse(ElasticMode::Live);
     for _ in 0..8 {
-        live.solve(&press.flow, &press.valid);
+        live.solve(&press.flow, &press.deviation, &press.valid);
     }
     let (error_mm, _) = press.judge(live.fields());
     assert!(error_mm < 0.019, "{error_mm} mm");
@@ -158,12 +160,12 @@ fn a_ball_that_is_dragged_is_not_taken_for_a_deeper_one() {
 #[test]
 fn the_live_mode_stays_close_to_the_exact_one() {
     let press = stuck_circle();
-    let exact = press.inverse(ElasticMode::Exact).solve(&press.flow, &press.valid).clone();
+    let exact = press.inverse(ElasticMode::Exact).solve(&press.flow, &press.deviation, &press.valid).clone();
     let mut live = press.inverse(ElasticMode::Live);
     for _ in 0..12 {
-        live.solve(&press.flow, &press.valid);
+        live.solve(&press.flow, &press.deviation, &press.valid);
     }
-    let fields = live.solve(&press.flow, &press.valid);
+    let fields = live.solve(&press.flow, &press.deviation, &press.valid);
     let mean = mean_difference(&fields.depth_mm, &exact.depth_mm);
     assert!(mean < 0.01, "{mean} mm");
     let forces = [fields, &exact].map(|fields| f64::from(fields.force_n.unwrap()[2]));
@@ -173,13 +175,13 @@ fn the_live_mode_stays_close_to_the_exact_one() {
 #[test]
 fn a_mirrored_press_has_the_mirrored_depth() {
     let press = stuck_circle();
-    let depth = press.inverse(ElasticMode::Exact).solve(&press.flow, &press.valid).depth_mm.clone();
+    let depth = press.inverse(ElasticMode::Exact).solve(&press.flow, &press.deviation, &press.valid).depth_mm.clone();
     let mirrored =
         |plane: &Image<f32>, sign: f32| Image::from_fn(SIZE.0, SIZE.1, |x, y| sign * plane.at(SIZE.0 - 1 - x, y));
     let flow = FlowField { u: mirrored(&press.flow.u, -1.0), v: mirrored(&press.flow.v, 1.0) };
     let valid = Image::from_fn(SIZE.0, SIZE.1, |x, y| press.valid.at(SIZE.0 - 1 - x, y));
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let found = &inverse.solve(&flow, &valid).depth_mm;
+    let found = &inverse.solve(&flow, &press.deviation, &valid).depth_mm;
     let mean = mean_difference(found, &mirrored(&depth, 1.0));
     assert!(mean < 1e-3, "{mean} mm");
 }
@@ -195,7 +197,7 @@ fn a_camera_too_far_for_perspective_takes_no_depth_from_it() {
     // A face that grows in the image by perspective would have to come a thousand times closer to so far a camera.
     press.camera = Camera::new(&far).unwrap();
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let depths = &inverse.solve(&press.flow, &press.valid).depth_mm;
+    let depths = &inverse.solve(&press.flow, &press.deviation, &press.valid).depth_mm;
     let deepest = depths.values().iter().copied().fold(0.0, f32::max);
     assert!((0.5..3.0).contains(&deepest), "{deepest} mm");
 }
@@ -211,7 +213,7 @@ fn without_what_was_learned_a_stuck_face_is_found_by_its_motion() {
     let press = stuck_circle();
     let params = ElasticParams { learned: false, ..ElasticParams::default() };
     let mut inverse = ElasticDepth::new(&press.camera, &press.gel, SIZE, &params).unwrap();
-    let (error_mm, overlap) = press.judge(inverse.solve(&press.flow, &press.valid));
+    let (error_mm, overlap) = press.judge(inverse.solve(&press.flow, &press.deviation, &press.valid));
     assert!(error_mm < 0.03 && overlap > 0.6, "{error_mm} mm, {overlap}");
 }
 
@@ -220,9 +222,9 @@ fn an_untouched_gel_has_no_depth() {
     let press = stuck_circle();
     let still = FlowField::zero(SIZE.0, SIZE.1);
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let pressed = inverse.solve(&press.flow, &press.valid).contact_area_mm2;
+    let pressed = inverse.solve(&press.flow, &press.deviation, &press.valid).contact_area_mm2;
     assert!(pressed > 30.0, "{pressed} mm²");
-    let fields = inverse.solve(&still, &press.valid);
+    let fields = inverse.solve(&still, &press.deviation, &press.valid);
     assert!(fields.depth_mm.values().iter().all(|&depth| depth == 0.0));
     assert_eq!((fields.contact_area_mm2, fields.force_n), (0.0, Some([0.0; 3])));
     assert!(fields.traction_mpa.as_ref().unwrap().traction_mpa.iter().flatten().all(|&traction| traction == 0.0));
@@ -238,17 +240,17 @@ fn gel_that_has_left_the_view_invents_no_contact() {
         press.valid.row_mut(y)[..12].fill(0);
     }
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let (error_mm, overlap) = press.judge(inverse.solve(&press.flow, &press.valid));
+    let (error_mm, overlap) = press.judge(inverse.solve(&press.flow, &press.deviation, &press.valid));
     assert!(error_mm < 0.025 && overlap > 0.8, "{error_mm} mm, {overlap}");
 }
 
 #[test]
 fn a_gel_of_unknown_stiffness_has_depth_but_no_force() {
     let mut press = stuck_circle();
-    let with = press.inverse(ElasticMode::Exact).solve(&press.flow, &press.valid).depth_mm.clone();
+    let with = press.inverse(ElasticMode::Exact).solve(&press.flow, &press.deviation, &press.valid).depth_mm.clone();
     press.gel.youngs_modulus_mpa = None;
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let fields = inverse.solve(&press.flow, &press.valid);
+    let fields = inverse.solve(&press.flow, &press.deviation, &press.valid);
     assert_eq!(fields.depth_mm, with);
     assert!(fields.force_n.is_none() && fields.torque_nmm.is_none() && fields.traction_mpa.is_none());
 }
@@ -263,8 +265,26 @@ fn a_motion_that_no_press_makes_is_a_misfit() {
         v: Image::from_fn(SIZE.0, SIZE.1, |x, _| wave(x)),
     };
     let valid = Image::filled(SIZE.0, SIZE.1, 1);
-    assert!(inverse.solve(&flow, &valid).is_misfit);
-    assert!(!inverse.solve(&FlowField::zero(SIZE.0, SIZE.1), &valid).is_misfit, "a gel at rest fits");
+    assert!(inverse.solve(&flow, &press.deviation, &valid).is_misfit);
+    // A flow as uncertain as that says nothing about the gel.
+    let uncertain = Image::filled(SIZE.0, SIZE.1, 6.0);
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    assert!(!inverse.solve(&flow, &uncertain, &valid).is_misfit);
+    assert!(!inverse.solve(&FlowField::zero(SIZE.0, SIZE.1), &press.deviation, &valid).is_misfit, "a gel at rest fits");
+}
+
+#[test]
+fn depth_is_as_uncertain_as_its_flow() {
+    let press = stuck_circle();
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let mut at_centre = |deviation_px: f32| {
+        let deviation = Image::filled(SIZE.0, SIZE.1, deviation_px);
+        inverse.solve(&press.flow, &deviation, &press.valid).deviation_mm.at(20, 120)
+    };
+    let (certain, usual, uncertain) = (at_centre(0.0), at_centre(0.025), at_centre(0.2));
+    assert!((certain - usual).abs() < 1e-6, "{certain} and {usual} mm");
+    // 0.2 px are 0.025 mm on the gel, and 0.083 mm of depth where a ray leans by 0.3.
+    assert!(uncertain > usual + 0.03 && uncertain < usual + 0.12, "{usual} and {uncertain} mm");
 }
 
 #[test]
@@ -277,7 +297,7 @@ fn without_what_was_learned_and_without_a_face_nothing_is_known() {
         u: Image::from_fn(SIZE.0, SIZE.1, |x, _| 0.1 * (x as f32 - 119.5)),
         v: Image::from_fn(SIZE.0, SIZE.1, |_, y| -0.1 * (y as f32 - 119.5)),
     };
-    let fields = inverse.solve(&flow, &Image::filled(SIZE.0, SIZE.1, 1));
+    let fields = inverse.solve(&flow, &press.deviation, &Image::filled(SIZE.0, SIZE.1, 1));
     assert!(fields.deviation_mm.values().iter().all(|deviation| deviation.is_infinite()));
 }
 
@@ -285,13 +305,13 @@ fn without_what_was_learned_and_without_a_face_nothing_is_known() {
 fn contact_that_was_not_followed_is_flagged() {
     let mut press = stuck_circle();
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let fields = inverse.solve(&press.flow, &press.valid);
+    let fields = inverse.solve(&press.flow, &press.deviation, &press.valid);
     assert!(!fields.is_untracked);
     let contact = fields.contact.clone();
     for (valid, &contact) in press.valid.values_mut().iter_mut().zip(contact.values()) {
         *valid &= 1 - contact;
     }
-    assert!(inverse.solve(&press.flow, &press.valid).is_untracked);
+    assert!(inverse.solve(&press.flow, &press.deviation, &press.valid).is_untracked);
 }
 
 #[test]
@@ -302,7 +322,7 @@ fn a_flow_with_holes_leaves_no_hole_in_depth_and_frames_do_not_allocate() {
         press.valid.row_mut(y)[90..150].fill(0);
     }
     let mut inverse = press.inverse(ElasticMode::Exact);
-    let fields = inverse.solve(&press.flow, &press.valid);
+    let fields = inverse.solve(&press.flow, &press.deviation, &press.valid);
     let force = fields.force_n.unwrap();
     assert!(close(force[2], press.force_n[2], 0.1), "{force:?} {:?}", press.force_n);
     // The hole is in the face, 1.5 mm deep: cells at rest there would be a hole in it.
@@ -311,7 +331,7 @@ fn a_flow_with_holes_leaves_no_hole_in_depth_and_frames_do_not_allocate() {
         assert!((depth - 1.5).abs() < 0.1, "{depth} mm at column {x}");
     }
     let allocations = allocation_counter::measure(|| {
-        inverse.solve(&press.flow, &press.valid);
+        inverse.solve(&press.flow, &press.deviation, &press.valid);
     });
     assert_eq!(allocations.count_total, 0, "{allocations:?}");
 }

@@ -9,6 +9,7 @@ const HEADER: &str = "image,x_mm,y_mm,u_px,v_px";
 
 /// Why corners give no camera.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum CornerError {
     /// The file's first line is another.
     #[error("line 1 is not {HEADER}")]

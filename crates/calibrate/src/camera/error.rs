@@ -6,6 +6,7 @@ use super::LEAST_IMAGES;
 
 /// Why a recording of a board gives no camera.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum BoardError {
     /// The recording is too short.
     #[error("the board is shown in {images} images: at least {LEAST_IMAGES} are needed")]
@@ -75,6 +76,28 @@ pub enum BoardError {
         /// Mean length of the residual where it ended, px.
         residual_px: f64,
     },
+    /// A camera that nobody has.
+    #[error("the fit gives an impossible camera: a {what} of {value:.3} {unit}, {} to {} are possible", range[0], range[1])]
+    Impossible {
+        /// What is impossible of it.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The value's unit.
+        unit: &'static str,
+        /// What it could be.
+        range: [f64; 2],
+    },
+    /// A camera that does not explain the images.
+    #[error(
+        "no camera explains the images: {residual_px:.3} px of a step's flow are left, {most_px} px at most may be"
+    )]
+    Useless {
+        /// Mean length of the residual, px.
+        residual_px: f64,
+        /// What may be left, px.
+        most_px: f64,
+    },
     /// The flow's parameters or the size of its images.
     #[error(transparent)]
     Flow(#[from] FlowError),
@@ -111,7 +134,14 @@ impl BoardError {
             Self::NotConverged { .. } => {
                 "no profile was written: check --step-mm, --direction and the priors, or start from a [camera] in the profile that is near"
             }
-            Self::Flow(_) | Self::Image(_) => return None,
+            Self::Impossible { .. } => {
+                "nothing was written: check --step-mm and the priors; all lengths are in mm, a distance of 2.5 cm is 25 mm"
+            }
+            Self::Useless { .. } => {
+                "nothing was written: take the recording again with a flat board and equal steps, and leave what is not the board out of image.region_of_interest"
+            }
+            Self::Flow(_) => "correct [flow] or image.region_of_interest in the profile, as named",
+            Self::Image(_) => "take all images of the slide with the same camera at the same size",
         };
         Some(hint.into())
     }

@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::camera::BoardError;
 use crate::depth::DepthFitError;
 
 /// What kind of thing is wrong with a recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum What {
     /// An image cannot be read, or does not fit the profile.
@@ -43,6 +43,10 @@ pub enum What {
     Depths,
     /// The first image shows a pressed gel.
     PressedAtStart,
+    /// The images show another gel, or come from another camera.
+    OtherSensor,
+    /// The images do not follow the depths.
+    Order,
     /// The press hardly moves the pattern.
     MotionTooSmall,
     /// Frames that could not be followed.
@@ -52,7 +56,7 @@ pub enum What {
 }
 
 /// One thing that is wrong: what was measured, what would be right, and what to change.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fault {
     /// Its kind.
     pub what: What,
@@ -65,7 +69,7 @@ pub struct Fault {
 }
 
 /// What a recording is worth. `Display` is a line of its figures.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RecordingCheck {
     /// How many images there are.
     pub images: usize,
@@ -86,12 +90,9 @@ pub struct RecordingCheck {
 }
 
 impl Fault {
-    pub(super) fn new(
-        what: What,
-        measured: impl Into<String>,
-        allowed: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Self {
+    /// A fault of this kind: what was measured, what is allowed, what to do.
+    #[must_use]
+    pub fn new(what: What, measured: impl Into<String>, allowed: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { what, measured: measured.into(), allowed: allowed.into(), remedy: remedy.into() }
     }
 
@@ -153,7 +154,11 @@ impl From<&BoardError> for Fault {
             BoardError::UnevenStep { .. } => (What::UnevenSteps, "the same step between any two images"),
             BoardError::WrongDirection { .. } | BoardError::WrongStep { .. } => (What::Direction, "the slide as told"),
             BoardError::TooLittleSeen { .. } => (What::TooLittleSeen, "a board that fills the image"),
-            BoardError::NotConverged { .. } | BoardError::Flow(_) | BoardError::Image(_) => {
+            BoardError::NotConverged { .. }
+            | BoardError::Impossible { .. }
+            | BoardError::Useless { .. }
+            | BoardError::Flow(_)
+            | BoardError::Image(_) => {
                 return Self::unreadable(error, error.hint());
             }
         };
@@ -173,6 +178,17 @@ impl From<&DepthFitError> for Fault {
             }
             DepthFitError::Count { images, depths, .. } => {
                 (What::Count, format!("{images} images, but {depths} depths"), "a depth for every image")
+            }
+            DepthFitError::Negative { frame, depth_mm, .. } => {
+                (What::Depths, format!("frame {frame} is {depth_mm} mm deep"), "depths of 0 mm and more")
+            }
+            DepthFitError::TooDeep { depth_mm, .. } => (
+                What::Depths,
+                format!("its deepest depth is {depth_mm} mm"),
+                "depths in mm, less than the gel is thick",
+            ),
+            DepthFitError::TooShallow { depth_mm, .. } => {
+                (What::Depths, format!("its deepest depth is {depth_mm} mm"), "depths in mm that move the gel")
             }
             DepthFitError::PressedAtStart { depth_mm: Some(depth), .. } => {
                 (What::PressedAtStart, format!("the first image is {depth} mm deep"), "an untouched gel at first")

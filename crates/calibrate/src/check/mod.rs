@@ -7,6 +7,7 @@ mod board;
 mod exposure;
 mod fault;
 mod press;
+mod rest;
 mod samples;
 mod still;
 

@@ -1,11 +1,13 @@
 //! A press of known depth.
 
-use fingervision_image::Frame;
+use fingervision_flow::FlowParams;
+use fingervision_image::{Frame, Rect};
 use fingervision_touch::{Fields, Flag, Profile, ProfileError, TrackError, Tracker};
 
 use super::Check;
 use super::exposure::Exposure;
 use super::fault::{Fault, RecordingCheck, What};
+use super::rest::RestImage;
 use super::samples::{Samples, unsharp};
 use crate::depth::{DepthFitError, PressFolder, check_depths};
 
@@ -13,6 +15,10 @@ use crate::depth::{DepthFitError, PressFolder, check_depths};
 const LEAST_MOTION_PX: f64 = 0.5;
 /// More than this part of the images lost, and the curve has gaps.
 const LARGEST_LOST: f64 = 0.1;
+/// Correlation of the largest motion with depth below which the images are not in the order of the depths.
+const LEAST_CORRELATION: f64 = 0.7;
+/// With fewer images a correlation says nothing.
+const LEAST_COUNTED: usize = 4;
 /// The border is this part of the image's smaller side.
 const BORDER: f64 = 0.05;
 /// A press whose motion at the border is this part of its largest does not end within the image.
@@ -23,7 +29,16 @@ const LARGEST_AT_BORDER: f64 = 0.9;
 pub struct PressCheck {
     exposure: Exposure,
     tracker: Tracker,
-    depths: usize,
+    region: Rect,
+    is_colour: bool,
+    flow: FlowParams,
+    depths_mm: Vec<f64>,
+    /// The gel untouched, to compare the first image with.
+    rest: Option<RestImage>,
+    /// What that says.
+    rest_fault: Option<Fault>,
+    /// Depth, mm, and largest motion, px, of every image that was followed.
+    motions: Vec<[f64; 2]>,
     frames: usize,
     lost: usize,
     was_pressed: bool,
@@ -47,7 +62,7 @@ impl PressCheck {
         frame_size: (usize, usize),
         is_colour: bool,
     ) -> Result<Self, Fault> {
-        check_depths(&folder.name, &folder.depths_mm).map_err(|error| Fault::from(&error))?;
+        check_depths(&folder.name, &folder.depths_mm, profile).map_err(|error| Fault::from(&error))?;
         let unfit = |error: ProfileError| Fault::unreadable(&error, error.hint());
         let region = profile.region(frame_size).map_err(unfit)?;
         let fields = Fields::NONE;
@@ -56,7 +71,13 @@ impl PressCheck {
         Ok(Self {
             exposure: Exposure::new(region, false),
             tracker,
-            depths: folder.depths_mm.len(),
+            region,
+            is_colour,
+            flow: profile.flow,
+            depths_mm: folder.depths_mm.clone(),
+            rest: None,
+            rest_fault: None,
+            motions: Vec::new(),
             frames: 0,
             lost: 0,
             was_pressed: false,
@@ -67,8 +88,27 @@ impl PressCheck {
         })
     }
 
+    /// Compares the first image with one that shows the gel untouched, as the same camera sees it.
+    ///
+    /// # Errors
+    ///
+    /// What keeps that image from being compared with.
+    pub fn with_rest(mut self, rest: &Frame) -> Result<Self, Fault> {
+        self.rest = Some(RestImage::new(rest, self.region, self.is_colour, &self.flow)?);
+        Ok(self)
+    }
+
+    /// Images that do not move the more the deeper they are.
+    fn order_fault(&self) -> Option<Fault> {
+        let correlation = correlation(&self.motions)?;
+        let measured = format!("motion does not grow with depth: their correlation is {correlation:.2}");
+        let remedy = "number the images in the order in which they were taken, and give each row of depth.csv the depth of its own image";
+        let allowed = format!("at least {LEAST_CORRELATION}");
+        (correlation < LEAST_CORRELATION).then(|| Fault::new(What::Order, measured, allowed, remedy))
+    }
+
     fn count_fault(&self) -> Option<Fault> {
-        let (images, depths) = (self.frames as u64, self.depths as u64);
+        let (images, depths) = (self.frames as u64, self.depths_mm.len() as u64);
         (images != depths).then(|| Fault::from(&DepthFitError::Count { press: String::new(), images, depths }))
     }
 
@@ -80,7 +120,7 @@ impl PressCheck {
             return Some(Fault::new(What::Light, measured, "steady light", remedy));
         }
         if self.was_pressed {
-            let measured = "the surface moves back from the first image on: it was pressed there";
+            let measured = "the gel is released from the first image on: it was pressed there";
             let remedy = "begin the recording before the indenter touches the gel";
             return Some(Fault::new(What::PressedAtStart, measured, "an untouched gel at first", remedy));
         }
@@ -98,7 +138,8 @@ impl PressCheck {
             format!("at the border the surface still moves by {at_border:.1} px, its most is {largest:.1} px");
         let remedy = "press farther from the image's border, or with a smaller indenter";
         let allowed = format!("below {:.0} %", 100.0 * LARGEST_AT_BORDER);
-        (at_border > LARGEST_AT_BORDER * largest).then(|| Fault::new(What::CutByBorder, measured, allowed, remedy))
+        let is_cut = at_border > LARGEST_AT_BORDER * largest;
+        self.order_fault().or_else(|| is_cut.then(|| Fault::new(What::CutByBorder, measured, allowed, remedy)))
     }
 }
 
@@ -106,6 +147,9 @@ impl Check for PressCheck {
     fn push(&mut self, frame: &Frame) {
         self.frames += 1;
         self.exposure.push(frame);
+        if let Some(rest) = &mut self.rest.take() {
+            self.rest_fault = rest.fault(frame);
+        }
         if self.refused.is_some() {
             return;
         }
@@ -122,6 +166,10 @@ impl Check for PressCheck {
         if reading.flags.has(Flag::NoTexture) {
             self.deviation_px.get_or_insert(f64::INFINITY);
         }
+        let depth_mm = self.depths_mm.get(self.frames - 1).copied();
+        if self.frames == 1 {
+            self.motions.extend(depth_mm.map(|depth_mm| [depth_mm, 0.0]));
+        }
         if self.frames == 1 || reading.flags.has(Flag::Lost) {
             return;
         }
@@ -129,6 +177,7 @@ impl Check for PressCheck {
         self.deviation_px.get_or_insert(samples.deviation_px);
         let (width, height) = reading.flow.size();
         let [all, border] = samples.largest(BORDER * width.min(height) as f64);
+        self.motions.extend(depth_mm.map(|depth_mm| [depth_mm, all]));
         if all > self.largest[0] {
             self.largest = [all, border];
         }
@@ -136,7 +185,8 @@ impl Check for PressCheck {
 
     fn finish(self: Box<Self>) -> RecordingCheck {
         let refused = self.refused.as_ref().map(|error| Fault::unreadable(error, error.hint()));
-        let cause = || unsharp(self.deviation_px.unwrap_or(0.0)).or_else(|| self.motion_fault());
+        let followed = || self.rest_fault.clone().or_else(|| self.motion_fault());
+        let cause = || unsharp(self.deviation_px.unwrap_or(0.0)).or_else(followed);
         let cause = refused.or_else(|| self.exposure.fault()).or_else(cause);
         RecordingCheck {
             deviation_px: self.deviation_px.filter(|deviation| deviation.is_finite()),
@@ -145,4 +195,13 @@ impl Check for PressCheck {
             ..self.exposure.figures()
         }
     }
+}
+
+/// Correlation of the two columns; none where there are too few rows or a column does not change.
+fn correlation(rows: &[[f64; 2]]) -> Option<f64> {
+    let count = rows.len() as f64;
+    let mean = [0, 1].map(|column| rows.iter().map(|row| row[column]).sum::<f64>() / count);
+    let sum = |a: usize, b: usize| rows.iter().map(|row| (row[a] - mean[a]) * (row[b] - mean[b])).sum::<f64>();
+    let scale = (sum(0, 0) * sum(1, 1)).sqrt();
+    (rows.len() >= LEAST_COUNTED && scale > 0.0).then(|| sum(0, 1) / scale)
 }

@@ -5,10 +5,8 @@ use fingervision_touch::{Fields, Flag, Profile, Reading, TrackError, Tracker, pe
 use serde::Serialize;
 
 use super::DepthFitError;
+use super::limits::check_depths;
 use super::maximum::{Maximum, MaximumFinder};
-
-/// The first depth of a press may differ from zero by this part of its largest: what a hand-set zero is worth.
-const REST: f64 = 0.02;
 
 /// Up to which predicted deviation a pixel counts for [`Maximum::Robust`], px, if the profile is stricter. Under a deep face
 /// that slides most pixels are beyond the usual limit, though most errors are a third of what is predicted; a median bears
@@ -85,7 +83,7 @@ impl PressRecorder {
         is_colour: bool,
         maximum: Maximum,
     ) -> Result<Self, DepthFitError> {
-        check_depths(press, depths_mm)?;
+        check_depths(press, depths_mm, profile)?;
         let mut profile = profile.clone();
         // What is about to be fitted has no say.
         profile.depth.density = None;
@@ -144,8 +142,8 @@ impl PressRecorder {
     ///
     /// # Errors
     ///
-    /// [`DepthFitError::Count`] if depths are left over, [`DepthFitError::PressedAtStart`] if the gel moved inwards from the
-    /// first image on, [`DepthFitError::Lost`] if more than half of the images were lost.
+    /// [`DepthFitError::Count`] if depths are left over, [`DepthFitError::PressedAtStart`] if the first image shows a
+    /// pressed gel, [`DepthFitError::Lost`] if more than half of the images were lost.
     pub fn finish(self) -> Result<PressCurve, DepthFitError> {
         if self.frames != self.depths_mm.len() {
             return Err(self.miscounted(self.frames as u64));
@@ -190,20 +188,6 @@ impl Place {
 
 pub(crate) fn tracking(press: &str) -> impl Fn(TrackError) -> DepthFitError + '_ {
     |source| DepthFitError::Track { press: press.into(), source: Box::new(source) }
-}
-
-/// Refuses depths that are none of a press.
-pub(crate) fn check_depths(press: &str, depths_mm: &[f64]) -> Result<(), DepthFitError> {
-    let press = press.to_owned();
-    let Some(&first) = depths_mm.first() else { return Err(DepthFitError::Count { press, images: 1, depths: 0 }) };
-    let (least, most) = depths_mm.iter().fold((first, first), |(low, high), &depth| (depth.min(low), depth.max(high)));
-    if least >= most {
-        return Err(DepthFitError::Constant { press, depth_mm: first });
-    }
-    if first.abs() > REST * most.abs() {
-        return Err(DepthFitError::PressedAtStart { press, depth_mm: Some(first) });
-    }
-    Ok(())
 }
 
 /// A principal point outside the image is that of another image.
@@ -252,15 +236,6 @@ fn spreading_place(reading: &Reading, largest: f64) -> Option<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn depths_that_are_none_of_a_press_are_refused() {
-        let refusal = |depths: &[f64]| check_depths("a", depths).unwrap_err().to_string();
-        assert_eq!(refusal(&[0.5, 0.5, 0.5]), "a: its depth never changes: 0.5 mm in every frame");
-        assert_eq!(refusal(&[0.5, 1.0]), "a: it is pressed already at the start: 0.5 mm in the first frame");
-        assert_eq!(refusal(&[]), "a: 1 images, but 0 depths");
-        check_depths("a", &[0.01, 0.5, 1.0, 0.0]).unwrap();
-    }
 
     #[test]
     fn a_place_is_told_by_its_distance_from_the_centre() {

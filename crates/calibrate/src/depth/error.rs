@@ -6,6 +6,7 @@ use super::table::DEPTH_FILE;
 
 /// What keeps a depth law from being fitted.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DepthFitError {
     /// The images of a press cannot be tracked with the profile.
     #[error("{press}: {source}")]
@@ -78,6 +79,64 @@ pub enum DepthFitError {
         /// The first depth, mm, if that tells.
         depth_mm: Option<f64>,
     },
+    /// A depth below zero.
+    #[error("{press}: frame {frame} has a negative depth, {depth_mm} mm")]
+    Negative {
+        /// The press.
+        press: String,
+        /// Counted from 0.
+        frame: usize,
+        /// Its depth, mm.
+        depth_mm: f64,
+    },
+    /// Deeper than the gel is thick.
+    #[error("{press}: its deepest depth is {depth_mm} mm, and {most_mm} mm is {limit}")]
+    TooDeep {
+        /// The press.
+        press: String,
+        /// The deepest depth, mm.
+        depth_mm: f64,
+        /// The deepest that can be, mm.
+        most_mm: f64,
+        /// What that is.
+        limit: &'static str,
+    },
+    /// Less deep than can be seen.
+    #[error("{press}: its deepest depth is {depth_mm} mm: below {least_mm} mm nothing is seen to move")]
+    TooShallow {
+        /// The press.
+        press: String,
+        /// The deepest depth, mm.
+        depth_mm: f64,
+        /// The least that is seen, mm.
+        least_mm: f64,
+    },
+    /// The images do not follow the depths.
+    #[error("{press}: the density feature does not follow the depth: their correlation is {correlation:.2}")]
+    Unordered {
+        /// The press.
+        press: String,
+        /// Of feature and depth, dimensionless.
+        correlation: f64,
+    },
+    /// A slope that no sensor has.
+    #[error("the depth law is impossible: a slope of {slope_mm:.3} mm where {expected_mm:.3} mm is to be expected")]
+    Impossible {
+        /// Of the line through the origin, mm.
+        slope_mm: f64,
+        /// What the camera's perspective makes of it, mm; without a camera the nearest slope that a sensor has.
+        expected_mm: f64,
+        /// How far it is off, as a factor.
+        factor: f64,
+    },
+    /// A law that does not give the depths back.
+    #[error("no depth law holds: it errs by {error_mm:.3} mm on presses of up to {deepest_mm} mm")]
+    Useless {
+        /// On presses left out, mm; with a single press on its own frames.
+        error_mm: f64,
+        /// The deepest depth, mm.
+        deepest_mm: f64,
+    },
     /// Most frames do not match the first.
     #[error("{press}: {lost} of {frames} frames are lost: most of the image does not match the first")]
     Lost {
@@ -115,6 +174,23 @@ impl DepthFitError {
             Self::Table { .. } => "the first line names the columns, frame and depth_mm; then comes a row for every image".into(),
             Self::Count { .. } => "give every image its depth, a row for each, from the first image on".into(),
             Self::Constant { .. } => "record from the untouched gel to the deepest point, with the depth of every image".into(),
+            Self::Negative { .. } => "depth is positive where the gel is pressed in: turn the signs of the column depth_mm round".into(),
+            Self::TooDeep { .. } => {
+                "depth_mm is in mm: divide the column by 1000 if it is in µm; if the depths are right, correct [gel] and [camera] in the profile".into()
+            }
+            Self::TooShallow { .. } => "depth_mm is in mm: multiply the column by 1000 if it is in m, or press deeper".into(),
+            Self::Unordered { .. } => {
+                "number the images in the order in which they were taken, and give each row of depth.csv the depth of its own image".into()
+            }
+            Self::Impossible { factor, .. } if *factor > 1.0 => {
+                "nothing was written; check that depth_mm is in mm and not in µm, and that the profile's [camera] is this sensor's".into()
+            }
+            Self::Impossible { .. } => {
+                "nothing was written; check that depth_mm is in mm and not in cm or m, and that the profile's [camera] is this sensor's".into()
+            }
+            Self::Useless { .. } => {
+                "nothing was written; check that every depth.csv belongs to its images, and that all presses are of this sensor".into()
+            }
             Self::PressedAtStart { .. } => "begin the recording before the indenter touches the gel".into(),
             Self::Lost { .. } => "record again with less motion between images, steady light and a sharp pattern".into(),
             Self::NoResponse { .. } => {

@@ -11,6 +11,7 @@
 mod curve;
 mod error;
 mod fit;
+mod limits;
 mod maximum;
 mod picture;
 mod regression;
@@ -18,9 +19,10 @@ mod report;
 mod table;
 
 pub use curve::{Place, PressCurve, PressPoint, PressRecorder};
-pub(crate) use curve::{check_camera, check_depths, tracking};
+pub(crate) use curve::{check_camera, tracking};
 pub use error::DepthFitError;
 pub use fit::{DepthFit, FittedLaw, Method, PressFit};
+pub(crate) use limits::check_depths;
 pub use maximum::{Maximum, MaximumFinder};
 pub use regression::{LineFit, OriginFit, fit_line, fit_through_origin};
 pub use table::PressFolder;

@@ -4,6 +4,7 @@ use crate::depth::DepthFitError;
 
 /// What keeps a gel from being fitted.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum GelFitError {
     /// A press cannot be read or tracked.
     #[error(transparent)]

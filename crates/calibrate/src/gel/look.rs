@@ -142,6 +142,7 @@ impl Halved {
             apparent_mm: [0, 1].map(|axis| mean(cell, &|at| cells.seen[at].apparent_mm[axis])),
             slope: [0, 1].map(|axis| mean(cell, &|at| cells.seen[at].slope[axis])),
             trust: mean(cell, &|at| cells.seen[at].trust),
+            deviation_mm: mean(cell, &|at| cells.seen[at].deviation_mm),
         });
         Self {
             seen: seen.collect(),

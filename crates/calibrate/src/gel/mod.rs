@@ -158,7 +158,7 @@ fn looks(presses: &[GelPress], profile: &Profile, camera: &Camera, gel: &GelBloc
         let mut found = 0;
         let mut widest_mm: f64 = 0.0;
         for (number, frame) in recorded.frames.iter().enumerate() {
-            inverse.solve(&frame.flow, &frame.valid);
+            inverse.solve(&frame.flow, &frame.deviation, &frame.valid);
             let known = Known { press, frame: number, depth_mm: frame.depth_mm, force_n: frame.force_n };
             let Some(look) = Look::new(&inverse.cells(), known, gel) else { continue };
             found += 1;

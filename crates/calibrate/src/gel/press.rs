@@ -21,9 +21,8 @@ pub struct GelPress {
     pub(super) frames: Vec<PressedFrame>,
     /// Columns and rows of the flow, px.
     pub(super) size: (usize, usize),
-    /// Whether the gel moved inwards at first: it does if it was pressed in the first image, and compressible gel does
-    /// under a ball.
-    pub(super) was_drawn_in: bool,
+    /// Whether its first motion is that of a release.
+    pub(super) was_released: bool,
 }
 
 /// One frame of it.
@@ -32,6 +31,7 @@ pub(super) struct PressedFrame {
     pub(super) depth_mm: f64,
     pub(super) force_n: Option<f64>,
     pub(super) flow: FlowField,
+    pub(super) deviation: Image<f32>,
     pub(super) valid: Image<u8>,
 }
 
@@ -69,7 +69,7 @@ impl GelPressRecorder {
         assert!(forces_n.is_none_or(|forces| forces.len() == depths_mm.len()), "one force a depth");
         let gel = profile.gel.ok_or(GelFitError::Absent { table: "gel" })?;
         profile.camera.ok_or(GelFitError::Absent { table: "camera" })?;
-        check_depths(name, depths_mm)?;
+        check_depths(name, depths_mm, profile)?;
         let range_mm = DEPTHS.map(|part| part * gel.thickness_mm);
         let chosen = choose(depths_mm, range_mm);
         if chosen.is_empty() {
@@ -83,7 +83,7 @@ impl GelPressRecorder {
         let size = tracker.size();
         check_camera(name, &profile, size)?;
         Ok(Self {
-            press: GelPress { name: name.into(), frames: Vec::with_capacity(chosen.len()), size, was_drawn_in: false },
+            press: GelPress { name: name.into(), frames: Vec::with_capacity(chosen.len()), size, was_released: false },
             depths_mm: depths_mm.to_vec(),
             forces_n: forces_n.map(<[f64]>::to_vec),
             tracker,
@@ -101,7 +101,7 @@ impl GelPressRecorder {
     pub fn push(&mut self, frame: &Frame) -> Result<bool, GelFitError> {
         let name = &self.press.name;
         let reading = self.tracker.track(frame).map_err(tracking(name))?;
-        self.press.was_drawn_in |= reading.flags.has(Flag::PressedAtStart);
+        self.press.was_released |= reading.flags.has(Flag::PressedAtStart);
         let number = self.seen;
         self.seen += 1;
         if self.chosen.contains(&number) {
@@ -112,6 +112,7 @@ impl GelPressRecorder {
                     depth_mm: self.depths_mm[number],
                     force_n: self.forces_n.as_ref().map(|forces| forces[number]),
                     flow: reading.flow.clone(),
+                    deviation: reading.deviation.clone(),
                     valid: reading.valid.clone(),
                 });
             }

@@ -29,7 +29,7 @@ fn press(radius_mm: f64, [x, y]: [f64; 2]) -> Pressed {
     let moved = tractions.displacement_mm();
     let see = |([x, y], [u, v, depth]): ([f64; 2], &[f32; 3])| {
         let slope = [x, y].map(|at| (at / DISTANCE_MM) as f32);
-        Seen { apparent_mm: [u + slope[0] * depth, v + slope[1] * depth], slope, trust: 1.0 }
+        Seen { apparent_mm: [u + slope[0] * depth, v + slope[1] * depth], slope, trust: 1.0, deviation_mm: 0.0 }
     };
     let pushed: f64 = tractions.traction().iter().map(|traction| f64::from(traction[2])).sum();
     let shear_mpa = 0.3 / (2.0 * (1.0 + GEL.poissons_ratio));
@@ -66,7 +66,7 @@ fn fit_to(
         let force = |pressed: &Pressed| has_forces.then_some(pressed.force_n);
         Ok(pressed.iter().enumerate().map(|(n, pressed)| look(pressed, n, gel, force(pressed))).collect())
     };
-    let press = |name: &str| GelPress { name: name.into(), frames: Vec::new(), size: (1, 1), was_drawn_in: false };
+    let press = |name: &str| GelPress { name: name.into(), frames: Vec::new(), size: (1, 1), was_released: false };
     fit_what_is_told(&[press("a"), press("b")], start, unknowns, find)
 }
 

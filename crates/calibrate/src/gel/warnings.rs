@@ -22,11 +22,11 @@ pub(super) fn of_presses(
     unexplained: f64,
     [ratio, _, modulus]: &[GelEstimate; 3],
 ) -> Vec<String> {
-    let drawn_in = presses.iter().filter(|press| press.was_drawn_in).map(of_drawn_in);
+    let released = presses.iter().filter(|press| press.was_released).map(of_release);
     let misfit = (unexplained > USUAL_UNEXPLAINED).then(|| of_misfit(unexplained));
     let is_at_end = ratio.value.is_some_and(|ratio| ratio > MOST_RATIO);
     let at_end = is_at_end.then(|| "Poisson's ratio is at the upper end, 0.499: as good as incompressible".into());
-    drawn_in
+    released
         .chain(misfit)
         .chain(reports.iter().filter_map(of_depths))
         .chain(at_end)
@@ -43,10 +43,9 @@ pub(super) fn of_sensor(camera: &Camera, gel: &GelBlock, params: ElasticParams) 
     })
 }
 
-fn of_drawn_in(press: &GelPress) -> String {
+fn of_release(press: &GelPress) -> String {
     format!(
-        "{}: the gel moves inwards at first, as compressible gel does under a ball, and any gel that is touched in the \
-         first image",
+        "{}: its first motion is that of a release: begin the recording before the indenter touches the gel",
         press.name
     )
 }

@@ -60,3 +60,32 @@ fn depths_that_are_none_of_a_press_are_refused_at_once() {
     assert_eq!(refused(vec![0.5, 0.6, 1.0]), What::PressedAtStart);
     assert_eq!(refused(Vec::new()), What::Count);
 }
+
+/// What is said of a press whose sensor was recorded untouched like this.
+fn check_beside(rest: &Frame, frames: &[Frame]) -> RecordingCheck {
+    let folder = folder((0..FRAMES).map(|number| 0.2 * number as f64).collect());
+    let check = PressCheck::new(&folder, &Profile::default(), SIZE, true).unwrap();
+    judged(Box::new(check.with_rest(rest).unwrap()), frames)
+}
+
+#[test]
+fn the_first_image_is_compared_with_the_untouched_gel() {
+    let frames = press(Camera::GOOD, MIDDLE, 4.0);
+    let rest = &Camera::GOOD.record(std::iter::once(Motion::STILL))[0];
+    assert!(check_beside(rest, &frames).is_sound());
+    let held = Motion::RadialBump { centre_px: MIDDLE, radius_px: 25.0, amplitude_px: 4.0 };
+    let begun = Camera::GOOD.record((0..FRAMES).map(|number| held.at(0.4 + 0.1 * number as f64)));
+    expect_only(What::PressedAtStart, &check_beside(rest, &begun));
+    let other = &Camera::GOOD.record(std::iter::once(Motion::Shift { by_px: [400.0, 0.0] }))[0];
+    expect_only(What::OtherSensor, &check_beside(other, &frames));
+}
+
+#[test]
+fn images_in_another_order_than_their_depths_are_named() {
+    let mut frames = press(Camera::GOOD, MIDDLE, 4.0);
+    frames.swap(2, 5);
+    for (number, frame) in frames.iter_mut().enumerate() {
+        (frame.sequence, frame.capture_time_s) = (number as u64, number as f64 / 30.0);
+    }
+    expect_only(What::Order, &check(&frames));
+}

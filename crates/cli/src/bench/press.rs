@@ -15,14 +15,19 @@ use crate::failure::Failure;
 
 /// Frames of the press, the reference among them.
 pub(super) const FRAMES: u64 = 31;
-/// The largest displacement of the last frame, px.
-pub(super) const AMPLITUDE_PX: f64 = 25.0;
+/// The largest displacement of the last frame, px, on images of [`FULL_ROWS`] or more.
+const AMPLITUDE_PX: f64 = 25.0;
+/// Where the displacement is largest, px from the middle.
+const RADIUS_PX: f64 = 80.0;
+/// On smaller images the bump shrinks with the shorter side, px.
+const FULL_ROWS: f64 = 450.0;
 
-/// A round bump on the default sheet that grows evenly behind the reference.
+/// A round bump that grows evenly behind the reference.
 #[derive(Debug)]
 pub(super) struct Press {
     renderer: SheetRenderer,
     deepest: Motion,
+    amplitude_px: f64,
 }
 
 /// Where a press was written.
@@ -35,10 +40,18 @@ pub(super) struct Written {
 }
 
 impl Press {
-    pub(super) fn new() -> Result<Self, GelError> {
-        let renderer = SheetRenderer::new(&Sheet::default())?;
-        let deepest = Motion::radial_bump(renderer.sheet().centre_px(), AMPLITUDE_PX);
-        Ok(Self { renderer, deepest })
+    /// A press in the middle of images of this size, px.
+    pub(super) fn new((width, height): (usize, usize)) -> Result<Self, GelError> {
+        let renderer = SheetRenderer::new(&Sheet { width, height, ..Sheet::default() })?;
+        let scale = (width.min(height) as f64 / FULL_ROWS).min(1.0);
+        let (radius_px, amplitude_px) = (scale * RADIUS_PX, scale * AMPLITUDE_PX);
+        let deepest = Motion::RadialBump { centre_px: renderer.sheet().centre_px(), radius_px, amplitude_px };
+        Ok(Self { renderer, deepest, amplitude_px })
+    }
+
+    /// The largest displacement of the last frame, px.
+    pub(super) fn amplitude_px(&self) -> f64 {
+        self.amplitude_px
     }
 
     /// Columns and rows, px.
@@ -102,11 +115,18 @@ mod tests {
 
     #[test]
     fn a_press_grows_evenly_behind_the_reference() {
-        let press = Press::new().unwrap();
+        let press = Press::new((610, 450)).unwrap();
         assert_eq!(press.size(), (610, 450));
         for (frame, expected) in [(0, 0.0), (15, 12.5), (30, 25.0)] {
             let (u, v) = press.motion(frame).displacement(304.5 + 80.0, 224.5);
             assert!((u - expected).abs() < 1e-9 && v.abs() < 1e-9, "frame {frame}: {u} px, expected {expected} px");
         }
+    }
+
+    #[test]
+    fn a_press_on_a_small_image_is_as_much_smaller() {
+        let press = Press::new((300, 90)).unwrap();
+        let (u, _) = press.motion(30).displacement(149.5 + 16.0, 44.5);
+        assert!((u - 5.0).abs() < 1e-9 && (press.amplitude_px() - 5.0).abs() < 1e-12, "{u} px, expected 5 px");
     }
 }

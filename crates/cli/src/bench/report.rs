@@ -7,7 +7,6 @@ use fingervision_gel::Motion;
 use fingervision_image::{Image, Rect};
 use serde::Serialize;
 
-use super::press::AMPLITUDE_PX;
 use crate::doctor::instruction_set;
 
 /// Left out of the error on each side, px.
@@ -18,6 +17,8 @@ const BORDER_PX: usize = 16;
 pub(super) struct Report {
     /// Columns and rows that are tracked, px.
     size: (usize, usize),
+    /// The largest displacement of the press, px.
+    press_px: f64,
     instruction_set: String,
     /// How many frames were timed.
     frames: usize,
@@ -63,6 +64,7 @@ impl Report {
     /// `times_ms` and `errors_px` hold at least one value each.
     pub(super) fn new(
         size: (usize, usize),
+        press_px: f64,
         mut times_ms: Vec<f64>,
         errors_px: &[f64],
         elastic_ms: Option<ElasticTimes>,
@@ -70,6 +72,7 @@ impl Report {
         times_ms.sort_by(f64::total_cmp);
         Self {
             size,
+            press_px,
             instruction_set: instruction_set(Level::new()),
             frames: times_ms.len(),
             frame_ms: Times::new(&times_ms),
@@ -125,14 +128,14 @@ pub(super) fn end_point_error_px([u, v]: [&Image<f32>; 2], motion: &Motion, regi
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { size: (width, height), instruction_set, frames, frame_ms, frames_per_second, epe_px, elastic_ms } =
-            self;
+        let Self { size: (width, height), press_px, instruction_set, frames, .. } = self;
+        let Self { frame_ms, frames_per_second, epe_px, elastic_ms, .. } = self;
         let Times { p10, p50, p90, p99, max, .. } = frame_ms;
         let Errors { mean, last } = epe_px;
         writeln!(f, "{frames} frames of {width}x{height} px in colour, one thread, {instruction_set}")?;
         writeln!(f, "ms a frame       p10 {p10:.1}  p50 {p50:.1}  p90 {p90:.1}  p99 {p99:.1}  max {max:.1}")?;
         writeln!(f, "frames a second  {frames_per_second:.1}")?;
-        writeln!(f, "flow is off by   {mean:.4} px on average, {last:.4} px at the press's end of {AMPLITUDE_PX} px")?;
+        writeln!(f, "flow is off by   {mean:.4} px on average, {last:.4} px at the press's end of {press_px:.0} px")?;
         elastic_ms.iter().try_for_each(|ElasticTimes { flow, live, exact }| {
             writeln!(f, "depth from elasticity adds  {live:.1} ms live, {exact:.1} ms exact to {flow:.1} ms of flow")
         })

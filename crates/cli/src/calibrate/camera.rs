@@ -124,7 +124,7 @@ fn from_slides(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 /// Fits the camera to the slides and writes the picture of residuals and the profile; gives the report and the picture's
 /// file.
 pub(super) fn fit(args: &Args) -> Result<(CameraReport, PathBuf), Failure> {
-    let profile = if args.profile.exists() { Profile::load(&args.profile)? } else { Profile::default() };
+    let profile = if args.profile.exists() { super::load(&args.profile)? } else { Profile::default() };
     let slides = args.slides()?;
     let mut flows: Vec<BoardFlow> = Vec::new();
     let mut known = None;
@@ -143,6 +143,7 @@ pub(super) fn fit(args: &Args) -> Result<(CameraReport, PathBuf), Failure> {
     if [Unknown::Distance, Unknown::FocalLength].iter().all(|&unknown| !priors.is_given(unknown)) && flows.len() == 1 {
         args.output.note("neither distance nor focal length is known: only their ratio is found; see --prior");
     }
+    report.check()?;
     let picture = args.picture.clone().unwrap_or_else(|| beside(&args.profile, "camera"));
     write_png(&report.draw(), &picture)?;
     update_profile(&args.profile, "camera", &report.camera)?;
@@ -151,7 +152,13 @@ pub(super) fn fit(args: &Args) -> Result<(CameraReport, PathBuf), Failure> {
 
 impl Args {
     /// One slide, and what is known of the camera's distance.
-    pub(super) fn slide(board: PathBuf, slide: Slide, distance: Prior, profile: PathBuf, output: OutputArgs) -> Self {
+    pub(super) fn slide(
+        board: PathBuf,
+        slide: Slide,
+        distance: Prior,
+        (profile, picture): (PathBuf, PathBuf),
+        output: OutputArgs,
+    ) -> Self {
         Self {
             boards: vec![board],
             step_mm: vec![slide.step_mm],
@@ -161,7 +168,7 @@ impl Args {
             corners: None,
             radial: RadialName::Brown,
             start: StartName::Plain,
-            picture: None,
+            picture: Some(picture),
             output,
         }
     }

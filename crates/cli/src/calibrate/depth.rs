@@ -114,7 +114,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
         return Err(DepthFitError::NoCamera.into());
     }
     let fit = fit(args, &profile)?;
-    let (written, picture) = write(args, &fit, method)?;
+    let (written, picture) = write(args, &fit, method, &profile)?;
     let mut text = fit.to_string();
     let (file, shown) = (args.profile.display(), picture.display());
     let _ = writeln!(text, "picture      {shown}\nprofile      {file}: depth.density is the {} law", law_name(method));
@@ -141,9 +141,15 @@ pub(super) fn fit(args: &Args, profile: &Profile) -> Result<DepthFit, Failure> {
     Ok(DepthFit::new(curves)?)
 }
 
-/// Writes the picture, and the law of this form into the profile; gives the law and the picture's file.
-pub(super) fn write<'a>(args: &Args, fit: &'a DepthFit, method: Method) -> Result<(&'a FittedLaw, PathBuf), Failure> {
+/// Writes the picture, and the law of this form into the profile unless no sensor has such a law; gives the law and the picture's file.
+pub(super) fn write<'a>(
+    args: &Args,
+    fit: &'a DepthFit,
+    method: Method,
+    profile: &Profile,
+) -> Result<(&'a FittedLaw, PathBuf), Failure> {
     let written = fit.law(method)?;
+    fit.check(written, profile)?;
     let picture = args.picture.clone().unwrap_or_else(|| beside(&args.profile, "depth"));
     write_png(&fit.draw(), &picture)?;
     update_profile(&args.profile, "depth", &DepthTable { density: &written.law })?;
@@ -152,9 +158,9 @@ pub(super) fn write<'a>(args: &Args, fit: &'a DepthFit, method: Method) -> Resul
 
 impl Args {
     /// Recorded presses.
-    pub(super) fn recorded(presses: Vec<String>, profile: PathBuf, output: OutputArgs) -> Self {
+    pub(super) fn recorded(presses: Vec<String>, (profile, picture): (PathBuf, PathBuf), output: OutputArgs) -> Self {
         let (method, maximum) = (MethodName::Origin, MaximumName::Plain);
-        Self { presses, simulated: false, draft: false, profile, method, maximum, picture: None, output }
+        Self { presses, simulated: false, draft: false, profile, method, maximum, picture: Some(picture), output }
     }
 }
 
@@ -168,7 +174,14 @@ pub(super) fn law_name(method: Method) -> &'static str {
 
 /// Tracks a press.
 fn record(args: &Args, press: &str, profile: &Profile) -> Result<PressCurve, Failure> {
-    let recorder = Press::open(press, args.draft, args.output)?.record(
+    let press = Press::open(press, args.draft, args.output)?;
+    if let Some(apart_px) = press.camera_mismatch_px(profile) {
+        args.output.note(&format!(
+            "{}: its camera is not the profile's, {apart_px:.0} px apart at most: the depth law is that of its camera",
+            press.name
+        ));
+    }
+    let recorder = press.record(
         args.output,
         |Press { name, depths_mm, .. }, size, is_colour| {
             PressRecorder::new(name, depths_mm, profile, size, is_colour, args.maximum.into())

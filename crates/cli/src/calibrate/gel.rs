@@ -70,21 +70,7 @@ struct GelResult<'a> {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let profile = load(&args.profile)?;
-    let mut has_forces = false;
-    let mut presses = Vec::with_capacity(args.presses.len());
-    for press in &args.presses {
-        let press = Press::open(press, args.draft, args.output)?;
-        has_forces |= press.forces_n.is_some();
-        presses.push(record(press, &profile, args.output)?);
-    }
-    let asks = |value: Value, can: bool| if args.fit.is_empty() { can } else { args.fit.contains(&value) };
-    let unknowns = Unknowns {
-        poissons_ratio: asks(Value::PoissonsRatio, true),
-        thickness: asks(Value::Thickness, true),
-        youngs_modulus: asks(Value::YoungsModulus, has_forces),
-    };
-    args.output.note("fitting the gel: this takes some seconds a press");
-    let report = fit_gel(&presses, &profile, unknowns)?;
+    let report = fit_presses(&args.presses, args.draft, &args.fit, &profile, args.output)?;
     let pictures = draw(args, &report)?;
     let written = report.table();
     if let Some(table) = &written {
@@ -93,6 +79,49 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let text = text(&report, written.as_ref(), &args.profile, &pictures);
     let result = GelResult { report: &report, written, profile: &args.profile, pictures: &pictures };
     args.output.result(out, &result, &text)
+}
+
+/// Fits all that recorded presses can tell.
+pub(super) fn fit(presses: &[String], profile: &Profile, output: OutputArgs) -> Result<GelReport, Failure> {
+    fit_presses(presses, false, &[], profile, output)
+}
+
+/// Tracks presses and fits these values to them, all that they can tell where none is named.
+fn fit_presses(
+    names: &[String],
+    is_draft: bool,
+    values: &[Value],
+    profile: &Profile,
+    output: OutputArgs,
+) -> Result<GelReport, Failure> {
+    let mut has_forces = false;
+    let mut presses = Vec::with_capacity(names.len());
+    for name in names {
+        let press = Press::open(name, is_draft, output)?;
+        if let Some(apart_px) = press.camera_mismatch_px(profile) {
+            return Err(other_camera(&press.name, apart_px));
+        }
+        has_forces |= press.forces_n.is_some();
+        presses.push(record(press, profile, output)?);
+    }
+    let asks = |value: Value, can: bool| if values.is_empty() { can } else { values.contains(&value) };
+    let unknowns = Unknowns {
+        poissons_ratio: asks(Value::PoissonsRatio, true),
+        thickness: asks(Value::Thickness, true),
+        youngs_modulus: asks(Value::YoungsModulus, has_forces),
+    };
+    output.note("fitting the gel: this takes some seconds a press");
+    Ok(fit_gel(&presses, profile, unknowns)?)
+}
+
+/// A gel seen by another camera than is told would come out wrong, and nothing in the fit would show it.
+fn other_camera(press: &str, apart_px: f64) -> Failure {
+    Failure::new(
+        format!(
+            "{press}: the profile's [camera] is not the one of this press: points of the gel are up to {apart_px:.0} px apart"
+        ),
+        "take the profile.toml that simulate writes beside the press, or simulate the press with the profile's [camera]",
+    )
 }
 
 /// Tracks a press up to the last frame that is used.

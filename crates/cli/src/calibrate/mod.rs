@@ -10,6 +10,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
+use fingervision_calibrate::load_to_update;
 use fingervision_touch::Profile;
 
 use crate::failure::Failure;
@@ -47,9 +48,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 
 /// The profile of a sensor that is to be calibrated further.
 fn load(path: &Path) -> Result<Profile, Failure> {
-    Profile::load(path).map_err(|error| {
-        let begin_one = "begin one: a file with the line name = \"my sensor\", or take that of a simulation";
-        let hint = if path.exists() { error.hint() } else { Some(begin_one.into()) };
+    load_to_update(path).map_err(|error| {
+        let begin_one = format!("begin one: fingervision profile new --out {}", path.display());
+        let hint = if path.exists() { error.hint() } else { Some(begin_one) };
         Failure::Stated { message: error.to_string(), hint }
     })
 }

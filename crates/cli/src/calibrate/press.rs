@@ -4,9 +4,12 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use fingervision_calibrate::depth::{DepthFitError, PressFolder};
+use fingervision_elastic::GelBlock;
 use fingervision_gel::{PressCache, ReadyMade};
 use fingervision_image::Frame;
+use fingervision_optics::{Camera, CameraParams};
 use fingervision_source::{Options, SimulatedLocation, SimulatedSource, Source, open};
+use fingervision_touch::Profile;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -19,7 +22,17 @@ pub(super) struct Press {
     /// The normal force in each of them, N, where it is known.
     pub(super) forces_n: Option<Vec<f64>>,
     pub(super) source: Box<dyn Source>,
+    /// The camera and the gel that a simulated press was seen by.
+    pub(super) sensor: Option<(CameraParams, GelBlock)>,
 }
+
+/// Points of a simulated gel that two cameras see farther apart than this part of the image are seen by two cameras; a fit to a
+/// recording of a board stays within a third of it.
+const OTHER_CAMERA: f64 = 0.01;
+/// Distances to the gel that differ by more than this part are those of two cameras: they see depth differently.
+const OTHER_DISTANCE: f64 = 0.05;
+/// Points of the gel that are compared, along either side.
+const POINTS: usize = 5;
 
 impl Press {
     /// Finds a press among folders and scenes; scenes are solved, on a coarse mesh where asked for.
@@ -27,7 +40,8 @@ impl Press {
         let path = Path::new(press);
         if path.is_dir() {
             let PressFolder { name, images, depths_mm, forces_n } = PressFolder::open(path)?;
-            return Ok(Self { name, depths_mm, forces_n, source: open(&images, &Options::default())? });
+            let source = open(&images, &Options::default())?;
+            return Ok(Self { name, depths_mm, forces_n, source, sensor: simulated_sensor(path) });
         }
         let is_location = press.starts_with("sim:");
         if !is_location && ReadyMade::find(press).is_none() {
@@ -88,6 +102,37 @@ impl Press {
         bar.finish_and_clear();
         let depths_mm = scene.motion.poses().iter().map(|pose| pose.depth_mm).collect();
         let forces_n: Vec<f64> = source.forces_n().map(|[_, _, normal]| normal).collect();
-        Ok(Self { name: scene.name, depths_mm, forces_n: Some(forces_n), source: Box::new(source) })
+        let sensor = Some((scene.camera(), scene.gel));
+        Ok(Self { name: scene.name, depths_mm, forces_n: Some(forces_n), source: Box::new(source), sensor })
     }
+
+    /// How far apart the profile's camera and the one of a simulated press see points of the gel at most, px, where that is more
+    /// than a fit errs by; none for a recording, whose camera nobody knows.
+    pub(super) fn camera_mismatch_px(&self, profile: &Profile) -> Option<f64> {
+        let (params, gel) = self.sensor?;
+        let cameras = [Camera::new(&params).ok()?, Camera::new(&profile.camera?).ok()?];
+        let (width, height) = self.source.size();
+        let at = |index: usize, size_mm: f64| size_mm * (index as f64 / (POINTS - 1) as f64 - 0.5);
+        let points = (0..POINTS * POINTS).map(|i| [at(i % POINTS, gel.size_mm[0]), at(i / POINTS, gel.size_mm[1])]);
+        let is_seen = |[x, y]: [f64; 2]| (0.0..width as f64).contains(&x) && (0.0..height as f64).contains(&y);
+        let apart = points.filter_map(|[x, y]| {
+            // On the surface and pressed in: what differs with depth differs in distance.
+            let apart = [0.0, 0.1 * gel.thickness_mm].map(|z| {
+                let [a, b] = cameras.each_ref().map(|camera| camera.project([x, y, z]));
+                let (a, b) = (a.filter(|&a| is_seen(a))?, b?);
+                Some((a[0] - b[0]).hypot(a[1] - b[1]))
+            });
+            apart.into_iter().flatten().reduce(f64::max)
+        });
+        let apart_px = apart.fold(0.0, f64::max);
+        let [a, b] = cameras.each_ref().map(|camera| camera.position_mm()[2]);
+        let is_other = apart_px > OTHER_CAMERA * width as f64 || (a / b - 1.0).abs() > OTHER_DISTANCE;
+        is_other.then_some(apart_px)
+    }
+}
+
+/// The camera and the gel of a press that `simulate` wrote: it leaves its profile beside the images.
+fn simulated_sensor(folder: &Path) -> Option<(CameraParams, GelBlock)> {
+    let profile = Profile::load(&folder.join("profile.toml")).ok().filter(|_| folder.join("scene.toml").is_file())?;
+    Some((profile.camera?, profile.gel?))
 }

@@ -9,7 +9,6 @@ use fingervision_gel::{PressCache, Resolution};
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
 use crate::profile_args::assignment;
 use crate::report_folder::ReportFolder;
@@ -79,11 +78,11 @@ struct BenchmarkResult {
 pub(super) fn benchmark(
     args: &BenchmarkArgs,
     folder: Option<&Path>,
+    overwrite: bool,
     output: OutputArgs,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    let interrupt = Interrupt::listen()?;
-    let folder = ReportFolder::create(folder.unwrap_or(Path::new(FOLDER)))?;
+    let folder = ReportFolder::create(folder.unwrap_or(Path::new(FOLDER)), overwrite || folder.is_none())?;
     let extent = if args.quick { Extent::Quick } else { Extent::Full };
     let cases = cases(extent, args.mesh.into())?;
     write_cases(&folder, &cases)?;
@@ -93,7 +92,7 @@ pub(super) fn benchmark(
             bar.inc(1);
         }
         bar.set_message(name.to_owned());
-        if interrupt.is_asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        ControlFlow::Continue(())
     };
     let cache = PressCache::standard();
     let BenchmarkArgs { entries, assignments, .. } = args;

@@ -11,7 +11,7 @@ use fingervision_sink::{SinkError, write_png};
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::output::OutputArgs;
+use crate::output::{OutputArgs, refuse_existing};
 use benchmark::BenchmarkArgs;
 
 /// The picture's name in its folder.
@@ -37,13 +37,16 @@ pub(crate) struct Args {
     benchmark: bool,
     #[command(flatten)]
     of_benchmark: BenchmarkArgs,
-    /// The folder for evaluation.png, where an earlier one is replaced; without it RUN/evaluation, for the benchmark
-    /// ./fingervision-benchmark
+    /// The folder for evaluation.png, or for the benchmark's report; without it RUN/evaluation or ./fingervision-benchmark,
+    /// where an earlier one is replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Compare the first frames, those that all files hold, where the run was cut short
-    #[arg(long)]
+    #[arg(long, conflicts_with = "benchmark")]
     common_frames: bool,
+    /// Replace an earlier evaluation.png or report in the folder of --out
+    #[arg(long, requires = "out")]
+    overwrite: bool,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -57,9 +60,12 @@ struct EvaluateResult {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let (Some(run), Some(truth)) = (&args.run, &args.truth) else {
-        return benchmark::benchmark(&args.of_benchmark, args.out.as_deref(), args.output, out);
+        return benchmark::benchmark(&args.of_benchmark, args.out.as_deref(), args.overwrite, args.output, out);
     };
     let folder = args.out.clone().unwrap_or_else(|| run.join(FOLDER));
+    if args.out.is_some() && !args.overwrite {
+        refuse_existing(&folder.join(PICTURE))?;
+    }
     let options = Options { common_frames: args.common_frames };
     let (report, picture) = compare([run, truth], &folder, options, args.output)?;
     let text = format!("{report}picture   {}", picture.display());

@@ -26,13 +26,21 @@ pub(crate) struct Args {
     /// The file to write; its ending says the format: .pdf, .svg or .png
     #[arg(long, value_name = "FILE", group = "task")]
     out: Option<PathBuf>,
+    /// Replace the file if it is there already
+    #[arg(long, requires = "out")]
+    overwrite: bool,
     /// Print a table of sizes with the noise of the flow that each leads to
     #[arg(long, group = "task")]
     score: bool,
     #[command(flatten)]
     pattern: PatternArgs,
+    /// Put the pattern in the middle of a sheet of this size; without it the page is just large enough
+    ///
+    /// The sheet lies where the pattern is too wide for it upright.
+    #[arg(long, value_name = "PAPER", value_enum, requires = "out")]
+    page: Option<print::PageName>,
     /// Resolution of a PNG, px per inch; without it the one nearest to 1200 that gives every cell whole px
-    #[arg(long, value_name = "DPI", value_parser = dpi)]
+    #[arg(long, value_name = "DPI", value_parser = dpi, requires = "out")]
     dpi: Option<f64>,
     #[command(flatten)]
     sight: score::SightArgs,
@@ -43,6 +51,10 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    if !args.score && !args.profile.is_absent() {
+        let message = "--profile and --set have no effect: the page does not depend on the camera";
+        return Err(Failure::new(message, "leave them out, or pass --score"));
+    }
     if let Some(file) = &args.out {
         let written = print::write(args, file)?;
         // Of two results only one can be the JSON.

@@ -5,11 +5,12 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use fingervision_gel::Print;
+use fingervision_gel::{Paper, Print};
 use serde::Serialize;
 
 use super::Args;
 use crate::failure::Failure;
+use crate::output::refuse_existing;
 
 /// Width and height of a pattern unless said otherwise, mm.
 const SIZE_MM: [f64; 2] = [30.0, 30.0];
@@ -31,6 +32,24 @@ pub(super) struct Written {
     px_per_m: Option<u32>,
 }
 
+/// What `--page` takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum PageName {
+    /// 210x297 mm
+    A4,
+    /// 8.5x11 inches
+    Letter,
+}
+
+impl From<PageName> for Paper {
+    fn from(name: PageName) -> Self {
+        match name {
+            PageName::A4 => Self::A4,
+            PageName::Letter => Self::Letter,
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Format {
     Pdf,
@@ -40,6 +59,9 @@ enum Format {
 
 pub(super) fn write(args: &Args, file: &Path) -> Result<Written, Failure> {
     let format = format(file)?;
+    if !args.overwrite {
+        refuse_existing(file)?;
+    }
     if args.dpi.is_some() && format != Format::Png {
         return Err(Failure::new(
             format!("--dpi belongs to PNG: {} has no px", file.display()),
@@ -47,7 +69,11 @@ pub(super) fn write(args: &Args, file: &Path) -> Result<Written, Failure> {
         ));
     }
     let size_mm = args.pattern.size_mm.unwrap_or(SIZE_MM);
-    let print = Print::new(&args.pattern.pattern(size_mm, LEVELS)?, size_mm)?;
+    let pattern = args.pattern.pattern(size_mm, LEVELS)?;
+    let print = match args.page {
+        Some(page) => Print::on_paper(&pattern, size_mm, page.into())?,
+        None => Print::new(&pattern, size_mm)?,
+    };
     let [width, height] = print.pattern_mm();
     if (0..2).any(|axis| (print.pattern_mm()[axis] - size_mm[axis]).abs() > 1e-6) {
         let [asked_width, asked_height] = size_mm;

@@ -21,6 +21,22 @@ const LEVELS: [u8; 2] = [16, 240];
 /// Distance between the tracker's patches, px.
 const STRIDE_PX: f64 = 8.0;
 
+/// What is read of a profile beside its camera.
+const READ: [&str; 12] = [
+    "name",
+    "camera",
+    "image.region_of_interest",
+    "gel",
+    "gel.size_mm",
+    "gel.thickness_mm",
+    "gel.poissons_ratio",
+    "flow.preset",
+    "flow.colour",
+    "flow.noise_levels",
+    "flow.affine.curvature_px",
+    "flow.affine.colour_row_step",
+];
+
 /// The default simulated sensor.
 const SIMULATED_SIZE_PX: [usize; 2] = [480, 480];
 const SIMULATED_GEL_MM: [f64; 2] = [30.0, 30.0];
@@ -28,25 +44,30 @@ const SIMULATED_GEL_MM: [f64; 2] = [30.0, 30.0];
 #[derive(Debug, clap::Args)]
 pub(super) struct SightArgs {
     /// Score: width and height of the image; without it the profile's region of interest, or 480,480
-    #[arg(long, value_name = "W,H", value_parser = image_size)]
+    #[arg(long, value_name = "W,H", value_parser = image_size, requires = "score")]
     image_px: Option<[usize; 2]>,
     /// Score: look straight on with px of this size on the gel instead of the profile's camera
-    #[arg(long, value_name = "MM", value_parser = scale)]
+    #[arg(long, value_name = "MM", value_parser = scale, requires = "score")]
     mm_per_px: Option<f64>,
     /// Score: standard deviation of the optics' blur, px
-    #[arg(long, value_name = "PX", default_value_t = 0.7, allow_negative_numbers = true)]
+    #[arg(long, value_name = "PX", default_value_t = 0.7, allow_negative_numbers = true, requires = "score")]
     blur_px: f64,
     /// Score: standard deviation of the image noise, grey levels a channel; without it the profile's `flow.noise_levels`
-    #[arg(long, value_name = "LEVELS", allow_negative_numbers = true)]
+    #[arg(long, value_name = "LEVELS", allow_negative_numbers = true, requires = "score")]
     noise_levels: Option<f64>,
     /// Score: the camera is a grey one
-    #[arg(long)]
+    #[arg(long, requires = "score")]
     grey: bool,
 }
 
 /// All sizes with their scores.
 pub(super) fn table(args: &Args) -> Result<Table, Failure> {
     let profile = args.profile.load()?;
+    if let Some(key) = args.profile.keys().find(|key| !READ.contains(key) && !key.starts_with("camera.")) {
+        let message = format!("{key} has no effect: the score does not depend on it");
+        let hint = format!("leave {key} out; the score reads the profile's camera and {}", READ.join(", "));
+        return Err(Failure::new(message, hint));
+    }
     let view = view(args, &profile)?;
     let first = args.pattern.pattern(view.gel_mm, LEVELS)?;
     let patterns: Vec<Pattern> =
@@ -61,7 +82,7 @@ pub(super) fn table(args: &Args) -> Result<Table, Failure> {
         let flow = coupling.and_then(|coupling| coupling.deviation_px(&score));
         rows.push(Row::new(part_mm(pattern), score, flow));
     }
-    Ok(Table::new(args.pattern.kind.name(), &view, rows))
+    Ok(Table::new(args.pattern.kind.name(), &view, rows, asked_mm(args)))
 }
 
 /// How the profile's camera sees the gel; where it has none, how the default simulated one does.
@@ -116,16 +137,25 @@ fn sizes(args: &Args, pattern: &Pattern, gel_mm: [f64; 2]) -> Vec<f64> {
         Motif::Dots { count, .. } => (gel_mm[0] / count[0] as f64).min(gel_mm[1] / count[1] as f64),
         _ => 0.0,
     };
-    let choice = &args.pattern;
-    let (mut sizes, asked) = match choice.kind {
-        Kind::Colour => (CELLS_MM.to_vec(), choice.cell_mm),
-        Kind::Speckle => (SPECKLES_MM.to_vec(), choice.speckle_diameter_mm),
-        Kind::Dots => (DOTS.map(|share| share * pitch_mm).to_vec(), choice.dot_diameter_mm),
+    let mut sizes = match args.pattern.kind {
+        Kind::Colour => CELLS_MM.to_vec(),
+        Kind::Speckle => SPECKLES_MM.to_vec(),
+        Kind::Dots => DOTS.map(|share| share * pitch_mm).to_vec(),
     };
-    sizes.extend(asked);
+    sizes.extend(asked_mm(args));
     sizes.sort_by(f64::total_cmp);
     sizes.dedup();
     sizes
+}
+
+/// The size that was asked for, mm.
+fn asked_mm(args: &Args) -> Option<f64> {
+    let choice = &args.pattern;
+    match choice.kind {
+        Kind::Colour => choice.cell_mm,
+        Kind::Speckle => choice.speckle_diameter_mm,
+        Kind::Dots => choice.dot_diameter_mm,
+    }
 }
 
 fn part_mm(pattern: &Pattern) -> f64 {

@@ -31,6 +31,8 @@ pub(super) struct Table {
     noise_levels: f64,
     colour: bool,
     rows: Vec<Row>,
+    /// The size that was asked for, mm.
+    asked_part_mm: Option<f64>,
     /// The size with the least deviation, mm.
     best_part_mm: Option<f64>,
     /// Least and largest size whose deviation is at most a twentieth larger, mm.
@@ -50,7 +52,7 @@ impl Row {
 }
 
 impl Table {
-    pub(super) fn new(kind: &'static str, view: &View, rows: Vec<Row>) -> Self {
+    pub(super) fn new(kind: &'static str, view: &View, rows: Vec<Row>, asked_part_mm: Option<f64>) -> Self {
         let middle = view.size_px.map(|size| 0.5 * (size as f64 - 1.0));
         let usable = rows.iter().filter(|row| row.deviation_px().is_finite());
         let best = usable.min_by(|a, b| a.deviation_px().total_cmp(&b.deviation_px()));
@@ -62,6 +64,7 @@ impl Table {
             blur_px: view.blur_px,
             noise_levels: view.noise_levels,
             colour: view.colour,
+            asked_part_mm,
             best_part_mm: best.map(|row| row.part_mm),
             good_part_mm: best.and_then(|best| good_sizes(&rows, NEARLY * best.deviation_px())),
             rows,
@@ -99,9 +102,29 @@ impl fmt::Display for Table {
         match (self.best_part_mm, self.good_part_mm) {
             (Some(best), Some([least, most])) => {
                 writeln!(f, "\nleast noise with a {part} of {best:.4} mm; {least:.4} to {most:.4} mm are within 5 %")?;
+                self.write_asked(f, best)?;
                 write!(f, "all but gradient and poor patches are standard deviations: smaller is better")
             }
             _ => write!(f, "\nno size can be tracked with this camera"),
+        }
+    }
+}
+
+impl Table {
+    /// What the size that was asked for costs beside the best one.
+    fn write_asked(&self, f: &mut fmt::Formatter<'_>, best_mm: f64) -> fmt::Result {
+        let row = |part_mm: f64| self.rows.iter().find(|row| row.part_mm.total_cmp(&part_mm).is_eq());
+        let Some(asked) = self.asked_part_mm.and_then(row) else { return Ok(()) };
+        let (deviation_px, part_mm) = (asked.deviation_px(), asked.part_mm);
+        match row(best_mm) {
+            Some(best) if deviation_px.is_finite() => {
+                let more = 100.0 * (deviation_px / best.deviation_px() - 1.0);
+                writeln!(
+                    f,
+                    "asked for: {part_mm:.4} mm, {deviation_px:.5} px in both directions, {more:.0} % above the least"
+                )
+            }
+            _ => writeln!(f, "asked for: {part_mm:.4} mm, which cannot be tracked with this camera"),
         }
     }
 }

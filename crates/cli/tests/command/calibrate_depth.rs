@@ -158,6 +158,39 @@ fn a_recording_that_begins_pressed_is_told_by_its_images() {
 }
 
 #[test]
+fn a_press_on_compressible_gel_is_not_taken_for_a_release() {
+    let bench = bench();
+    bench.write(
+        "press.toml",
+        "name = 'centre'\n[gel]\npoissons_ratio = 0.35\n[indenter]\nshape = 'rectangle'\nsize_mm = [3.0, 3.0]\n\
+         [motion]\nframes = 5\nkeyframes = [{ at = 4, depth_mm = 2.0 }]\n[mesh]\nresolution = 'draft'\n\
+         [camera]\nfocal_length_px = [300.0, 300.0]\n[pattern]\ncell_mm = 0.3\n[render]\nwidth = 240\nheight = 240\n",
+    );
+    bench.run("simulate press.toml --out press").expect_done();
+    bench.run("track press/frames --out run").expect_done();
+    assert_eq!(bench.column("flags"), vec![""; 5]);
+    bench.run("calibrate depth press --profile press/profile.toml").expect_done();
+}
+
+#[test]
+fn depths_that_no_press_has_are_refused() {
+    let bench = bench();
+    let refused = |name: &str, depth_mm: &dyn Fn(u32) -> f64, what: &str, hint: &str| {
+        press(&bench, name, 1.0, |frame| format!("{frame},{}", depth_mm(frame)));
+        bench.run(&format!("calibrate depth {name} --profile sensor.toml")).expect_failure(what, hint);
+        assert_eq!(fs::read_to_string(bench.path("sensor.toml")).unwrap(), PROFILE, "{name}");
+    };
+    let part = |frame: u32| f64::from(frame) / f64::from(FRAMES - 1);
+    refused("micrometres", &|frame| 1000.0 * part(frame), "and 20 mm is the distance to the camera", "if it is in µm");
+    refused("metres", &|frame| 0.001 * part(frame), "its deepest depth is 0.001 mm", "if it is in m");
+    refused("upwards", &|frame| -part(frame), "upwards: frame 1 has a negative depth, -0.2 mm", "turn the signs");
+    let shuffled = [0.0, 0.8, 0.9, 0.2, 1.0, 0.4];
+    refused("shuffled", &|frame| shuffled[frame as usize], "does not follow the depth", "number the images");
+    // Micrometres that are few enough for a press.
+    refused("few", &|frame| 0.06 * part(frame), "the depth law is impossible", "[camera] is this sensor's");
+}
+
+#[test]
 fn a_profile_of_another_image_is_refused() {
     let bench = bench();
     good(&bench, "press", 1.0);

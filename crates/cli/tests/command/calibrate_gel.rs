@@ -44,6 +44,23 @@ fn a_simulated_press_tells_the_gel() {
 }
 
 #[test]
+fn a_simulated_press_seen_by_another_camera_than_the_profiles_is_refused() {
+    let bench = bench();
+    bench.write("press.toml", PRESS);
+    bench
+        .write("tilted.toml", &PROFILE.replace("translation_mm", "rotation_rad = [0.06, -0.04, 0.02]\ntranslation_mm"));
+    bench.write("far.toml", &PROFILE.replace("25.0]", "35.0]").replace("[300.0, 300.0]", "[420.0, 420.0]"));
+    for profile in ["tilted.toml", "far.toml"] {
+        let ended = bench.run(&format!("calibrate gel sim:press.toml --profile {profile}"));
+        ended
+            .expect_failure("the profile's [camera] is not the one of this press", "profile.toml that simulate writes");
+    }
+    bench.run("simulate press.toml --out press").expect_done();
+    let ended = bench.run("calibrate gel press --profile tilted.toml");
+    ended.expect_failure("the profile's [camera] is not the one of this press", "profile.toml that simulate writes");
+}
+
+#[test]
 fn what_cannot_be_fitted_is_named_and_the_profile_stays_as_it_was() {
     let bench = bench();
     bench.press(4);

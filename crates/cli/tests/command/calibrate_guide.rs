@@ -24,6 +24,13 @@ fn board(images: usize, slide_mm: f64) -> String {
     ))
 }
 
+/// The untouched gel of the presses.
+fn rest() -> String {
+    scene(
+        "[gel]\nsize_mm = [36.0, 30.0]\n[motion]\nkind = 'rigid'\nframes = 10\nkeyframes = [{ at = 9, shear_mm = [0.0, 0.0] }]\n",
+    )
+}
+
 /// A square pressed in on a coarse mesh.
 fn press(centre_mm: [f64; 2], depth_mm: f64) -> String {
     scene(&format!(
@@ -70,7 +77,7 @@ fn a_person_is_led_from_an_empty_folder_to_a_profile() {
     );
     assert!(bench.path("sensor/still").is_dir());
 
-    simulate(&bench, "still", &board(10, 0.0));
+    simulate(&bench, "still", &rest());
     let ended = guide(&bench, "").expect_done();
     expect(&ended, &["done  still     10 images", "noise 2.0 levels", "next  board", "21 images", "into sensor/board"]);
 
@@ -100,6 +107,7 @@ fn a_person_is_led_from_an_empty_folder_to_a_profile() {
     expect(&ended, &["camera    leaves 0.0", "depth     errs by", "fingervision track RECORDING"]);
     let profile = fs::read_to_string(bench.path("sensor/sensor.toml")).unwrap();
     assert!(profile.contains("[camera]") && profile.contains("[depth]"), "{profile}");
+    assert!(profile.contains("noise_levels = "), "the noise that was measured: {profile}");
     bench.run("track sensor/press-1/frames --profile sensor/sensor.toml --out run").expect_done();
     let deepest: f64 = bench.column("max_depth_mm")[4].parse().unwrap();
     assert!((0.5..6.0).contains(&deepest), "{deepest} mm instead of 2 mm");
@@ -136,4 +144,83 @@ fn answers_are_kept_and_wrong_ones_are_named() {
     guide(&bench, "").expect_failure("sensor/answers.toml: -1 mm is no length", "remove the file");
     bench.write("sensor/answers.toml", "step = 1.0\n");
     guide(&bench, "").expect_failure("sensor/answers.toml: unknown field `step`", "remove the file");
+}
+
+/// A sensor's folder with all that a calibration needs.
+fn recorded() -> Workbench {
+    let bench = Workbench::new();
+    simulate(&bench, "still", &rest());
+    simulate(&bench, "board", &board(21, 10.0));
+    for (number, centre_mm) in [(1, [0.0, 0.0]), (2, [4.0, 0.0]), (3, [-6.0, 4.0])] {
+        simulate(&bench, &format!("press-{number}"), &press(centre_mm, 2.0));
+    }
+    bench
+}
+
+/// Puts other images in the place of those of press-2.
+fn reorder(bench: &Workbench, order: &[usize]) {
+    let image = |number: usize| bench.path(&format!("sensor/press-2/frames/{number:06}.png"));
+    let images: Vec<Vec<u8>> = order.iter().map(|&number| fs::read(image(number)).unwrap()).collect();
+    for (number, bytes) in images.into_iter().enumerate() {
+        fs::write(image(number), bytes).unwrap();
+    }
+}
+
+#[test]
+fn a_wrong_input_is_refused_with_what_to_do_and_no_profile_is_written() {
+    let bench = recorded();
+    let refused = |options: &str, what: &str, hint: &str| {
+        guide(&bench, &format!("--distance-mm 25±0.5 {options}")).expect_failure(what, hint);
+        assert!(!bench.path("sensor/sensor.toml").exists(), "{what}: a profile was written");
+    };
+    let depths = |rows: [&str; 5]| bench.write("sensor/press-2/depth.csv", &format!("depth_mm\n{}\n", rows.join("\n")));
+    depths(["0", "500", "1000", "1500", "2000"]);
+    refused("", "press-2: its deepest depth is 2000 mm", "divide the column by 1000");
+    depths(["0", "20", "40", "60", "80"]);
+    refused("", "press-2: its deepest depth is 80 mm", "divide the column by 1000");
+    depths(["0", "-0.5", "-1", "-1.5", "-2"]);
+    refused("", "press-2: frame 1 is -0.5 mm deep", "turn the signs");
+    depths(["0", "0.5", "1", "1.5", "2"]);
+    reorder(&bench, &[0, 4, 3, 1, 2]);
+    refused("", "press-2: motion does not grow with depth", "number the images in the order");
+    simulate(&bench, "press-2", &press([4.0, 0.0], 2.0));
+    reorder(&bench, &[4, 3, 2, 1, 0]);
+    refused("", "press-2: in the first image a part of the gel is", "before the indenter touches");
+    simulate(&bench, "press-2", &press([4.0, 0.0], 2.0));
+    reorder(&bench, &[2, 2, 3, 3, 4]);
+    refused("", "press-2: in the first image a part of the gel is", "before the indenter touches");
+    simulate(&bench, "press-2", &press([4.0, 0.0], 2.0).replace("[pattern]", "[pattern]\nseed = 9"));
+    refused("", "of the first image shows what the still one shows", "the recording of this sensor");
+    simulate(&bench, "press-2", &press([4.0, 0.0], 2.0));
+    refused("--step-mm 1 --view-mm 30", "a ruler 30 mm", "the step was 0.50 mm");
+    refused("--step-mm 0.25 --view-mm 30", "a ruler 30 mm", "the step was 0.50 mm");
+    expect(&guide(&bench, "--step-mm 0.5").expect_done(), &["The sensor is calibrated", "done  view      30 mm"]);
+}
+
+#[test]
+fn a_recording_that_has_not_changed_is_not_checked_again() {
+    let bench = Workbench::new();
+    simulate(&bench, "still", &rest());
+    expect(&guide(&bench, "").expect_done(), &["done  still     10 images"]);
+    let checks = fs::read_to_string(bench.path("sensor/checks.json")).unwrap();
+    bench.write("sensor/checks.json", &checks.replace("\"images\": 10", "\"images\": 77"));
+    expect(&guide(&bench, "").expect_done(), &["done  still     77 images"]);
+    let image = bench.path("sensor/still/frames/000003.png");
+    let mut other = image::open(&image).unwrap().into_rgb8();
+    other.put_pixel(0, 0, image::Rgb([1, 2, 3]));
+    other.save(&image).unwrap();
+    expect(&guide(&bench, "").expect_done(), &["done  still     10 images"]);
+}
+
+#[test]
+fn a_gel_that_is_described_gives_elastic_depth() {
+    let bench = recorded();
+    expect(&guide(&bench, "--distance-mm 25±0.5").expect_done(), &["ask   gel", "--gel-mm WIDTH,HEIGHT,THICKNESS"]);
+    let ended = guide(&bench, "--gel-mm 36,30,10 --youngs-modulus-mpa 0.6").expect_done();
+    expect(&ended, &["done  gel       36 × 30 × 10 mm, 0.6 MPa", "Its depth, contact and force come from elasticity"]);
+    let profile = fs::read_to_string(bench.path("sensor/sensor.toml")).unwrap();
+    assert!(profile.contains("[gel]") && profile.contains("size_mm = [36.0, 30.0]"), "{profile}");
+    bench.run("track sensor/press-1/frames --profile sensor/sensor.toml --out run").expect_done();
+    let force: f64 = bench.column("force_z_n")[4].parse().unwrap();
+    assert!(force > 1.0, "{force} N");
 }

@@ -144,13 +144,14 @@ fn a_previous_run_is_replaced_only_when_asked() {
     bench.expect_run_of(2);
 }
 
-/// A disk of half a MB, unmounted at the end.
+/// A small disk, unmounted at the end.
 struct SmallDisk<'a>(&'a Path);
 
 impl<'a> SmallDisk<'a> {
     /// The disk; none where the machine does not let a test mount one.
-    fn mount(path: &'a Path) -> Option<Self> {
-        let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", "size=512k", "tmpfs"]).arg(path).output();
+    fn mount(path: &'a Path, size: &str) -> Option<Self> {
+        let size = format!("size={size}");
+        let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", &size, "tmpfs"]).arg(path).output();
         mounted.is_ok_and(|output| output.status.success()).then_some(Self(path))
     }
 }
@@ -166,15 +167,34 @@ fn a_full_disk_ends_the_run_with_the_frames_before_it() {
     let bench = Workbench::new();
     bench.press(6);
     let path = bench.folder("run");
-    let Some(_disk) = SmallDisk::mount(&path) else {
+    let Some(_disk) = SmallDisk::mount(&path, "512k") else {
         println!("skipped: this machine does not let the test mount a small disk");
         return;
     };
     let ended = bench.run("track press --out run");
+    let said =
+        "note: the run takes 958.5 kB for 6 frames, 159.7 kB each, but only 524.3 kB are free: it will end early";
+    assert!(ended.errors.contains(said), "{}", ended.errors);
     let ended = ended.expect_failure("No space left", "what was written so far can be read");
     let frames = bench.array::<f32>("flow.npy").0[0];
     assert!((1..6).contains(&frames), "{frames} frames fit");
     assert_eq!(bench.column("sequence").len() as u64, frames);
     assert!(ended.out.contains(&format!("{frames} frames")), "{}", ended.out);
     assert!(!path.join("preview.png").exists(), "a picture that does not fit is not begun");
+}
+
+#[test]
+fn a_disk_that_takes_no_frame_promises_nothing() {
+    let bench = Workbench::new();
+    bench.press(3);
+    for command in ["track press --out run", "simulate board --frames 2 --out run"] {
+        let path = bench.folder("run");
+        let Some(_disk) = SmallDisk::mount(&path, "64k") else {
+            println!("skipped: this machine does not let the test mount a small disk");
+            return;
+        };
+        let ended = bench.run(command).expect_failure("No space left", "free some space");
+        assert!(!ended.out.contains("NaN") && !ended.out.contains("preview"), "{command}: {}", ended.out);
+        assert!(!path.join("preview.png").exists(), "{command}");
+    }
 }

@@ -28,7 +28,7 @@ fn contact_and_where_it_holds_are_written_beside_depth() {
     let bench = sensed(2);
     let ended = bench.run("track press --out run --profile sensor.toml").expect_done();
     assert!(ended.out.contains("deepest  frame ") && ended.out.contains(" mm²"), "{}", ended.out);
-    for name in ["flow", "density", "depth", "valid"] {
+    for name in ["flow", "depth", "valid"] {
         assert!(bench.path(&format!("run/{name}.npy")).exists(), "{name}.npy");
     }
     for name in ["contact", "depth_valid"] {
@@ -36,7 +36,7 @@ fn contact_and_where_it_holds_are_written_beside_depth() {
         assert_eq!(shape, [2, 96, 128], "{name}");
         assert!(values.iter().all(|&value| value < 2), "{name}");
     }
-    for name in ["displacement", "traction", "depth_deviation"] {
+    for name in ["density", "displacement", "traction", "depth_deviation"] {
         assert!(!bench.path(&format!("run/{name}.npy")).exists(), "{name}.npy was not asked for");
     }
     assert!(!bench.column("contact_area_mm2")[0].is_empty());

@@ -110,6 +110,18 @@ fn the_truth_that_the_bench_writes_will_do() {
 }
 
 #[test]
+fn the_truth_of_another_scene_is_refused() {
+    let bench = Workbench::new();
+    bench.write("disc.toml", "name = \"disc\"\n[motion]\nkind = \"rigid\"\nframes = 2\n");
+    bench.run("simulate board --frames 2 --out board").expect_done();
+    bench.run("simulate disc.toml --out disc").expect_done();
+    bench.run("track board/frames --out run --fields flow").expect_done();
+    let ended = bench.run("evaluate run disc");
+    ended.expect_failure("tracked from the scene \"board\", but disc is the truth of \"disc\"", "\"board\"");
+    bench.run("evaluate run board").expect_done();
+}
+
+#[test]
 fn what_cannot_be_compared_is_named() {
     let bench = simulated();
     bench.run("evaluate run simulation").expect_failure("run holds neither flow.npy nor depth.npy", "track --out");

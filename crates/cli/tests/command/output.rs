@@ -28,9 +28,9 @@ fn the_demo_is_tracked_close_to_its_truth() {
     let depth = &result["truth"]["mean"]["depth_mm"];
     let error_mm = |part: &str| depth[part]["mean"].as_f64().unwrap();
     assert!(error_mm("everywhere") < 0.015 && error_mm("inside") < 0.05, "{depth}");
-    let [told_n, true_n] = [&result["deepest"], &result["simulation"]].map(|of| of["force_n"][2].as_f64().unwrap());
+    let [told_n, true_n] = [&result["deepest"], &result["simulation"]].map(|of| of["force_z_n"].as_f64().unwrap());
     assert!((told_n / true_n - 1.0).abs() < 0.05, "{told_n} N, {true_n} N in truth");
-    for name in ["flow.npy", "density.npy", "valid.npy", "readings.csv", "run.toml", "evaluation/evaluation.png"] {
+    for name in ["flow.npy", "depth.npy", "valid.npy", "readings.csv", "run.toml", "evaluation/evaluation.png"] {
         assert!(bench.path("fingervision-demo/run").join(name).exists(), "{name}");
     }
 }
@@ -92,6 +92,24 @@ fn the_doctor_finds_this_machine_healthy() {
 }
 
 #[test]
+fn a_command_with_nothing_to_keep_ends_at_once() {
+    let bench = Workbench::new();
+    for (arguments, place) in
+        [("evaluate --benchmark --out bench", "bench/report.html"), ("reproduce --out report", "report/report.html")]
+    {
+        let mut child = bench.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        while !bench.path(place).exists() {
+            assert!(child.try_wait().unwrap().is_none(), "{arguments} ended before it was interrupted");
+            std::thread::yield_now();
+        }
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+        let ended = Ended::from(child.wait_with_output().unwrap());
+        // What is said where nothing waits for the step at hand.
+        ended.expect_failure_with(130, "interrupted before the result was written", "run the command again");
+    }
+}
+
+#[test]
 fn a_program_can_read_what_a_run_came_to() {
     let bench = Workbench::new();
     bench.press(3);
@@ -103,6 +121,12 @@ fn a_program_can_read_what_a_run_came_to() {
 
 #[test]
 fn an_interrupted_run_keeps_what_was_written() {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+        expect_interrupted(signal, code);
+    }
+}
+
+fn expect_interrupted(signal: &str, code: i32) {
     let bench = Workbench::new();
     let folder = bench.press(2);
     for copy in 2..3000 {
@@ -115,8 +139,8 @@ fn an_interrupted_run_keeps_what_was_written() {
         assert!(child.try_wait().unwrap().is_none(), "the run ended before it was interrupted");
         std::thread::yield_now();
     }
-    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     let ended = Ended::from(child.wait_with_output().unwrap());
-    ended.expect_failure("of 3000 frames", "what was written can be read");
+    ended.expect_failure_with(code, "of 3000 frames", "what was written can be read");
     bench.expect_run_of(bench.column("sequence").len() as u64);
 }

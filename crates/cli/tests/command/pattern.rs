@@ -22,11 +22,26 @@ fn every_kind_is_written_in_every_format() {
     let bench = Workbench::new();
     for kind in ["colour", "dots --dots 5,4", "speckle --speckle-diameter-mm 0.5"] {
         for (ending, start) in [("pdf", "%PDF-".as_bytes()), ("svg", b"<?xml "), ("png", b"\x89PNG")] {
-            let ended = bench.run(&format!("pattern --out a.{ending} --size-mm 6,5 --kind {kind}")).expect_done();
+            let ended =
+                bench.run(&format!("pattern --overwrite --out a.{ending} --size-mm 6,5 --kind {kind}")).expect_done();
             assert!(ended.out.contains("6 x 5 mm on a page of 50 x "), "{}", ended.out);
             assert!(fs::read(bench.path(&format!("a.{ending}"))).unwrap().starts_with(start), "{kind} as {ending}");
         }
     }
+}
+
+#[test]
+fn a_sheet_of_paper_holds_the_pattern_in_its_middle_or_says_how_much_fits() {
+    let bench = Workbench::new();
+    let ended = bench.run("pattern --out a.pdf --size-mm 30,30 --page a4").expect_done();
+    assert!(ended.out.contains("30 x 30 mm on a page of 210 x 297 mm"), "{}", ended.out);
+    let ended = bench.run("pattern --out b.svg --size-mm 230,90 --cell-mm 1 --page letter").expect_done();
+    assert!(ended.out.contains("230 x 90 mm on a page of 279.4 x 215.9 mm"), "{}", ended.out);
+    refused(
+        "--out a.pdf --size-mm 300,30 --cell-mm 1 --page a4",
+        "a pattern of 300x30 mm does not fit on A4",
+        "--size-mm of up to 186x",
+    );
 }
 
 #[test]
@@ -52,7 +67,7 @@ fn a_png_gives_every_cell_whole_px_unless_told_otherwise() {
     assert_eq!(written["pattern_mm"], serde_json::json!([3.0, 3.0]));
     let width = f64::from(image::open(bench.path("a.png")).unwrap().dimensions().0);
     assert!((width - 50.0 * written["page_mm"][0].as_f64().unwrap()).abs() <= 1.0, "{width} px");
-    let ended = bench.run("pattern --size-mm 3,3 --out a.png --dpi 1200").expect_done();
+    let ended = bench.run("pattern --size-mm 3,3 --out a.png --overwrite --dpi 1200").expect_done();
     assert!(
         ended.errors.contains("note: px do not divide the cells: edges are mixed by area; --dpi 1270"),
         "{ended:?}"

@@ -176,7 +176,8 @@ fn frames_are_tracked_with_the_profile_beside_them_or_as_they_are_simulated() {
 #[test]
 fn the_board_slides_by_half_a_millimetre_a_frame() {
     let bench = Workbench::new();
-    bench.run("simulate board --out sim --set render.width=60 --set render.height=50").expect_done();
+    let ended = bench.run("simulate board --out sim --set render.width=60 --set render.height=50").expect_done();
+    assert!(ended.out.contains("next     fingervision calibrate camera sim/frames --step-mm 0.5 "), "{}", ended.out);
     let (shape, moved) = bench.array_at::<f32>("sim/truth/displacement.npy");
     assert_eq!(shape, [21, 50, 60, 3]);
     for frame in 0..21 {
@@ -232,7 +233,7 @@ fn an_interrupted_simulation_keeps_what_was_written() {
     }
     Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     let ended = Ended::from(child.wait_with_output().unwrap());
-    ended.expect_failure("of 3000 frames", "what was written can be read");
+    ended.expect_failure_with(130, "of 3000 frames", "what was written can be read");
     let (shape, _) = bench.array_at::<f32>("sim/truth/depth.npy");
     assert_eq!(fs::read_to_string(&table).unwrap().lines().count() as u64, 1 + shape[0]);
     assert!(bench.path("sim/preview.png").exists());

@@ -164,6 +164,29 @@ fn the_rate_of_a_folder_sets_its_times() {
 }
 
 #[test]
+fn images_that_are_missing_are_flagged_and_counted() {
+    let bench = Workbench::new();
+    let folder = bench.press(6);
+    fs::remove_file(folder.join("0002.png")).unwrap();
+    fs::remove_file(folder.join("0003.png")).unwrap();
+    let ended = bench.run("track press --out run").expect_done();
+    assert!(ended.out.contains("dropped in 1 of 4 frames: 2 missing before them"), "{}", ended.out);
+    assert_eq!(bench.column("sequence"), ["0", "1", "4", "5"]);
+    assert_eq!(bench.column("flags"), ["", "", "dropped", ""]);
+    assert_eq!(bench.column("capture_time_s")[2], (4.0_f64 / 30.0).to_string());
+}
+
+#[test]
+fn a_jump_in_the_times_of_a_video_is_flagged() {
+    let bench = Workbench::new();
+    let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../source/testdata/uneven.mp4");
+    bench.run(&format!("track {clip} --out run")).expect_done();
+    assert_eq!(bench.column("sequence"), ["0", "1", "3", "4", "5", "7", "8", "9", "11"]);
+    let dropped: Vec<bool> = bench.column("flags").iter().map(|flags| flags.contains("dropped")).collect();
+    assert_eq!(dropped, [false, false, true, false, false, true, false, false, true]);
+}
+
+#[test]
 fn a_uniform_image_is_flagged() {
     let bench = Workbench::new();
     let folder = bench.folder("grey");

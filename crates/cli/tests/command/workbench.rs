@@ -136,7 +136,12 @@ impl Ended {
 
     /// Checks that the command failed with one clear line that says `what`, and one that says what to do about it.
     pub(crate) fn expect_failure(self, what: &str, hint: &str) -> Self {
-        assert_eq!(self.code, Some(1), "{self:?}");
+        self.expect_failure_with(1, what, hint)
+    }
+
+    /// The same with another exit code.
+    pub(crate) fn expect_failure_with(self, code: i32, what: &str, hint: &str) -> Self {
+        assert_eq!(self.code, Some(code), "{self:?}");
         let beginning = |start: &str| self.errors.lines().filter(|line| line.starts_with(start)).collect::<Vec<_>>();
         let (errors, hints) = (beginning("error: "), beginning("hint: "));
         assert!(errors.len() == 1 && errors[0].contains(what), "no error saying \"{what}\" in {self:?}");

@@ -15,6 +15,7 @@ pub struct Layer {
 
 /// A layer or a grid that cannot be.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum LayerError {
     /// A value of the block is impossible.
     #[error(transparent)]

@@ -2,6 +2,7 @@ use crate::{BlockError, Pose};
 
 /// Why a press can not be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PressError {
     /// The block can not be.
     #[error(transparent)]
@@ -26,4 +27,7 @@ pub enum PressError {
         /// Depth that was asked for, mm.
         asked_mm: f64,
     },
+    /// The caller asked for it.
+    #[error("the press was interrupted")]
+    Stopped,
 }

@@ -18,6 +18,8 @@ mod touch;
 pub use error::PressError;
 pub use region::{MeshParams, Resolution, SweptRegion, swept_region};
 
+use std::ops::ControlFlow;
+
 use crate::fem::{Assembled, Assembly, BlockMesh, Material};
 use crate::solver::{Multigrid, Solver};
 use crate::{ContactLaw, GelBlock, Law, Pose, Relief, SurfaceState};
@@ -26,6 +28,9 @@ use touch::Touch;
 
 /// How often a step may be halved.
 const MOST_HALVINGS: u32 = 6;
+
+/// Is asked again and again while a step is solved, and says whether to go on.
+pub type GoOn<'a> = &'a mut (dyn FnMut() -> ControlFlow<()> + Send);
 
 /// What is pressed, and how it holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -141,33 +146,43 @@ impl<'a> Press<'a> {
     ///
     /// [`PressError::Stalled`] with the depth that was reached, [`PressError::Pose`] for a pose that is not finite.
     pub fn step(&mut self, pose: &Pose) -> Result<&SurfaceState, PressError> {
+        self.step_while(pose, &mut || ControlFlow::Continue(()))
+    }
+
+    /// The same, unless it is stopped: `go_on` is asked before every Newton iteration. Stopped, the press is where it last
+    /// converged.
+    ///
+    /// # Errors
+    ///
+    /// As [`Press::step`], and [`PressError::Stopped`].
+    pub fn step_while(&mut self, pose: &Pose, go_on: GoOn) -> Result<&SurfaceState, PressError> {
         if !pose.is_finite() {
             return Err(PressError::Pose { pose: *pose });
         }
         // Inside the pool, a task costs little.
-        rayon::scope(|_| self.advance(pose))?;
+        let advanced = rayon::scope(|_| self.advance(pose, go_on));
+        self.write_state();
+        advanced?;
         Ok(&self.state)
     }
 
-    fn advance(&mut self, pose: &Pose) -> Result<(), PressError> {
+    fn advance(&mut self, pose: &Pose, go_on: GoOn) -> Result<(), PressError> {
         self.report = StepReport::default();
         let (from, mut reached, mut halvings) = (self.pose, 0.0, 0_u32);
         while reached < 1.0 {
             let share = 0.5_f64.powi(halvings.cast_signed());
             let target = if reached + share >= 1.0 { *pose } else { from.towards(pose, reached + share) };
             self.report.parts += 1;
-            if self.equilibrate(&target) {
+            if self.equilibrate(&target, go_on)? {
                 reached += share;
                 // What was hard may be over.
                 halvings = halvings.saturating_sub(1);
             } else if halvings == MOST_HALVINGS {
-                self.write_state();
                 return Err(PressError::Stalled { reached_mm: self.pose.depth_mm, asked_mm: pose.depth_mm });
             } else {
                 halvings += 1;
             }
         }
-        self.write_state();
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 use super::constraint::{Constraint, add_stiffness, apply_drag, constrain, project};
 use super::frame::{Frame, dot};
 use super::touch::{Node, Touch};
-use super::{Advance, Press, StepReport};
+use super::{Advance, GoOn, Press, PressError, StepReport};
 use crate::Pose;
 use crate::solver::{Field, Grid, Outcome, Stop};
 
@@ -52,11 +52,15 @@ impl Scratch {
 
 impl Press<'_> {
     /// Finds the rest at `pose`; whether it was found. If not, the press is as it was.
-    pub(super) fn equilibrate(&mut self, pose: &Pose) -> bool {
+    ///
+    /// # Errors
+    ///
+    /// [`PressError::Stopped`] where `go_on` says so.
+    pub(super) fn equilibrate(&mut self, pose: &Pose, go_on: GoOn) -> Result<bool, PressError> {
         let rest = (self.displacement.clone(), self.forces.clone(), self.touches.clone(), self.assembled);
         self.predict(pose);
-        let found = self.iterate(pose, &rest.0);
-        if found {
+        let found = self.iterate(pose, &rest.0, go_on);
+        if found == Ok(true) {
             let change = self.displacement.iter().zip(&rest.0).map(|(now, then)| [0, 1, 2].map(|c| now[c] - then[c]));
             self.last = Some(Advance { poses: [self.pose, *pose], displacement: change.collect() });
             self.pose = *pose;
@@ -82,10 +86,13 @@ impl Press<'_> {
         }
     }
 
-    fn iterate(&mut self, pose: &Pose, rest: &[[f64; 3]]) -> bool {
+    fn iterate(&mut self, pose: &Pose, rest: &[[f64; 3]], go_on: GoOn) -> Result<bool, PressError> {
         let frames = [self.frame(&self.pose), self.frame(pose)];
         let mut changes = vec![0_u8; self.touches.len()];
         for iteration in 0..MOST_ITERATIONS {
+            if go_on().is_break() {
+                return Err(PressError::Stopped);
+            }
             // The set at the last rest carries the first iteration, if there is one.
             let is_seeding = iteration == 0 && self.touches.iter().all(|touch| *touch == Touch::Free);
             let changed = if iteration > 0 || is_seeding {
@@ -96,14 +103,14 @@ impl Press<'_> {
             let constraints = self.constraints(&frames[1]);
             if !changed && self.is_at_rest(&constraints) {
                 self.settle_rubs(&frames[1]);
-                return true;
+                return Ok(true);
             }
             self.report.newton_iterations += 1;
             if !self.newton_step(&frames[1], &constraints) {
-                return false;
+                return Ok(false);
             }
         }
-        false
+        Ok(false)
     }
 
     /// Asks every surface node what it does; whether any answer changed.

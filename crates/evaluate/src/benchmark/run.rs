@@ -99,6 +99,7 @@ pub(crate) fn with_dots(mut scene: Scene) -> Result<Scene, SceneError> {
 struct Last {
     flow: FlowField,
     feature: Image<f32>,
+    deviation: Image<f32>,
     valid: Image<u8>,
     flow_error_px: f64,
 }
@@ -107,6 +108,7 @@ fn last(recording: &Recording, following: Following) -> Result<Last, ExperimentE
     follow_last(recording, &recording.profile, following, |found| Last {
         flow: found.flow.clone(),
         feature: found.feature.clone(),
+        deviation: found.deviation.clone(),
         valid: found.valid.clone(),
         flow_error_px: flow_error_px(found.flow, found.valid, &recording.truth),
     })
@@ -148,7 +150,7 @@ fn report(case: &Case, fits: &Fits, benchmark: &Benchmark) -> Result<CaseReport,
             scores.push(MethodScore::new(method.name(), scorer.score(&depth, &found.valid)));
         }
     }
-    let (elastic, _) = ElasticScore::of(&recording, (&dense.flow, &dense.valid), &scorer)?;
+    let (elastic, _) = ElasticScore::of(&recording, (&dense.flow, &dense.deviation, &dense.valid), &scorer)?;
     scores.push(elastic.into());
     for entry in benchmark.entries {
         if let Some([depth, valid]) = entry.read(case)? {

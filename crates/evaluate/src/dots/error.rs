@@ -3,6 +3,7 @@ use fingervision_touch::ParameterError;
 
 /// What keeps dots from being followed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DotError {
     /// The image shows too few dots, or all in a row, for a field between them.
     #[error("{seen} dots are seen where {least} or more, not all in a row, are needed")]

@@ -24,7 +24,7 @@ pub struct ElasticScore {
 }
 
 impl ElasticScore {
-    /// Of the last frame of a recording, from its flow and where that holds, by what its profile says; with the depth, mm. A
+    /// Of the last frame of a recording, from its flow, the deviation of that and where it holds, by what its profile says; with the depth, mm. A
     /// frame that does not fit the gel has depth 0.
     ///
     /// # Errors
@@ -32,13 +32,13 @@ impl ElasticScore {
     /// [`ExperimentError`] if the profile has no camera or no gel, or the gel's elasticity cannot be had.
     pub fn of(
         recording: &Recording,
-        (flow, valid): (&FlowField, &Image<u8>),
+        (flow, deviation, valid): (&FlowField, &Image<f32>, &Image<u8>),
         scorer: &Scorer,
     ) -> Result<(Self, Image<f32>), ExperimentError> {
         let (camera, gel) = recording.profile.elastic_sensor()?;
         let mut inverse = ElasticDepth::new(&camera, &gel, flow.size(), &recording.profile.elastic)?;
-        let found = inverse.solve(flow, valid);
-        let (depth_mm, holds) = if found.is_misfit {
+        let found = inverse.solve(flow, deviation, valid);
+        let (depth_mm, holds) = if found.is_unexplained {
             (Image::filled(valid.width(), valid.height(), 0.0), Image::filled(valid.width(), valid.height(), 0))
         } else {
             (found.depth_mm.clone(), found.on_gel.clone())
@@ -50,7 +50,7 @@ impl ElasticScore {
             shear_force: None,
             torque: None,
         };
-        if let Some(([x, y, z], torque)) = found.force_n.zip(found.torque_nmm).filter(|_| !found.is_misfit) {
+        if let Some(([x, y, z], torque)) = found.force_n.zip(found.torque_nmm).filter(|_| !found.is_unexplained) {
             let ([true_x, true_y, true_z], true_torque) = (recording.force_n, recording.torque_z_nmm);
             let shear = true_x.hypot(true_y);
             score.normal_force = part(f64::from(z) - true_z, true_z, 0.0);
@@ -72,7 +72,7 @@ fn overlap(found: &ElasticFields, recording: &Recording) -> f64 {
     let seen = truth.visible.values().iter().zip(truth.contact.values()).zip(found.contact.values());
     let (mut both, mut either) = (0.0, 0.0);
     for ((_, &truth), &estimate) in seen.filter(|((visible, _), _)| **visible != 0) {
-        let (truth, estimate) = (truth != 0, estimate != 0 && !found.is_misfit);
+        let (truth, estimate) = (truth != 0, estimate != 0 && !found.is_unexplained);
         both += f64::from(u8::from(truth && estimate));
         either += f64::from(u8::from(truth || estimate));
     }

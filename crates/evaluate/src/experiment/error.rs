@@ -10,6 +10,7 @@ use crate::run::RunError;
 
 /// What keeps an experiment from its end.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ExperimentError {
     /// The scene cannot be.
     #[error(transparent)]
@@ -65,12 +66,10 @@ impl ExperimentError {
             Self::Board(error) => error.hint(),
             Self::Run(error) => error.hint(),
             Self::EndedEarly { .. } => Some("a coarser motion or a finer mesh may converge".into()),
-            Self::Camera(_)
-            | Self::Track(_)
-            | Self::Parameter(_)
-            | Self::Dots(_)
-            | Self::Sink(_)
-            | Self::Interrupted => None,
+            Self::Track(error) => error.hint(),
+            Self::Sink(error) => error.hint().map(Into::into),
+            Self::Parameter(error) => Some(format!("set {} to {}", error.key, error.allowed)),
+            Self::Camera(_) | Self::Dots(_) | Self::Interrupted => None,
         }
     }
 }

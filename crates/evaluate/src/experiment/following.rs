@@ -26,6 +26,8 @@ pub struct Followed<'a> {
     /// The density feature `1 − density` after the filter, dimensionless. As published it is taken of the displacement
     /// everywhere, trusted or not.
     pub feature: &'a Image<f32>,
+    /// Predicted standard deviation of the displacement, px; infinite where nothing is known of it, as of dots.
+    pub deviation: &'a Image<f32>,
     /// 1 where the displacement is trusted.
     pub valid: &'a Image<u8>,
     /// From the arrival of the image to the feature, ms.
@@ -89,8 +91,8 @@ fn by_tracker(
         let reading = tracker.track(&frame)?;
         density.update(&reading.flow);
         let latency_ms = begin.elapsed().as_secs_f64() * 1e3;
-        let (flow, valid) = (&reading.flow, &reading.valid);
-        take(number, Followed { flow, feature: density.feature(), valid, latency_ms });
+        let (flow, deviation, valid) = (&reading.flow, &reading.deviation, &reading.valid);
+        take(number, Followed { flow, feature: density.feature(), deviation, valid, latency_ms });
     }
     Ok(())
 }
@@ -108,6 +110,8 @@ fn by_dots(
     take: &mut impl FnMut(usize, Followed),
 ) -> Result<(), ExperimentError> {
     let mut sensor: Option<DotSensor> = None;
+    let (width, height) = recording.size();
+    let deviation = &Image::filled(width, height, f32::INFINITY);
     for (number, frame) in recording.frames().enumerate() {
         let begin = Instant::now();
         let sensor = match &mut sensor {
@@ -116,7 +120,7 @@ fn by_dots(
         };
         let DotTouch { flow, feature, valid, .. } = sensor.read(&frame.pixels)?;
         let latency_ms = begin.elapsed().as_secs_f64() * 1e3;
-        take(number, Followed { flow, feature, valid, latency_ms });
+        take(number, Followed { flow, feature, deviation, valid, latency_ms });
     }
     Ok(())
 }

@@ -4,7 +4,7 @@ use fingervision_gel::{PressCache, Scene, Simulation, Truth};
 use fingervision_image::{Frame, Pixels};
 use fingervision_optics::Camera;
 use fingervision_sink::simulated_profile;
-use fingervision_touch::Profile;
+use fingervision_touch::{Fields, Profile};
 use std::ops::ControlFlow;
 
 use super::{ExperimentError, Scorer};
@@ -49,6 +49,9 @@ impl Recording {
     pub fn told(scene: &Scene, assignments: &[(String, String)], cache: &PressCache) -> Result<Self, ExperimentError> {
         let mut profile = simulated_profile(scene);
         profile.set_all(assignments.iter().map(|(key, value)| (key.as_str(), value.as_str())))?;
+        // All ways to depth are compared, so only what no way uses is without effect.
+        let keys = assignments.iter().map(|(key, _)| key.as_str());
+        profile.expect_effect(keys.filter(|key| !key.starts_with("depth.")), Fields::default())?;
         let mut simulation = Simulation::new(scene)?;
         let press = simulation.solve(cache, &mut |_| ControlFlow::Continue(()))?;
         if let Some(end) = &press.end {

@@ -51,6 +51,7 @@ struct Maps {
     line: Image<f32>,
     clipped: Image<f32>,
     flow: FlowField,
+    deviation: Image<f32>,
     valid: Image<u8>,
 }
 
@@ -84,7 +85,8 @@ fn indenter(lab: &Lab, setting: Setting, fits: &Fits, name: &'static str) -> Res
     let (dense, dots) = (dense?, dots?);
     let scorer = recording.scorer();
     let nothing = Image::filled(dense.line.width(), dense.line.height(), 0.0);
-    let (elastic_score, elastic) = ElasticScore::of(&recording, (&dense.flow, &dense.valid), &scorer)?;
+    let (elastic_score, elastic) =
+        ElasticScore::of(&recording, (&dense.flow, &dense.deviation, &dense.valid), &scorer)?;
     let errors = IndenterErrors {
         indenter: name,
         force_n: recording.force_n[2],
@@ -106,6 +108,7 @@ fn maps(recording: &Recording, following: Following, fit: &DepthFit) -> Result<M
             line: of(Method::Line)?,
             clipped: clipped(of(Method::Origin)?),
             flow: found.flow.clone(),
+            deviation: found.deviation.clone(),
             valid: found.valid.clone(),
         })
     })?;

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
+use half::f16;
 use npyz::{DType, NpyHeader, Order};
 
 use super::RunError;
@@ -27,7 +28,7 @@ pub(crate) struct Stored<T> {
 }
 
 impl Value for f32 {
-    const EXPECTED: &'static str = "little-endian float32 or float64";
+    const EXPECTED: &'static str = "little-endian float16, float32 or float64";
     const HINT: &'static str = "numpy.save(file, array.astype('<f4'))";
 
     fn stored_as(code: &str) -> Option<Stored<Self>> {
@@ -35,6 +36,7 @@ impl Value for f32 {
             value.try_into().expect("as many bytes as the type has")
         }
         match code {
+            "<f2" => Some(Stored { len: 2, decode: |value| f16::from_le_bytes(bytes(value)).to_f32() }),
             "<f4" => Some(Stored { len: 4, decode: |value| f32::from_le_bytes(bytes(value)) }),
             "<f8" => Some(Stored { len: 8, decode: |value| f64::from_le_bytes(bytes(value)) as f32 }),
             _ => None,

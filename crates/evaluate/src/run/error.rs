@@ -9,6 +9,7 @@ use fingervision_settings::SettingsError;
 
 /// Why a run cannot be compared with its truth.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// A folder that holds neither flow nor depth.
     #[error("{} holds neither flow.npy nor depth.npy", .folder.display())]
@@ -95,6 +96,18 @@ pub enum RunError {
         /// Its fields.
         truth_holds: String,
     },
+    /// A run that was tracked from another scene than the truth is of.
+    #[error("{} was tracked from the scene \"{run_scene}\", but {} is the truth of \"{truth_scene}\"", .run.display(), .truth.display())]
+    OtherScene {
+        /// The run's folder.
+        run: PathBuf,
+        /// The scene that its frames show.
+        run_scene: String,
+        /// The folder of the truth.
+        truth: PathBuf,
+        /// The scene that it is of.
+        truth_scene: String,
+    },
     /// A pixel that counts as valid, but has no number.
     #[error("{}: frame {frame}, pixel ({x}, {y}) is not finite, but {mask} says that it holds", .file.display())]
     NotFinite {
@@ -124,14 +137,19 @@ impl RunError {
             Self::Settings(error) => {
                 error.hint().or_else(|| Some("check that the file is there and may be read".into()))
             }
-            Self::Camera { error, .. } => Some(format!("give {}", error.allowed)),
-            Self::Region { .. } => Some("the region of interest says where the arrays lie in the camera image".into()),
+            Self::Camera { error, .. } => Some(format!("set camera.{} there to {}", error.key, error.allowed)),
+            Self::Region { .. } => {
+                Some("correct image.region_of_interest = [x, y, width, height] there, or leave [image] out".into())
+            }
             Self::Grids { .. } => Some(
                 "give the truth of these very frames; a run on a part of the image says so in its run.toml: \
                  profile.image.region_of_interest = [x, y, width, height]"
                     .into(),
             ),
             Self::FrameCounts { .. } => Some("--common-frames compares the first frames, those that all hold".into()),
+            Self::OtherScene { run_scene, .. } => {
+                Some(format!("give the folder of the simulation \"{run_scene}\" whose frames were tracked"))
+            }
             Self::NothingInCommon { .. } => {
                 Some("track with --fields flow,depth, or give the truth of what the run holds".into())
             }

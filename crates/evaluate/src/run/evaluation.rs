@@ -15,6 +15,10 @@ use super::{BORDER_MM, RunError};
 /// last frame is shown.
 const AS_DEEP: f64 = 1e-3;
 
+/// Where the gel moves by this much or more, px, a right flow goes with the true one by this correlation or more.
+const LEAST_MOTION_PX: f64 = 1.0;
+const LEAST_CORRELATION: f64 = 0.9;
+
 /// How a run and its truth are brought together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Options {
@@ -119,6 +123,8 @@ impl Evaluation {
             ("force", inputs.forces.is_some()),
         ];
         let place = inputs.place;
+        let mut notes = inputs.notes;
+        notes.extend(frames.get(deepest.frame as usize).and_then(unlike_truth));
         let report = Report {
             run: inputs.run_folder,
             truth: inputs.truth_folder,
@@ -126,7 +132,7 @@ impl Evaluation {
             region: [place.x, place.y, place.width, place.height],
             fields: fields.into_iter().filter_map(|(name, is_compared)| is_compared.then_some(name)).collect(),
             border_mm: BORDER_MM,
-            notes: inputs.notes,
+            notes,
             deepest_frame: deepest.frame,
             mean: FieldErrors::mean_of(&frames),
             pooled: comparer.pooled(),
@@ -164,4 +170,14 @@ impl Evaluation {
         let seen = self.comparer.on_truth().iter().zip(self.comparer.seen()).filter(|(_, seen)| **seen != 0);
         seen.map(|(&at, _)| value(at)).reduce(f64::max)
     }
+}
+/// A word of doubt where the flow of the deepest frame goes elsewhere than the truth: these may be other frames.
+fn unlike_truth(deepest: &FrameReport) -> Option<String> {
+    let true_px = deepest.true_flow_px.filter(|&px| px >= LEAST_MOTION_PX)?;
+    let correlation = deepest.errors.flow_px?.everywhere?.correlation.filter(|&value| value < LEAST_CORRELATION)?;
+    Some(format!(
+        "the flow of frame {} goes with the true one, of up to {true_px:.1} px, by a correlation of {correlation:.2} alone: is this \
+         the truth of these frames?",
+        deepest.frame
+    ))
 }

@@ -12,8 +12,9 @@ use serde::de::DeserializeOwned;
 use super::border::BorderBand;
 use super::fields::Fields;
 use super::grid::{self, Grid};
+use super::origin::{Source, expect_same_scene};
 use super::table_file::{Forces, read_forces};
-use super::{BORDER_MM, Options, RunError};
+use super::{BORDER_MM, Options, RunError, numbers};
 
 /// A run and its truth, ready to be read frame by frame.
 #[derive(Debug)]
@@ -29,6 +30,8 @@ pub(super) struct Inputs {
     /// Estimated and true; absent unless both are known.
     pub(super) forces: Option<[Forces; 2]>,
     pub(super) frames: u64,
+    /// How many frames of the truth to go on by for each frame of the run; one by one where there are none.
+    truth_steps: std::vec::IntoIter<u64>,
     pub(super) notes: Vec<String>,
 }
 
@@ -37,6 +40,7 @@ pub(super) struct Inputs {
 struct RunRecord {
     #[serde(default)]
     profile: Sensor,
+    source: Option<Source>,
 }
 
 /// What is read of a profile.
@@ -62,6 +66,7 @@ impl Inputs {
             notes.push("run.toml is absent: the run is taken to cover the truth's whole grid".into());
             RunRecord::default()
         });
+        expect_same_scene(run_path, record.source.as_ref(), [truth_path, &truth_folder])?;
         let sensor: Sensor = read_toml("profile", &truth_file)?.unwrap_or_default();
         let run_grid = Grid { size: run.size(), region: record.profile.region(), file: &run_file };
         let truth_grid = Grid { size: truth.size(), region: sensor.region(), file: &truth_file };
@@ -69,23 +74,49 @@ impl Inputs {
 
         let (run, truth) = in_common((run_path, run), (truth_path, truth), &mut notes)?;
         let band = band(&truth, sensor.camera.as_ref(), &truth_file, &mut notes)?;
-        let forces = forces(run_path, &truth_folder, &mut notes)?;
+        let mut forces = forces(run_path, &truth_folder, &mut notes)?;
         let mut counts = run.frame_counts();
-        counts.extend(truth.frame_counts());
+        let mut truth_counts = truth.frame_counts();
+        let held = truth_counts.iter().map(|file| file.1).min().unwrap_or_default();
+        let part = numbers::part(&run_path.join("readings.csv"), held);
+        if let Some(part) = &part {
+            notes.push(part_note(part));
+            for file in &mut truth_counts {
+                file.1 = part.len() as u64;
+            }
+            forces = forces.and_then(|[estimated, truth]| Some([estimated, rows(&truth, part)?]));
+        }
+        counts.extend(truth_counts);
         if let Some([estimated, truth]) = &forces {
             counts.push((run_path.join("readings.csv"), estimated.len() as u64));
             counts.push((truth_folder.join("force.csv"), truth.len() as u64));
         }
         let frames = frame_count(&counts, options, &mut notes)?;
         let run_folder = run_path.to_owned();
-        Ok(Self { run_folder, truth_folder, run, truth, place, band, forces, frames, notes })
+        let truth_steps = numbers::steps(&part.unwrap_or_default()).into_iter();
+        Ok(Self { run_folder, truth_folder, run, truth, place, band, forces, frames, truth_steps, notes })
     }
 
     /// Reads the next frame of all arrays.
     pub(super) fn advance(&mut self) -> Result<(), RunError> {
         self.run.advance()?;
-        self.truth.advance()
+        let steps = self.truth_steps.next().unwrap_or(1);
+        (0..steps).try_for_each(|_| self.truth.advance())
     }
+}
+
+fn part_note(numbers: &[u64]) -> String {
+    let (first, last) = (numbers.first().copied().unwrap_or(0), numbers.last().copied().unwrap_or(0));
+    format!(
+        "the run holds {} frames, numbers {first} to {last} of the recording: each is compared with the truth's frame of its number, \
+         and counted here within the run",
+        numbers.len()
+    )
+}
+
+/// The forces of these frames; none if some are not there.
+fn rows(forces: &Forces, numbers: &[u64]) -> Option<Forces> {
+    numbers.iter().map(|&number| forces.get(usize::try_from(number).ok()?).copied()).collect()
 }
 
 fn open_run(folder: &Path) -> Result<Fields, RunError> {

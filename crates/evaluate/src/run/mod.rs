@@ -58,6 +58,8 @@ mod histogram;
 mod inputs;
 mod judgement;
 mod last_frame;
+mod numbers;
+mod origin;
 mod picture;
 mod report;
 mod table_file;

@@ -106,7 +106,11 @@ fn grids_that_do_not_fit_are_named() {
     expect(smaller, "the run's grid [0, 0, 20, 15] is no part of the truth's [0, 0, 40, 30]", "region_of_interest");
     let region = "[profile.image]\nregion_of_interest = [0, 0, 20, 15]\n";
     let other_region = |made_up: &MadeUp| made_up.write("run/run.toml", region);
-    expect(other_region, "run/run.toml: the region of interest [0, 0, 20, 15] is not the 40x30 px", "camera image");
+    expect(
+        other_region,
+        "run/run.toml: the region of interest [0, 0, 20, 15] is not the 40x30 px",
+        "correct image.region_of_interest",
+    );
 }
 
 #[test]

@@ -3,6 +3,8 @@
 use std::fs::{self, File};
 
 use fingervision_evaluate::run::{Options, Report};
+use fingervision_sink::ArrayWriter;
+use half::f16;
 use npyz::WriterBuilder;
 use serde_json::Value;
 
@@ -139,6 +141,22 @@ fn float64_and_bool_are_read_as_well() {
     writer.extend(valid).unwrap();
     writer.finish().unwrap();
     assert_eq!(made_up.evaluate().report.per_frame, MadeUp::new().evaluate().report.per_frame);
+}
+
+#[test]
+fn float16_is_read_as_well() {
+    let made_up = MadeUp::new();
+    let mut depth = ArrayWriter::<f16>::create(&made_up.path("run/depth.npy"), WIDTH, HEIGHT).unwrap();
+    for strength in STRENGTHS {
+        let values = (0..WIDTH * HEIGHT).map(|at| estimated_depth(strength, at % WIDTH, at / WIDTH));
+        depth.write(values.map(f16::from_f32).collect::<Vec<_>>().into_iter()).unwrap();
+    }
+    depth.finish().unwrap();
+    let errors =
+        |made_up: &MadeUp| made_up.evaluate().report.deepest().unwrap().errors.depth_mm.unwrap().inside.unwrap();
+    let (half, single) = (errors(&made_up), errors(&MadeUp::new()));
+    assert_eq!(half.pixels, single.pixels);
+    assert!((half.bias - single.bias).abs() < 1e-3, "{half:?}, {single:?}");
 }
 
 #[test]

@@ -99,6 +99,23 @@ impl Bonds {
         if count > 0.0 { sum / count } else { 0.0 }
     }
 
+    /// Sums every node's bonds along its row and along its column.
+    pub(crate) fn sum_into(&self, beside: &mut [f32], above: &mut [f32]) {
+        let (columns, nodes) = (self.grid.columns, self.grid.nodes());
+        beside[..nodes].fill(0.0);
+        above[..nodes].fill(0.0);
+        for start in (0..nodes).step_by(columns) {
+            for i in start..start + columns - 1 {
+                beside[i] += self.right[i];
+                beside[i + 1] += self.right[i];
+            }
+        }
+        for i in 0..nodes - columns {
+            above[i] += self.below[i];
+            above[i + columns] += self.below[i];
+        }
+    }
+
     /// `y += K x` with the stiffness of all bonds.
     #[simd]
     pub(crate) fn pull<S: Simd>(&mut self, simd: S, x: &Planes, y: &mut Planes) {

@@ -9,22 +9,31 @@
 //! with the patches' normal equations `A, b` in units of the image noise, `m` 1 where a patch is trusted and 0 where
 //! it failed. For neighbours `i, j` the mismatch `c_ij` is the difference of their affine predictions half-way, which
 //! vanishes on any quadratic field, and `∇` are their gradients in px per stride. Where texture is rich the data
-//! decide; where it is poor the neighbours do. The system is solved by a fixed number of conjugate-gradient steps with
-//! the nodes' own 6×6 blocks as preconditioner. This is the regularised digital image correlation of [Hild2012] on
-//! patches instead of elements.
+//! decide; where it is poor the neighbours do. The system is solved by a fixed number of conjugate-gradient steps. Their
+//! preconditioner are the nodes' own 6×6 blocks, with the bonds as they are in this step, and those of two coarser grids
+//! ([`super::coarse_grids`]). This is the regularised digital image correlation of [Hild2012] on patches instead of elements.
 
 use super::bonds::{Bonds, Stiffness};
+use super::coarse_grids::{CoarseBlocks, CoarseGrids};
 use super::grid::{LANES, PatchGrid};
 use super::nodes::{NodeField, Planes, UNKNOWNS};
 use super::template::{PACKED, packed};
-use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
+
+/// Least pivot of a node's block, per px².
+const TRACE: f32 = 1e-3;
 
 /// The solver and its scratch.
 #[derive(Debug, Clone)]
 pub(crate) struct Coupling {
     grid: PatchGrid,
     bonds: Bonds,
+    /// Sums of every node's bonds along rows and along columns.
+    bound: [Vec<f32>; 2],
+    /// Factors of every node's own block, packed.
+    factors: [Vec<f32>; PACKED],
+    coarse: CoarseGrids,
     residual: Planes,
     preconditioned: Planes,
     direction: Planes,
@@ -38,6 +47,9 @@ impl Coupling {
         Self {
             grid,
             bonds: Bonds::new(grid, stiffness),
+            bound: [plane(), plane()],
+            factors: std::array::from_fn(|_| plane()),
+            coarse: CoarseGrids::new(grid),
             residual: planes(),
             preconditioned: planes(),
             direction: planes(),
@@ -50,48 +62,52 @@ impl Coupling {
         self.bonds.stiffness()
     }
 
-    /// Weighs the bonds for a field that is not to be moved.
-    pub(crate) fn weigh(&mut self, level: Level, field: &NodeField) {
-        dispatch!(level, simd => self.bonds.weigh(simd, &field.planes));
-    }
-
     /// Mean roughness of the field at a node; see [`Bonds::roughness`].
     pub(crate) fn roughness(&self, node: usize) -> f32 {
         self.bonds.roughness(node)
     }
 
-    /// Writes the packed inverse of every node's own block: patch and stiffness.
-    pub(crate) fn precondition(&self, normal: &[Vec<f32>; PACKED], scale: f32, inverses: &mut [Vec<f32>; PACKED]) {
-        for node in 0..self.grid.nodes() {
-            let mut block = [[0.0; UNKNOWNS]; UNKNOWNS];
-            for (i, row) in block.iter_mut().enumerate() {
-                for (j, entry) in row.iter_mut().enumerate() {
-                    *entry = f64::from(scale * normal[packed(i, j)][node]);
-                }
-            }
-            let diagonal = self.own_stiffness(node);
-            for (i, row) in block.iter_mut().enumerate() {
-                row[i] += diagonal[i % 3];
-            }
-            let inverse = invert(block);
-            for i in 0..UNKNOWNS {
-                for j in 0..=i {
-                    inverses[packed(i, j)][node] = inverse[i][j] as f32;
-                }
-            }
-        }
+    /// The inverse blocks of the coarser grids.
+    pub(crate) fn coarse_blocks(&self, normal: &[Vec<f32>; PACKED], scale: f32) -> CoarseBlocks {
+        self.coarse.blocks(normal, scale, self.bonds.stiffness())
     }
 
-    /// Diagonal of the coupling at a node for value, x slope and y slope.
-    fn own_stiffness(&self, node: usize) -> [f64; 3] {
-        let (i, j) = (node % self.grid.columns, node / self.grid.columns);
-        let beside = f64::from(u8::from(i > 0) + u8::from(i + 1 < self.grid.columns));
-        let above = f64::from(u8::from(j > 0) + u8::from(j + 1 < self.grid.rows));
-        let stiffness = self.bonds.stiffness();
-        let (continuity, curvature) = (f64::from(stiffness.continuity), f64::from(stiffness.curvature));
-        // A lone patch has no neighbour; a trace keeps its block invertible.
-        let slopes = curvature * (beside + above) + 1e-6;
-        [continuity * (beside + above) + 1e-6, slopes + 0.25 * continuity * beside, slopes + 0.25 * continuity * above]
+    /// Factors every node's own block, patch and bonds, into `L D Lᵀ`: `L` below the diagonal, `1/D` on it.
+    #[simd]
+    fn factor<S: Simd>(&mut self, simd: S, system: &System<'_>) {
+        let [beside, above] = &mut self.bound;
+        self.bonds.sum_into(beside, above);
+        let Stiffness { continuity, curvature, .. } = self.bonds.stiffness();
+        for start in (0..self.grid.plane_len()).step_by(LANES) {
+            let load = |plane: &[f32]| f32x16::from_slice(simd, &plane[start..][..LANES]);
+            let weight = load(system.trust) * system.scale;
+            let mut block: [_; PACKED] = std::array::from_fn(|k| load(&system.normal[k]) * weight);
+            let (beside, above) = (load(beside), load(above));
+            // A lone patch has no neighbour; a trace keeps its block invertible.
+            let all = (beside + above) * continuity + TRACE;
+            let slopes = (beside + above) * curvature + TRACE;
+            let along = [all, beside.mul_add(0.25 * continuity, slopes), above.mul_add(0.25 * continuity, slopes)];
+            for i in 0..UNKNOWNS {
+                block[packed(i, i)] = block[packed(i, i)] + along[i % 3];
+            }
+            for i in 0..UNKNOWNS {
+                for j in 0..i {
+                    // Still times D here: divided once the row is done.
+                    for k in 0..j {
+                        block[packed(i, j)] = block[packed(i, j)] - block[packed(i, k)] * block[packed(j, k)];
+                    }
+                }
+                for j in 0..i {
+                    let scaled = block[packed(i, j)] * block[packed(j, j)];
+                    block[packed(i, i)] = block[packed(i, i)] - block[packed(i, j)] * scaled;
+                    block[packed(i, j)] = scaled;
+                }
+                block[packed(i, i)] = 1.0 / block[packed(i, i)].max(TRACE);
+            }
+            for (plane, block) in self.factors.iter_mut().zip(block) {
+                block.store_slice(&mut plane[start..][..LANES]);
+            }
+        }
     }
 
     /// Writes the increments into `increment`: `iterations` steps from zero.
@@ -107,6 +123,7 @@ impl Coupling {
         iterations: usize,
     ) {
         self.bonds.weigh(simd, &field.planes);
+        self.factor(simd, system);
         clear(&mut self.image);
         self.bonds.pull(simd, &field.planes, &mut self.image);
         for (residual, (right, image)) in self.residual.iter_mut().zip(system.right.iter().zip(&self.image)) {
@@ -119,7 +136,8 @@ impl Coupling {
         clear(&mut self.direction);
         let mut previous = f32::INFINITY;
         for _ in 0..iterations {
-            multiply(simd, system.preconditioner, &self.residual, &mut self.preconditioned);
+            substitute(simd, &self.factors, &self.residual, &mut self.preconditioned);
+            self.coarse.correct(simd, system.coarse, &self.residual, &mut self.preconditioned);
             let product = dot(simd, &self.residual, &self.preconditioned);
             let momentum = product / previous;
             previous = product;
@@ -140,8 +158,8 @@ impl Coupling {
 /// The patches' part of the system.
 pub(crate) struct System<'a> {
     pub(crate) normal: &'a [Vec<f32>; PACKED],
-    /// Inverse of every node's own block.
-    pub(crate) preconditioner: &'a [Vec<f32>; PACKED],
+    /// Inverse blocks of the nodes of coarser grids.
+    pub(crate) coarse: &'a CoarseBlocks,
     /// Factor on `normal`: one over the noise variance, and over the patches' overlap.
     pub(crate) scale: f32,
     /// `m`: 1 where the patch is trusted, else 0.
@@ -174,6 +192,31 @@ fn multiply<S: Simd>(simd: S, matrix: &[Vec<f32>; PACKED], x: &Planes, y: &mut P
                 sum = load(&matrix[packed(i, j)]).mul_add(x, sum);
             }
             sum.store_slice(&mut y[start..][..LANES]);
+        }
+    }
+}
+
+/// `y = (L D Lᵀ)⁻¹ x` at every node.
+#[simd]
+fn substitute<S: Simd>(simd: S, factors: &[Vec<f32>; PACKED], x: &Planes, y: &mut Planes) {
+    for start in (0..x[0].len()).step_by(LANES) {
+        let load = |plane: &Vec<f32>| f32x16::from_slice(simd, &plane[start..][..LANES]);
+        let mut y_here: [_; UNKNOWNS] = std::array::from_fn(|i| load(&x[i]));
+        for i in 1..UNKNOWNS {
+            for j in 0..i {
+                y_here[i] -= load(&factors[packed(i, j)]) * y_here[j];
+            }
+        }
+        for i in 0..UNKNOWNS {
+            y_here[i] *= load(&factors[packed(i, i)]);
+        }
+        for i in (0..UNKNOWNS).rev() {
+            for j in i + 1..UNKNOWNS {
+                y_here[i] -= load(&factors[packed(j, i)]) * y_here[j];
+            }
+        }
+        for (y, y_here) in y.iter_mut().zip(y_here) {
+            y_here.store_slice(&mut y[start..][..LANES]);
         }
     }
 }

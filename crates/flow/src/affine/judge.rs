@@ -7,14 +7,25 @@
 //! where the field is rougher than patches can follow.
 
 use super::grid::{PatchGrid, STRIDE};
-use super::nodes::UNKNOWNS;
-use super::template::{PACKED, packed};
-use crate::Estimate;
+use super::nodes::{NodeField, UNKNOWNS};
+use super::refinement::Refinement;
+use super::template::{PACKED, Template, packed};
+use crate::{Estimate, ValidityParams};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 /// Systematic error that no averaging removes, px²: sampling and interpolation, measured on noise-free images.
 const FLOOR_VARIANCE: f32 = 0.003 * 0.003;
+
+/// Part of the roughness between neighbours, squared, that becomes a patch's own error: measured on simulated presses.
+const ROUGH_PATCH: f32 = 0.06;
+/// The same for a patch that knows only what its neighbours say.
+const ROUGH_STEP: f32 = 0.2;
+
+/// A patch that a step moves by less has settled, px.
+const SETTLED_PX: f32 = 0.1;
+/// Part of the template's contrast that a patch shows at least: with less it has nothing in common with the picture.
+const LEAST_CONTRAST: f32 = 0.4;
 
 /// Variance of both components of every node's displacement from its own patch, px², for noise of the given scale.
 pub(crate) fn own_variance(
@@ -55,6 +66,119 @@ pub(crate) fn spread_variance(grid: PatchGrid, steps: &[f32], variance: &mut [f3
         lower(node, ((node + 1) % columns > 0).then_some(node + 1));
         lower(node, (node + columns < nodes).then_some(node + columns));
     }
+}
+
+impl Refinement {
+    /// Turns the measured energy into what is left of it after the step and the change of light, at the template's contrast:
+    /// `(Σ r² − l·D⁻¹l) / γ² − 2 b·δ + δ·Aδ` with `b` over γ already, exact for the linear model.
+    fn predict_energy(&mut self, template: &Template) {
+        let unscale = 1.0 / self.scale();
+        let [gain, offset] = &self.light;
+        let [d00, d01, d11] = &template.light_inverse;
+        let delta = &self.increment.planes;
+        for (n, energy) in self.energy.iter_mut().enumerate() {
+            let (l0, l1) = (gain[n], offset[n]);
+            let by_light = d00[n] * l0 * l0 + 2.0 * d01[n] * l0 * l1 + d11[n] * l1 * l1;
+            let mut left = (*energy - by_light) / self.contrast[n].max(LEAST_CONTRAST).powi(2);
+            for i in 0..UNKNOWNS {
+                let mut image = 0.0;
+                for (j, delta) in delta.iter().enumerate() {
+                    image += template.normal[packed(i, j)][n] * delta[n];
+                }
+                left += delta[i][n] * (image - 2.0 * unscale * self.gradient[i][n]);
+            }
+            *energy = left.max(0.0);
+        }
+    }
+
+    /// Forgets which patches failed.
+    pub(crate) fn trust_all(&mut self) {
+        self.trust.fill(1.0);
+    }
+
+    /// Whether the last step still moved more than a hundredth of the patches that are trusted by more than [`SETTLED_PX`].
+    pub(crate) fn is_moving(&self) -> bool {
+        let [u, _, _, v, ..] = &self.increment.planes;
+        let nodes = u.iter().zip(v).zip(&self.trust).take(self.grid.nodes());
+        let moving = nodes.filter(|((u, v), trust)| **trust > 0.0 && *u * *u + *v * *v > SETTLED_PX * SETTLED_PX);
+        100 * moving.count() > self.grid.nodes()
+    }
+
+    /// 1 for every patch that is trusted, 0 where it failed.
+    pub(crate) fn trust(&self) -> &[f32] {
+        &self.trust
+    }
+
+    /// Decides which patches failed: those whose residual the noise does not explain, nor the template's own contrast,
+    /// and those whose centre has left the image.
+    pub(crate) fn judge(&mut self, template: &Template, field: &NodeField, rules: &ValidityParams) {
+        self.predict_energy(template);
+        let floor = rules.noise_floor.powi(2) * self.noise_variance;
+        for node in 0..self.grid.nodes() {
+            let allowed = floor.max(rules.max_unexplained * template.variance[node]);
+            let is_explained =
+                self.energy[node] <= allowed * template.samples[node] && self.contrast[node] >= LEAST_CONTRAST;
+            self.is_inside[node] = field.is_inside(node);
+            self.trust[node] = f32::from(u8::from(is_explained && self.is_inside[node]));
+            self.mean_energy[node] = self.energy[node] / template.samples[node].max(1.0);
+        }
+    }
+
+    /// The patches' own variance, scaled by the residual where that exceeds the noise; failed patches know nothing. To it
+    /// comes what a patch cannot follow where the field is rough. `steps` takes what the way from each node to the
+    /// next costs, given what it costs in a smooth field.
+    pub(crate) fn scale_variance(&self, own: &[f32], smooth_step: f32, variance: &mut [f32], steps: &mut [f32]) {
+        for node in 0..self.grid.nodes() {
+            let rough = self.coupling.roughness(node) * smooth_step;
+            let excess = (self.mean_energy[node] / self.noise_variance).max(1.0);
+            steps[node] = smooth_step + ROUGH_STEP * rough;
+            let known = own[node] * excess + ROUGH_PATCH * rough;
+            variance[node] = if self.trust[node] > 0.0 { known } else { f32::MAX };
+        }
+    }
+
+    /// Adds what is still to be corrected, which no neighbour knows better.
+    pub(crate) fn add_unfinished(&self, variance: &mut [f32]) {
+        for (variance, unfinished) in variance.iter_mut().zip(&self.unfinished) {
+            *variance += unfinished;
+        }
+    }
+
+    /// How well the patches with a variance up to `textured` match; `ranks` is scratch.
+    ///
+    /// Patches that left the image do not count, unless they are the majority: then the flow has run away.
+    pub(crate) fn summarise(&self, template: &Template, textured: f32, ranks: &mut Vec<f32>) -> Match {
+        let (mut all, mut inside, mut good, mut energy) = (0.0_f32, 0.0, 0.0, 0.0);
+        ranks.clear();
+        for (node, own) in template.own_variance[..self.grid.nodes()].iter().enumerate() {
+            if *own <= textured {
+                all += 1.0;
+                inside += f32::from(u8::from(self.is_inside[node]));
+                good += self.trust[node];
+                energy += self.trust[node] * self.mean_energy[node];
+                if self.is_inside[node] {
+                    ranks.push(self.mean_energy[node] / template.variance[node]);
+                }
+            }
+        }
+        if good <= 0.0 {
+            return Match { part: 0.0, residual_levels: f32::NAN, unexplained: 1.0 };
+        }
+        let middle = ranks.len() / 2;
+        let unexplained = *ranks.select_nth_unstable_by(middle, f32::total_cmp).1;
+        Match { part: good / inside.max(0.5 * all), residual_levels: (energy / good).sqrt(), unexplained }
+    }
+}
+
+/// How well the textured patches of a picture match.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Match {
+    /// Part of them that is trusted, 0 to 1.
+    pub(crate) part: f32,
+    /// What those leave unexplained, root mean square, grey levels; not a number where there are none.
+    pub(crate) residual_levels: f32,
+    /// Part of its variance that half of all patches leave unexplained at least, 0 to 1.
+    pub(crate) unexplained: f32,
 }
 
 /// Writes deviation and validity of every pixel of an estimate whose flow is known.

@@ -1,6 +1,7 @@
 //! Affine patches at full resolution, coupled to their neighbours.
 
 mod bonds;
+mod coarse_grids;
 pub(crate) mod coupling;
 pub(crate) mod grid;
 mod judge;

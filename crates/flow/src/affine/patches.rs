@@ -40,6 +40,7 @@ pub(crate) struct AffinePatches {
     variance: Vec<f32>,
     steps: Vec<f32>,
     rings: Vec<usize>,
+    ranks: Vec<f32>,
     simd: Level,
 }
 
@@ -50,6 +51,9 @@ struct LevelState {
     before: NodeField,
     change: NodeField,
 }
+
+/// Steps at full size that a frame takes at most beyond those it always takes.
+const MORE_STEPS: usize = 4;
 
 /// Least width and height of a level that holds patches, px.
 const LEAST_SIZE: usize = 16;
@@ -79,6 +83,7 @@ impl AffinePatches {
             variance: vec![0.0; nodes],
             steps: vec![0.0; nodes],
             rings: vec![0; nodes],
+            ranks: Vec::with_capacity(nodes),
             simd,
         }
     }
@@ -167,10 +172,13 @@ impl AffinePatches {
         }
     }
 
-    /// Steps at full size. Patches that fail in one step carry no weight in the next.
+    /// Steps at full size, and more of them while patches still move. Patches that fail in one step carry no weight in the next.
     fn finish<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, steps: usize) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
-        for _ in 0..steps {
+        for step in 0..steps + MORE_STEPS {
+            if step >= steps && !refinement.is_moving() {
+                break;
+            }
             refinement.step(template, current, field, self.params.affine.iterations);
             refinement.judge(template, field, &self.params.validity);
         }
@@ -180,12 +188,18 @@ impl AffinePatches {
     pub(crate) fn inspect(&mut self, reference: &AffineReference, current: &Picture) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         let template = &reference.full;
-        let gain = reference.gain(current);
+        let (gain, iterations) = (reference.gain(current), self.params.affine.iterations);
         match &current.colour {
-            Some(image) => refinement.inspect(template, Current { image, gain }, field),
-            None => refinement.inspect(template, Current { image: current.grey.level(0), gain }, field),
+            Some(image) => refinement.inspect(template, Current { image, gain }, field, iterations),
+            None => refinement.inspect(template, Current { image: current.grey.level(0), gain }, field, iterations),
         }
         refinement.judge(template, field, &self.params.validity);
+    }
+
+    /// Counts what is finer in the flow that was taken than the patches as error; `smooth` is scratch.
+    pub(crate) fn add_fine_error(&mut self, flow: &FlowField, smooth: &mut FlowField) {
+        self.expand(smooth);
+        self.levels[0].refinement.add_fine_error(flow, smooth);
     }
 
     /// Writes the flow at every pixel.
@@ -208,8 +222,10 @@ impl AffinePatches {
         let step_variance = affine.continuity_px.powi(2) + affine.curvature_px.powi(2);
         refinement.scale_variance(own, step_variance, &mut self.variance, &mut self.steps);
         spread_variance(field.grid, &self.steps, &mut self.variance);
+        refinement.add_unfinished(&mut self.variance);
         let textured = self.params.validity.max_deviation_px.powi(2);
-        (out.matched, out.residual_levels) = refinement.summarise(own, textured);
+        let found = refinement.summarise(&reference.full, textured, &mut self.ranks);
+        (out.matched, out.residual_levels, out.unexplained) = (found.part, found.residual_levels, found.unexplained);
         let (grid, variance, trust) = (field.grid, &self.variance, refinement.trust());
         let limit = self.params.validity.max_deviation_px;
         dispatch!(self.simd, simd => mark_pixels(simd, grid, variance, trust, limit, out));

@@ -10,9 +10,9 @@ use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::judge::own_variance;
 use super::moments::{Band, Window, sum_columns, sum_rows, sum_rows_twice};
 use super::nodes::{Expander, NodeField, UNKNOWNS};
-use super::template::{Template, packed};
+use super::template::Template;
 use super::texel::{Taps, Texel, products};
-use crate::ValidityParams;
+use crate::FlowField;
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 use fingervision_image::Image;
@@ -24,35 +24,43 @@ pub(crate) struct Current<'a, T> {
     pub(crate) gain: f32,
 }
 
-/// Part of the roughness between neighbours, squared, that becomes a patch's own error: measured on simulated presses.
-const ROUGH_PATCH: f32 = 0.08;
-/// The same for a patch that knows only what its neighbours say.
-const ROUGH_STEP: f32 = 0.2;
-
 /// Products under a row of patches: two gradient sums, two light sums, energy.
 const PRODUCTS: usize = 5;
+
+/// Range of a patch's contrast that its step is divided by: far below, the patch is misplaced, and its step a guess.
+const CONTRASTS: (f32, f32) = (0.4, 1.5);
+
+/// Part of the last step's square that stays to be corrected after it: steps shrink by a factor of three to ten.
+const UNFINISHED: f32 = 0.05;
+
+/// Square of the error of a flow that a search found, over that of the step that the patches would take from it.
+const UNCORRECTED: f32 = 2.0;
 
 /// State of the refinement for one picture size.
 #[derive(Debug, Clone)]
 pub(crate) struct Refinement {
-    grid: PatchGrid,
+    pub(super) grid: PatchGrid,
     level: Level,
     window: Window,
-    noise_variance: f32,
+    pub(super) noise_variance: f32,
     expander: Expander,
-    coupling: Coupling,
+    pub(super) coupling: Coupling,
     bands: [[Vec<f32>; PRODUCTS]; 2],
     positions: [Vec<f32>; 2],
     row_sums: [Vec<f32>; 2],
-    gradient: [Vec<f32>; UNKNOWNS],
-    light: [Vec<f32>; 2],
-    energy: Vec<f32>,
+    pub(super) gradient: [Vec<f32>; UNKNOWNS],
+    pub(super) light: [Vec<f32>; 2],
+    /// Part of the template's contrast that each patch shows: 1 where light changed for the whole picture alone.
+    pub(super) contrast: Vec<f32>,
+    pub(super) energy: Vec<f32>,
     /// Residual left per sample, grey levels².
-    mean_energy: Vec<f32>,
+    pub(super) mean_energy: Vec<f32>,
+    /// Square of the step that is still to be taken where the measurement ends, px².
+    pub(super) unfinished: Vec<f32>,
     /// Whether the patch's centre lies in the current image.
-    is_inside: Vec<bool>,
-    trust: Vec<f32>,
-    increment: NodeField,
+    pub(super) is_inside: Vec<bool>,
+    pub(super) trust: Vec<f32>,
+    pub(super) increment: NodeField,
 }
 
 impl Refinement {
@@ -73,15 +81,17 @@ impl Refinement {
             row_sums: [line(), line()],
             gradient: std::array::from_fn(|_| plane()),
             light: [plane(), plane()],
+            contrast: vec![1.0; grid.plane_len()],
             energy: plane(),
             mean_energy: plane(),
+            unfinished: plane(),
             is_inside: vec![true; grid.plane_len()],
             trust: vec![1.0; grid.plane_len()],
             increment: NodeField::zero(grid),
         }
     }
 
-    fn scale(&self) -> f32 {
+    pub(super) fn scale(&self) -> f32 {
         1.0 / (self.noise_variance * self.window.overlap())
     }
 
@@ -89,7 +99,7 @@ impl Refinement {
     pub(crate) fn prepare<T: Texel>(&self, picture: &Image<T>, template: &mut Template) {
         template.prepare(self.level, picture);
         let scale = self.scale();
-        self.coupling.precondition(&template.normal, scale, &mut template.preconditioner);
+        template.coarse = self.coupling.coarse_blocks(&template.normal, scale);
         let slope_stiffness = self.coupling.stiffness().curvature;
         own_variance(self.grid, &template.normal, scale, slope_stiffness, &mut template.own_variance);
     }
@@ -103,16 +113,36 @@ impl Refinement {
         iterations: usize,
     ) {
         let level = self.level;
-        dispatch!(level, simd => self.step_simd(simd, template, current, field, iterations));
+        dispatch!(level, simd => self.solve(simd, template, current, field, iterations));
+        self.leave(UNFINISHED);
+        field.compose(&self.increment);
     }
 
+    /// Measures the residual at `field` without moving it. What a step would correct counts as error.
+    pub(crate) fn inspect<T: Texel>(
+        &mut self,
+        template: &Template,
+        current: Current<'_, T>,
+        field: &NodeField,
+        iterations: usize,
+    ) {
+        let level = self.level;
+        self.trust_all();
+        dispatch!(level, simd => self.solve(simd, template, current, field, iterations));
+        self.leave(UNCORRECTED);
+        for plane in &mut self.increment.planes {
+            plane.fill(0.0);
+        }
+    }
+
+    /// Writes the increment of a step from `field`.
     #[inline(always)]
-    fn step_simd<S: Simd, T: Texel>(
+    fn solve<S: Simd, T: Texel>(
         &mut self,
         simd: S,
         template: &Template,
         current: Current<'_, T>,
-        field: &mut NodeField,
+        field: &NodeField,
         iterations: usize,
     ) {
         self.expander.prepare(field);
@@ -120,99 +150,34 @@ impl Refinement {
         self.form_right(template);
         let system = System {
             normal: &template.normal,
-            preconditioner: &template.preconditioner,
+            coarse: &template.coarse,
             scale: self.scale(),
             trust: &self.trust,
             right: &self.gradient,
         };
         self.coupling.solve(simd, &system, field, &mut self.increment, iterations);
-        field.compose(&self.increment);
     }
 
-    /// Measures the residual at `field` without moving it.
-    pub(crate) fn inspect<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, field: &NodeField) {
-        let level = self.level;
-        self.expander.prepare(field);
-        dispatch!(level, simd => self.measure(simd, template, current, field));
-        self.form_right(template);
-        self.coupling.weigh(level, field);
-        for plane in &mut self.increment.planes {
-            plane.fill(0.0);
-        }
-    }
-
-    /// Turns the measured energy into what is left of it after the step and the change of light:
-    /// `Σ r² − l·D⁻¹l − 2 b·δ + δ·Aδ`, exact for the linear model.
-    fn predict_energy(&mut self, template: &Template) {
-        let unscale = 1.0 / self.scale();
-        let [gain, offset] = &self.light;
-        let [d00, d01, d11] = &template.light_inverse;
-        let delta = &self.increment.planes;
-        for (n, energy) in self.energy.iter_mut().enumerate() {
-            let (l0, l1) = (gain[n], offset[n]);
-            let mut left = *energy - (d00[n] * l0 * l0 + 2.0 * d01[n] * l0 * l1 + d11[n] * l1 * l1);
-            for i in 0..UNKNOWNS {
-                let mut image = 0.0;
-                for (j, delta) in delta.iter().enumerate() {
-                    image += template.normal[packed(i, j)][n] * delta[n];
-                }
-                left += delta[i][n] * (image - 2.0 * unscale * self.gradient[i][n]);
-            }
-            *energy = left.max(0.0);
-        }
-    }
-
-    /// Forgets which patches failed.
-    pub(crate) fn trust_all(&mut self) {
-        self.trust.fill(1.0);
-    }
-
-    /// 1 for every patch that is trusted, 0 where it failed.
-    pub(crate) fn trust(&self) -> &[f32] {
-        &self.trust
-    }
-
-    /// Decides which patches failed: those whose residual the noise does not explain, nor the template's own contrast,
-    /// and those whose centre has left the image.
-    pub(crate) fn judge(&mut self, template: &Template, field: &NodeField, rules: &ValidityParams) {
-        self.predict_energy(template);
-        let floor = rules.noise_floor.powi(2) * self.noise_variance;
-        for node in 0..self.grid.nodes() {
-            let allowed = floor.max(rules.max_unexplained * template.variance[node]);
-            let is_explained = self.energy[node] <= allowed * template.samples[node];
-            self.is_inside[node] = field.is_inside(node);
-            self.trust[node] = f32::from(u8::from(is_explained && self.is_inside[node]));
-            self.mean_energy[node] = self.energy[node] / template.samples[node].max(1.0);
-        }
-    }
-
-    /// The patches' own variance, scaled by the residual where that exceeds the noise; failed patches know nothing. To
-    /// it comes what a patch cannot follow where the field is rough. `steps` takes what the way from each node to the
-    /// next costs, given what it costs in a smooth field.
-    pub(crate) fn scale_variance(&self, own: &[f32], smooth_step: f32, variance: &mut [f32], steps: &mut [f32]) {
-        for node in 0..self.grid.nodes() {
-            let rough = self.coupling.roughness(node) * smooth_step;
-            let excess = (self.mean_energy[node] / self.noise_variance).max(1.0);
-            steps[node] = smooth_step + ROUGH_STEP * rough;
-            variance[node] = if self.trust[node] > 0.0 { own[node] * excess + ROUGH_PATCH * rough } else { f32::MAX };
-        }
-    }
-
-    /// Of the patches with a variance up to `textured`: the part that is trusted, and the root mean square of what
-    /// these leave unexplained, grey levels.
-    ///
-    /// Patches that left the image do not count, unless they are the majority: then the flow has run away.
-    pub(crate) fn summarise(&self, own: &[f32], textured: f32) -> (f32, f32) {
-        let (mut all, mut inside, mut good, mut energy) = (0.0_f32, 0.0, 0.0, 0.0);
-        for (node, own) in own[..self.grid.nodes()].iter().enumerate() {
-            if *own <= textured {
-                all += 1.0;
-                inside += f32::from(u8::from(self.is_inside[node]));
-                good += self.trust[node];
-                energy += self.trust[node] * self.mean_energy[node];
+    /// Counts what is finer in a flow than the patches, whose own field is `smooth`, as error: no patch can see it.
+    pub(crate) fn add_fine_error(&mut self, flow: &FlowField, smooth: &FlowField) {
+        let PatchGrid { width, height, columns, .. } = self.grid;
+        for y in 0..height {
+            let node = y / STRIDE * columns;
+            let rows = [&flow.u, &flow.v, &smooth.u, &smooth.v].map(|plane| plane.row(y));
+            for x in 0..width {
+                let [u, v, smooth_u, smooth_v] = rows.map(|row| row[x]);
+                let square = (u - smooth_u).powi(2) + (v - smooth_v).powi(2);
+                self.unfinished[node + x / STRIDE] += square / (STRIDE * STRIDE) as f32;
             }
         }
-        if good > 0.0 { (good / inside.max(0.5 * all), (energy / good).sqrt()) } else { (0.0, f32::NAN) }
+    }
+
+    /// Takes a part of the increment's square for what is still to be corrected.
+    fn leave(&mut self, part: f32) {
+        let [u, _, _, v, ..] = &self.increment.planes;
+        for (unfinished, (u, v)) in self.unfinished.iter_mut().zip(u.iter().zip(v)) {
+            *unfinished = part * (u * u + v * v);
+        }
     }
 
     /// The patches' sums over the residual.
@@ -272,24 +237,34 @@ impl Refinement {
     }
 
     /// Eliminates the change of light from the gradient sums and scales them by the noise.
+    ///
+    /// A patch that shows a part `γ` of the template's contrast, `I(x + u) = γ T(x − δ)`, has sums that say `γ δ`: they are
+    /// divided by γ, the regression of the picture on the template. In a patch that is misplaced by δ, γ is the texture's
+    /// autocorrelation at δ, and dividing by it lengthens the step by what the curvature of the texture takes from it.
     fn form_right(&mut self, template: &Template) {
         let scale = self.scale();
-        for (gradient, gain) in self.gradient.iter_mut().zip(&template.light_gain) {
+        let [gain, offset] = &self.light;
+        let [d00, d01, _] = &template.light_inverse;
+        for (node, contrast) in self.contrast.iter_mut().enumerate() {
+            *contrast = 1.0 - (d00[node] * gain[node] + d01[node] * offset[node]);
+        }
+        for (gradient, by_light) in self.gradient.iter_mut().zip(&template.light_gain) {
             for (node, gradient) in gradient.iter_mut().enumerate() {
-                let explained = gain[0][node] * self.light[0][node] + gain[1][node] * self.light[1][node];
-                *gradient = scale * (*gradient - explained);
+                let explained = by_light[0][node] * gain[node] + by_light[1][node] * offset[node];
+                let contrast = self.contrast[node].clamp(CONTRASTS.0, CONTRASTS.1);
+                *gradient = scale * (*gradient - explained) / contrast;
             }
         }
     }
 
     /// Writes the flow at every pixel.
-    pub(crate) fn expand(&mut self, field: &NodeField, flow: &mut crate::FlowField) {
+    pub(crate) fn expand(&mut self, field: &NodeField, flow: &mut FlowField) {
         let level = self.level;
         dispatch!(level, simd => self.expand_simd(simd, field, flow));
     }
 
     #[inline(always)]
-    fn expand_simd<S: Simd>(&mut self, simd: S, field: &NodeField, flow: &mut crate::FlowField) {
+    fn expand_simd<S: Simd>(&mut self, simd: S, field: &NodeField, flow: &mut FlowField) {
         let _ = simd;
         self.expander.prepare(field);
         let [u, v] = &mut self.positions;

@@ -1,5 +1,6 @@
 //! What is computed once per reference: its texels, gradients and normal matrices.
 
+use super::coarse_grids::CoarseBlocks;
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows};
 use super::nodes::UNKNOWNS;
@@ -29,8 +30,8 @@ pub(crate) struct Template {
     lines: Vec<f32>,
     /// `Σ w J Jᵀ` of every node with the change of light eliminated, packed, in grey levels² per px².
     pub(crate) normal: [Vec<f32>; PACKED],
-    /// Inverse of every node's own block of the coupled system, packed; see [`super::coupling`].
-    pub(crate) preconditioner: [Vec<f32>; PACKED],
+    /// Inverse blocks of the nodes of coarser grids; see [`super::coarse_grids`].
+    pub(crate) coarse: CoarseBlocks,
     /// Regression of the six gradient sums on the two light sums: `b ← b − light_gain · l`.
     pub(crate) light_gain: [[Vec<f32>; 2]; UNKNOWNS],
     /// Inverse of the light block: entries `(0,0)`, `(0,1)`, `(1,1)`.
@@ -53,7 +54,7 @@ impl Template {
             row_step,
             lines: vec![0.0; 3 * channels * grid.padded_width() * grid.padded_height()],
             normal: std::array::from_fn(|_| plane()),
-            preconditioner: std::array::from_fn(|_| plane()),
+            coarse: CoarseBlocks::new(),
             light_gain: std::array::from_fn(|_| std::array::from_fn(|_| plane())),
             light_inverse: std::array::from_fn(|_| plane()),
             samples: plane(),

@@ -5,6 +5,7 @@ use fingervision_settings::SettingsError;
 
 /// An indenter that cannot be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum IndenterError {
     /// A value outside its range. It names its key as in a scene, `indenter.radius_mm`.
     #[error(transparent)]

@@ -2,6 +2,7 @@ use crate::GelError;
 
 /// A pattern that cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PatternError {
     /// A value outside its range.
     #[error("{key} = {value} is impossible: it takes {allowed}")]
@@ -49,6 +50,16 @@ pub enum PatternError {
         /// Resolution.
         px_per_m: u32,
     },
+    /// A sheet of paper that is too small.
+    #[error("a pattern of {}x{} mm does not fit on {paper}", pattern_mm[0], pattern_mm[1])]
+    Paper {
+        /// The paper's name.
+        paper: String,
+        /// Width and height of the pattern, mm.
+        pattern_mm: [f64; 2],
+        /// Width and height of what fits on the sheet upright, and lying, mm.
+        room_mm: [[f64; 2]; 2],
+    },
     /// The camera's image shows no gel.
     #[error("the camera sees the gel nowhere")]
     NotSeen,
@@ -69,6 +80,10 @@ impl PatternError {
             Self::Count { count, .. } if *count < 3.0 => "give a larger pattern or smaller parts".into(),
             Self::Count { .. } => "give a smaller pattern or larger parts".into(),
             Self::TooManyPixels { .. } => "give a lower resolution, or write PDF or SVG, which have none".into(),
+            Self::Paper { room_mm: [[width, height], [lying_width, lying_height]], .. } => format!(
+                "--size-mm of up to {width}x{height} mm fits upright, {lying_width}x{lying_height} mm lying; without --page the \
+                 page is as large as it must be"
+            ),
             Self::NotSeen => {
                 "check the camera's principal point and translation, and the image's and the gel's size".into()
             }

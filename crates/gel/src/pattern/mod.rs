@@ -13,7 +13,7 @@ mod trackability;
 pub use colour::{ColourPattern, NEIGHBOUR_DISTANCE};
 pub use description::{Motif, Pattern};
 pub use error::PatternError;
-pub use print::Print;
+pub use print::{Paper, Print};
 pub(crate) use texture::Cells;
 pub use texture::Texture;
 pub use trackability::{Coupling, Trackability, View, trackability};

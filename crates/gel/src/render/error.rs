@@ -2,6 +2,7 @@ use thiserror::Error;
 
 /// Why a surface cannot be drawn.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum RenderError {
     /// A parameter lies outside its range.
     #[error("{key} is {value}: {allowed} is allowed")]

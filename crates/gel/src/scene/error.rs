@@ -8,6 +8,7 @@ use crate::{IndenterError, PatternError, RenderError};
 
 /// Why a scene cannot be simulated.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SceneError {
     /// The scene's file or a value in it.
     #[error(transparent)]

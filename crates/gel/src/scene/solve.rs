@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use fingervision_elastic::{ContactLaw, GelBlock, Law, MeshParams, Pose, Press, PressError, PressSetup, Relief};
+use fingervision_elastic::{ContactLaw, GelBlock, GoOn, Law, MeshParams, Pose, Press, PressError, PressSetup, Relief};
 use fingervision_elastic::{SurfaceState, swept_region};
 use serde::Serialize;
 
@@ -15,6 +15,7 @@ const SOLVER: &str = env!("FINGERVISION_SOLVER");
 
 /// The gel's surface in every frame of a scene.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct SolvedPress {
     /// One surface a frame from the first on; all frames unless it [ended early](SolvedPress::end).
     pub states: Vec<SurfaceState>,
@@ -39,6 +40,7 @@ pub enum Origin {
 
 /// Why a press ended before its last frame.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum EarlyEnd {
     /// The next pose has no solution that can be found.
     #[error(transparent)]
@@ -61,8 +63,8 @@ impl EarlyEnd {
     }
 }
 
-/// Is told how many frames are solved, and says whether to go on.
-pub type Progress<'a> = &'a mut dyn FnMut(usize) -> ControlFlow<()>;
+/// Is told how many frames are solved, and says whether to go on. It is asked several times a frame.
+pub type Progress<'a> = &'a mut (dyn FnMut(usize) -> ControlFlow<()> + Send);
 
 /// All that decides a solution, apart from the indenter's file and the solver.
 #[derive(Serialize)]
@@ -104,7 +106,7 @@ impl Scene {
         let mesh = self.mesh.mesh(&self.gel, &swept_region(relief, centre_mm, poses));
         let mut press = Press::new(&setup, mesh, relief, centre_mm)?;
         let rest = press.surface().clone();
-        Ok(follow(rest, poses, progress, |pose| press.step(pose).cloned()))
+        Ok(follow(rest, poses, progress, |pose, go_on| press.step_while(pose, go_on).cloned()))
     }
 
     fn press_key(&self, poses: &[Pose]) -> Result<PressKey, SceneError> {
@@ -130,15 +132,16 @@ fn follow(
     rest: SurfaceState,
     poses: &[Pose],
     progress: Progress,
-    mut step: impl FnMut(&Pose) -> Result<SurfaceState, PressError>,
+    mut step: impl FnMut(&Pose, GoOn) -> Result<SurfaceState, PressError>,
 ) -> Course {
     let mut states = vec![rest];
     for pose in poses.iter().skip(1) {
         if progress(states.len()).is_break() {
             return (states, Some(EarlyEnd::Stopped));
         }
-        match step(pose) {
+        match step(pose, &mut || progress(states.len())) {
             Ok(state) => states.push(state),
+            Err(PressError::Stopped) => return (states, Some(EarlyEnd::Stopped)),
             Err(error) => return (states, Some(EarlyEnd::Stalled(error))),
         }
     }
@@ -183,7 +186,7 @@ mod tests {
         let solver = |progress: Progress| {
             solved.set(solved.get() + 1);
             let mut frame = 0;
-            Ok(follow(bump(0.0), &poses, progress, |pose| {
+            Ok(follow(bump(0.0), &poses, progress, |pose, _| {
                 frame += 1;
                 let stalled = PressError::Stalled { reached_mm: 0.15, asked_mm: pose.depth_mm };
                 if stall_at == Some(frame) { Err(stalled) } else { Ok(bump(pose.depth_mm)) }
@@ -247,7 +250,21 @@ mod tests {
             if frames == 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let poses = [Pose::default(); 5];
-        let (states, end) = follow(bump(0.0), &poses, &mut progress, |_| Ok(bump(0.1)));
+        let (states, end) = follow(bump(0.0), &poses, &mut progress, |_, _| Ok(bump(0.1)));
         assert_eq!((states.len(), end, seen), (3, Some(EarlyEnd::Stopped), vec![1, 2, 3]));
+    }
+
+    #[test]
+    fn a_press_is_stopped_within_a_frame() {
+        let mut asked = 0;
+        let mut progress = |_| {
+            asked += 1;
+            if asked > 6 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let mut scene = Scene::find("circle").unwrap();
+        scene.make_draft();
+        let press = scene.solve(&PressCache::OFF, &mut progress).unwrap();
+        assert_eq!(press.end, Some(EarlyEnd::Stopped));
+        assert!(press.states.len() < 4, "{} frames after 6 questions", press.states.len());
     }
 }

@@ -1,4 +1,4 @@
-//! The axes of a plot: a number over frames or time, from zero upwards.
+//! The axes of a plot: a number over frames or time.
 
 use super::Rgb;
 use super::canvas::{Area, Canvas, Point};
@@ -9,12 +9,14 @@ use super::ticks::ticks;
 const GRID: Rgb = [224; 3];
 const AXIS: Rgb = [60, 64, 67];
 /// Numbers on the horizontal axis lie at least so far apart, px.
-const LABEL_PITCH: f32 = 120.0;
+const LABEL_PITCH: f32 = 80.0;
 
 /// A plot area and the numbers at its edges.
 pub(super) struct Axes {
     /// Without the labels.
     pub(super) area: Area,
+    /// The number at the lower edge: zero, or below it.
+    pub(super) low: f32,
     /// The number at the upper edge.
     pub(super) top: f32,
     /// Where on the horizontal axis the right edge lies; the left one is zero.
@@ -27,15 +29,17 @@ impl Axes {
     /// Where a number belongs.
     pub(super) fn place(&self, along: f64, value: f32) -> Point {
         let along = (along / self.last).clamp(0.0, 1.0) as f32;
-        (self.area.x + along * self.area.width, self.area.bottom() - value / self.top * self.area.height)
+        let up = (value - self.low) / (self.top - self.low);
+        (self.area.x + along * self.area.width, self.area.bottom() - up * self.area.height)
     }
 
     pub(super) fn draw(&self, canvas: &mut Canvas) {
-        let Area { x, width, height, .. } = self.area;
+        let Area { x, width, .. } = self.area;
         let (right, bottom) = (self.area.right(), self.area.bottom());
-        for (value, label) in ticks(0.0, self.top, 4) {
-            let y = bottom - value / self.top * height;
-            canvas.line(&[(x, y), (right, y)], 1.0, GRID);
+        for (value, label) in ticks(self.low, self.top, 4) {
+            let (_, y) = self.place(0.0, value);
+            let is_zero_inside = self.low < 0.0 && value.abs() < 1e-6 * self.top;
+            canvas.line(&[(x, y), (right, y)], 1.0, if is_zero_inside { AXIS } else { GRID });
             canvas.text(&label, (x - 10.0, y + 5.5), BODY.anchored(Anchor::Right));
         }
         let room = (width / LABEL_PITCH).max(1.0) as usize;

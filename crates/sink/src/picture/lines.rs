@@ -29,6 +29,7 @@ pub(super) fn draw(canvas: &mut Canvas, area: Area, plot: &FramePlot, shown_fram
     let frames = plot.lines.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
     let axes = Axes {
         area: Area { x: area.x + LABELS, y: area.y + 92.0, width: area.width - LABELS, height: area.height - 144.0 },
+        low: 0.0,
         top: round_up(values().fold(0.0, f32::max)),
         last: frames.saturating_sub(1).max(1) as f64,
         counts_frames: true,

@@ -23,6 +23,15 @@ impl Outline {
         Self { segments: cells.flat_map(|(x, y)| of_cell(mask, x, y)).collect() }
     }
 
+    /// Every end of a segment moved, as a function of where it is.
+    pub(super) fn moved(self, by: impl Fn(Point) -> Point) -> Self {
+        let moved = |(x, y): Point| {
+            let (u, v) = by((x, y));
+            (x + u, y + v)
+        };
+        Self { segments: self.segments.into_iter().map(|segment| segment.map(moved)).collect() }
+    }
+
     /// Draws it onto the image of a panel.
     pub(super) fn draw(&self, canvas: &mut Canvas, panel: Panel) {
         let place = |(x, y): Point| (panel.image.x + (x + 0.5) * panel.scale, panel.image.y + (y + 0.5) * panel.scale);

@@ -1,15 +1,15 @@
-//! Lays out the preview: title, three panels with their legends, the time plot.
+//! Lays out the preview: title, three panels with their legends, the plots over time.
 
 use fingervision_image::Image;
 
 use super::Rgb;
 use super::canvas::{Area, Canvas};
+use super::course::Course;
 use super::panels::{Panel, draw_arrows, draw_flow, draw_heat};
 use super::strongest::Strongest;
 use super::text::{Anchor, Style};
 use super::ticks::number;
 use super::time_plot;
-use super::trend::Trend;
 
 /// Width of the picture, px.
 pub(super) const WIDTH: f32 = 1600.0;
@@ -27,7 +27,7 @@ const TIME_PLOT_HEIGHT: f32 = 216.0;
 pub(super) const BACKGROUND: Rgb = [255; 3];
 const INK: Rgb = [32, 33, 36];
 const FAINT_INK: Rgb = [95, 99, 104];
-const WARNING_INK: Rgb = [179, 38, 30];
+pub(super) const WARNING_INK: Rgb = [179, 38, 30];
 
 pub(super) const TITLE: Style = Style { size: 28.0, is_bold: true, colour: INK, anchor: Anchor::Left };
 pub(super) const HEADING: Style = Style { size: 18.0, ..TITLE };
@@ -35,7 +35,7 @@ pub(super) const BODY: Style = Style { size: 16.0, is_bold: false, colour: INK, 
 pub(super) const NOTE: Style = Style { colour: FAINT_INK, ..BODY };
 
 /// The picture of one frame of a run.
-pub(super) fn draw(strongest: &Strongest, trend: &Trend, mm_per_px: Option<f32>) -> Image<Rgb> {
+pub(super) fn draw(strongest: &Strongest, course: &Course, mm_per_px: Option<f32>) -> Image<Rgb> {
     let (columns, rows) = strongest.flow.size();
     let scale = (COLUMN / columns as f32).min(MAX_PANEL_HEIGHT / rows as f32);
     let (width, height) = ((scale * columns as f32).round().max(1.0), (scale * rows as f32).round().max(1.0));
@@ -43,7 +43,7 @@ pub(super) fn draw(strongest: &Strongest, trend: &Trend, mm_per_px: Option<f32>)
     let time_plot_top = legend_top + LEGEND_HEIGHT + 28.0;
     let mut canvas = Canvas::new(WIDTH as u32, (time_plot_top + TIME_PLOT_HEIGHT + 24.0) as u32, BACKGROUND);
 
-    draw_title(&mut canvas, strongest, trend);
+    draw_title(&mut canvas, strongest, course);
     let panel = |place: f32| Panel {
         image: Area { x: MARGIN + place * (COLUMN + GAP), y: PANEL_TOP, width, height },
         legend: Area { x: MARGIN + place * (COLUMN + GAP), y: legend_top, width: COLUMN, height: LEGEND_HEIGHT },
@@ -53,12 +53,12 @@ pub(super) fn draw(strongest: &Strongest, trend: &Trend, mm_per_px: Option<f32>)
     draw_flow(&mut canvas, panel(1.0), strongest);
     draw_heat(&mut canvas, panel(2.0), strongest);
     let area = Area { x: MARGIN, y: time_plot_top, width: WIDTH - 2.0 * MARGIN, height: TIME_PLOT_HEIGHT };
-    time_plot::draw(&mut canvas, area, trend, strongest.frame);
+    time_plot::draw(&mut canvas, area, course, Some(strongest.frame));
     canvas.into_image()
 }
 
-fn draw_title(canvas: &mut Canvas, strongest: &Strongest, trend: &Trend) {
-    let time_s = strongest.capture_time_s - trend.start_s();
+fn draw_title(canvas: &mut Canvas, strongest: &Strongest, course: &Course) {
+    let time_s = strongest.capture_time_s - course.start_s();
     let strength = strongest.strength;
     let title = if strength.max_px.is_nan() {
         format!("Frame {}: no valid flow", strongest.sequence)
@@ -67,7 +67,7 @@ fn draw_title(canvas: &mut Canvas, strongest: &Strongest, trend: &Trend) {
     };
     canvas.text(&title, (MARGIN, 60.0), TITLE);
 
-    let frames = trend.frames();
+    let frames = course.frames();
     let mut facts = vec![if strength.mean_px.is_nan() {
         format!("No frame of {frames} holds valid flow")
     } else {

@@ -156,7 +156,11 @@ pub(super) fn draw_wheel_key(canvas: &mut Canvas, panel: Panel, radius_px: f32) 
 
 /// Depth, density feature or flow length, and its colour bar.
 pub(super) fn draw_heat(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
-    let limit = round_up(shown.typical_value());
+    draw_heat_up_to(canvas, panel, shown, round_up(shown.typical_value()));
+}
+
+/// The same with colours that end at `limit`.
+pub(super) fn draw_heat_up_to(canvas: &mut Canvas, panel: Panel, shown: &Strongest, limit: f32) {
     let (heading, scale, note) = match shown.quantity {
         Quantity::Depth => ("Depth, mm", HeatScale::around_zero(limit), "Red is pressed in, blue bulges out."),
         Quantity::Density => {

@@ -1,13 +1,13 @@
-//! The picture of a run: its strongest frame and how the flow went over time.
+//! The picture of a run: its strongest frame and how flow, depth and force went over time.
 
 use std::path::Path;
 
 use fingervision_image::{Frame, Image, Rect};
 use fingervision_touch::Reading;
 
+use super::course::Course;
 use super::page;
 use super::strongest::{Strength, Strongest};
-use super::trend::Trend;
 use super::{Rgb, write_png};
 use crate::{Sink, SinkError};
 
@@ -24,20 +24,21 @@ pub struct PreviewOptions {
 ///
 /// Left, the camera image with flow arrows; in the middle, the flow as colour with its wheel; right, depth, or the
 /// density feature, or the flow's length, whichever of these is first in the reading, with the outline of the contact
-/// where that is known. Below, the mean flow over time.
+/// where that is known. Below, over time, the mean flow, depth and force, of
+/// these what is known.
 /// Frames that lost track are not candidates. Memory does not grow with the run.
 #[derive(Debug)]
 pub struct Preview {
     options: PreviewOptions,
     strongest: Strongest,
-    trend: Trend,
+    course: Course,
 }
 
 impl Preview {
     /// A preview that has seen nothing yet.
     #[must_use]
     pub fn new(options: PreviewOptions) -> Self {
-        Self { options, strongest: Strongest::none(), trend: Trend::new() }
+        Self { options, strongest: Strongest::none(), course: Course::new() }
     }
 
     /// The picture of what was seen so far.
@@ -46,10 +47,10 @@ impl Preview {
     ///
     /// [`SinkError::NoReadings`] if nothing was.
     pub fn draw(&self) -> Result<Image<Rgb>, SinkError> {
-        if self.trend.frames() == 0 {
+        if self.course.frames() == 0 {
             return Err(SinkError::NoReadings);
         }
-        Ok(page::draw(&self.strongest, &self.trend, self.options.mm_per_px))
+        Ok(page::draw(&self.strongest, &self.course, self.options.mm_per_px))
     }
 
     /// Writes the picture of what was seen so far as PNG.
@@ -70,13 +71,13 @@ impl Sink for Preview {
     /// [`SinkError::SizeMismatch`] if the fields do not cover the frame's region of interest.
     fn write(&mut self, reading: &Reading, frame: &Frame) -> Result<(), SinkError> {
         let strength = Strength::of(reading);
-        if self.trend.frames() == 0 || strength.exceeds(self.strongest.strength) {
+        if self.course.frames() == 0 || strength.exceeds(self.strongest.strength) {
             let (width, height) = frame.pixels.size();
             let region = self.options.region.unwrap_or(Rect::whole(width, height));
             self.strongest.copy_from(reading, frame, region)?;
-            (self.strongest.strength, self.strongest.frame) = (strength, self.trend.frames());
+            (self.strongest.strength, self.strongest.frame) = (strength, self.course.frames());
         }
-        self.trend.push(reading.capture_time_s, strength.mean_px);
+        self.course.push(reading, strength.mean_px);
         Ok(())
     }
 }

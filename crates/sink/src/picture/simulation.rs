@@ -135,9 +135,9 @@ impl SimulationPreview {
 
     fn facts(&self, shown: &Shown) -> String {
         let [x, y, z] = shown.force_n.map(|force| number(force as f32));
-        let (frame, frames, depth) = (shown.frame + 1, self.normal_n.len(), number(shown.depth_mm as f32));
+        let (frame, last, depth) = (shown.frame, self.normal_n.len().saturating_sub(1), number(shown.depth_mm as f32));
         let about = if self.about.is_empty() { String::new() } else { format!("{}  ·  ", self.about) };
-        format!("{about}Frame {frame} of {frames}: {depth} mm deep, force on the gel ({x}, {y}, {z}) N")
+        format!("{about}Frame {frame}, of 0 to {last}: {depth} mm deep, force on the gel ({x}, {y}, {z}) N")
     }
 
     fn forces(&self) -> FramePlot {

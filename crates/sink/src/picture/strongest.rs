@@ -1,4 +1,4 @@
-//! The frame that a picture shows: the one with the largest mean flow.
+//! The frame that a picture shows; of a whole run, the one with the largest mean flow.
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Frame, Image, ImageError, Rect, grey_into};

@@ -1,75 +1,79 @@
-//! The strip below the panels: mean flow over time, so that press and release are seen at a glance.
+//! The strip below the panels: flow, depth and force over time, so that press and release are seen at a glance.
 
 use super::Rgb;
 use super::axes::Axes;
 use super::canvas::{Area, Canvas, Point};
-use super::page::HEADING;
+use super::course::{Course, Plot};
+use super::page::{BODY, GAP, HEADING};
 use super::ticks::round_up;
-use super::trend::{Step, Trend};
+use super::trend::Step;
 
-const LINE: Rgb = [25, 103, 210];
-const UNDER_LINE: Rgb = [222, 234, 250];
-const MARK: Rgb = [217, 119, 6];
+const MARK: Rgb = [120; 3];
 /// For the numbers on the vertical axis, px.
 const LABELS: f32 = 56.0;
-/// Flow at the top of the plot at least, px: noise shall not look like touch.
-const LEAST_TOP_PX: f32 = 0.05;
+/// From the top of the area to the plot, and from the plot to its bottom, px.
+const HEAD: f32 = 52.0;
+const FOOT: f32 = 52.0;
 
-/// Draws the plot with heading and labels into an area and marks the frame that the panels show.
-pub(super) fn draw(canvas: &mut Canvas, area: Area, trend: &Trend, shown_frame: u64) {
-    canvas.text("Mean flow over valid pixels, px", (area.x, area.y + 16.0), HEADING);
-    let frame = Area { x: area.x + LABELS, y: area.y + 52.0, width: area.width - LABELS, height: area.height - 104.0 };
-    let plot = Plot::new(frame, trend);
-    plot.axes.draw(canvas);
-    for run in trend.steps().split(|step| step.peak.is_nan()) {
-        plot.draw_run(canvas, run);
+/// Draws the plots side by side into an area; `shown_frame` is marked if the panels above show one of many.
+pub(super) fn draw(canvas: &mut Canvas, area: Area, course: &Course, shown_frame: Option<u64>) {
+    let plots = course.plots();
+    let width = (area.width + GAP) / plots.len() as f32 - GAP;
+    for (place, plot) in plots.iter().enumerate() {
+        let x = area.x + place as f32 * (width + GAP);
+        draw_plot(canvas, Area { x, width, ..area }, plot, course, shown_frame);
     }
-    let shown = trend.steps().iter().rev().find(|step| step.frame <= shown_frame);
-    if let Some(shown) = shown {
-        plot.draw_mark(canvas, *shown);
+}
+
+fn draw_plot(canvas: &mut Canvas, area: Area, plot: &Plot, course: &Course, shown_frame: Option<u64>) {
+    canvas.text(plot.heading, (area.x, area.y + 16.0), HEADING);
+    draw_names(canvas, (area.x + HEADING.width(plot.heading) + 28.0, area.y + 16.0), plot);
+    let place =
+        Area { x: area.x + LABELS, y: area.y + HEAD, width: area.width - LABELS, height: area.height - HEAD - FOOT };
+    let axes = axes(place, plot, course);
+    axes.draw(canvas);
+    let at = |step: Step| axes.place(if axes.counts_frames { step.frame as f64 } else { step.time_s }, step.peak);
+    for (_, colour, steps) in &plot.lines {
+        for run in steps.split(|step| step.peak.is_nan()) {
+            let points: Vec<Point> = run.iter().map(|step| at(*step)).collect();
+            match points[..] {
+                [] => {}
+                [point] => canvas.disc(point, 2.0, *colour),
+                _ => canvas.line(&points, 2.0, *colour),
+            }
+        }
+    }
+    let Some(shown_frame) = shown_frame else { return };
+    for (number, (_, colour, steps)) in plot.lines.iter().enumerate() {
+        let Some(shown) = steps.iter().rev().find(|step| step.frame <= shown_frame) else { continue };
+        let (x, y) = at(*shown);
+        if number == 0 {
+            axes.draw_mark(canvas, x, MARK);
+        }
+        if y.is_finite() {
+            canvas.disc((x, y), 5.0, *colour);
+        }
     }
 }
 
 /// Time on the horizontal axis; frames where the source's clock stands still.
-struct Plot {
-    axes: Axes,
+fn axes(area: Area, plot: &Plot, course: &Course) -> Axes {
+    let values = || plot.lines.iter().flat_map(|(_, _, steps)| *steps).map(|step| step.peak);
+    let top = round_up(values().fold(plot.least_top, f32::max));
+    let lowest = values().fold(0.0, f32::min);
+    // What rounding or noise puts just below zero makes no room of its own.
+    let low = if lowest < -0.02 * top { -round_up(-lowest) } else { 0.0 };
+    let last_s = course.last_s();
+    let counts_frames = last_s <= 0.0;
+    let last = if counts_frames { course.frames().saturating_sub(1).max(1) as f64 } else { last_s };
+    Axes { area, low, top, last, counts_frames }
 }
 
-impl Plot {
-    fn new(area: Area, trend: &Trend) -> Self {
-        let peaks = trend.steps().iter().map(|step| step.peak);
-        let top = round_up(peaks.fold(LEAST_TOP_PX, f32::max));
-        let last_s = trend.steps().last().map_or(0.0, |step| step.time_s);
-        let counts_frames = last_s <= 0.0;
-        let last = if counts_frames { trend.frames().saturating_sub(1).max(1) as f64 } else { last_s };
-        Self { axes: Axes { area, top, last, counts_frames } }
-    }
-
-    fn place(&self, step: Step) -> Point {
-        let along = if self.axes.counts_frames { step.frame as f64 } else { step.time_s };
-        self.axes.place(along, step.peak)
-    }
-
-    /// Draws steps between two gaps.
-    fn draw_run(&self, canvas: &mut Canvas, run: &[Step]) {
-        let points: Vec<Point> = run.iter().map(|step| self.place(*step)).collect();
-        match points[..] {
-            [] => {}
-            [point] => canvas.disc(point, 2.0, LINE),
-            [first, .., last] => {
-                let ground = |point: Point| (point.0, self.axes.area.bottom());
-                let under: Vec<Point> = [ground(first)].iter().chain(&points).chain(&[ground(last)]).copied().collect();
-                canvas.polygon(&under, UNDER_LINE);
-                canvas.line(&points, 2.0, LINE);
-            }
-        }
-    }
-
-    fn draw_mark(&self, canvas: &mut Canvas, shown: Step) {
-        let (x, y) = self.place(shown);
-        self.axes.draw_mark(canvas, x, MARK);
-        if y.is_finite() {
-            canvas.disc((x, y), 5.0, MARK);
-        }
+/// What the lines are, behind the heading.
+fn draw_names(canvas: &mut Canvas, (mut x, y): Point, plot: &Plot) {
+    for (name, colour, _) in plot.lines.iter().filter(|(name, ..)| !name.is_empty()) {
+        canvas.line(&[(x, y - 5.0), (x + 24.0, y - 5.0)], 2.5, *colour);
+        canvas.text(name, (x + 34.0, y), BODY);
+        x += 34.0 + BODY.width(name) + 24.0;
     }
 }

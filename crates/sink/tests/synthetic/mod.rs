@@ -2,7 +2,7 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Frame, Image, Pixels};
-use fingervision_touch::{Flags, Reading, TractionGrid};
+use fingervision_touch::{Reading, TractionGrid};
 
 /// Columns and rows of the grid of tractions.
 pub(crate) const TRACTION_SIZE: (usize, usize) = (5, 3);
@@ -45,31 +45,25 @@ impl Press {
             strength * (1.83 * height_of(x, y) - 0.28 * bulge)
         });
         let valid = Image::from_fn(width, height, |x, y| u8::from(self.is_valid(x, y)));
-        Reading {
-            sequence: frame as u64,
-            capture_time_s: 1_234.5 + frame as f64 / 90.0,
-            dropped_frames: 0,
-            reference_id: 0,
-            reference_count: 1,
-            photometric_error: 2.5,
-            latency_ms: 7.25,
-            flags: Flags::default(),
-            flow,
-            deviation: Image::filled(width, height, 0.05),
-            density: Some(Image::from_fn(width, height, |x, y| 0.1 * depth.at(x, y))),
-            depth_deviation: Some(Image::from_fn(width, height, |x, _| if x == 0 { f32::INFINITY } else { 0.02 })),
-            contact: Some(Image::from_fn(width, height, |x, y| u8::from(strength > 0.0 && height_of(x, y) > 0.6))),
-            displacement: Some(
-                [0.1, -0.2, 1.0].map(|part| Image::from_fn(width, height, |x, y| part * depth.at(x, y))),
-            ),
-            traction: Some(Self::traction(strength)),
-            depth: Some(depth),
-            valid,
-            max_depth_mm: Some(1.83 * strength),
-            contact_area_mm2: Some(41.0 * strength),
-            force_n: Some([0.31 * strength, -0.04 * strength, 2.7 * strength]),
-            torque_nmm: Some(-1.5 * strength),
-        }
+        let mut reading = Reading::new(width, height);
+        reading.sequence = frame as u64;
+        reading.capture_time_s = 1_234.5 + frame as f64 / 90.0;
+        reading.reference_count = 1;
+        (reading.photometric_error, reading.latency_ms) = (2.5, 7.25);
+        (reading.flow, reading.valid) = (flow, valid);
+        reading.deviation = Image::filled(width, height, 0.05);
+        reading.density = Some(Image::from_fn(width, height, |x, y| 0.1 * depth.at(x, y)));
+        reading.depth_deviation = Some(Image::from_fn(width, height, |x, _| if x == 0 { f32::INFINITY } else { 0.02 }));
+        reading.contact = Some(Image::from_fn(width, height, |x, y| u8::from(strength > 0.0 && height_of(x, y) > 0.6)));
+        let displacement = [0.1, -0.2, 1.0].map(|part| Image::from_fn(width, height, |x, y| part * depth.at(x, y)));
+        reading.displacement = Some(displacement);
+        reading.traction = Some(Self::traction(strength));
+        reading.depth = Some(depth);
+        reading.max_depth_mm = Some(1.83 * strength);
+        reading.contact_area_mm2 = Some(41.0 * strength);
+        reading.force_n = Some([0.31 * strength, -0.04 * strength, 2.7 * strength]);
+        reading.torque_nmm = Some(-1.5 * strength);
+        reading
     }
 
     /// A grid of 5 by 3 cells, pressed in the middle.

@@ -7,6 +7,7 @@
 //! edit, before which the film may wait. Several edits, or one that changes the speed, are refused.
 
 mod boxes;
+mod codec;
 mod edits;
 mod fragments;
 mod movie;

@@ -1,16 +1,14 @@
 //! The file's outermost boxes, and the description of its video track.
 
 use super::boxes::{Bytes, Kind, boxes, find, find_path};
+use super::codec::codec;
 use super::edits::Edit;
 use super::fragments::add_fragment;
 use super::samples::{MediaSample, sample_table};
 use crate::fault::Fault;
-use crate::track::{Codec, Colour, Sample, Shown, Track, Turn};
+use crate::track::{Sample, Shown, Track, Turn};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-
-/// Length of a video sample entry before its boxes, bytes.
-const SAMPLE_ENTRY_LEN: usize = 78;
 
 /// Reads the first video track of an MP4 or MOV file.
 pub(crate) fn read_track(file: &mut File) -> Result<Track, Fault> {
@@ -127,40 +125,6 @@ fn track_header(header: &[u8]) -> Option<(u32, [i32; 4])> {
     header.take(if version == 1 { 28 } else { 24 })?;
     let [a, b, _, c, d] = [header.i32()?, header.i32()?, header.i32()?, header.i32()?, header.i32()?];
     Some((track_id, [a, b, c, d]))
-}
-
-/// The codec of the first sample description.
-fn codec(descriptions: &[u8]) -> Result<Codec, Fault> {
-    const DAMAGED: Fault = Fault::Damaged("the description of the video track is damaged");
-    let (kind, entry) = descriptions.get(8..).and_then(|entries| boxes(entries).next()).ok_or(DAMAGED)?;
-    let described = entry.get(SAMPLE_ENTRY_LEN..).ok_or(DAMAGED)?;
-    let name = match &kind {
-        b"avc1" | b"avc3" => {
-            let config = find(described, *b"avcC").ok_or(DAMAGED)?.to_vec();
-            return Ok(Codec::H264 { config, colour: find(described, *b"colr").and_then(colour) });
-        }
-        b"jpeg" | b"mjpg" | b"MJPG" => return Ok(Codec::MotionJpeg),
-        b"hvc1" | b"hev1" => "H.265 (HEVC)".into(),
-        b"vp08" => "VP8".into(),
-        b"vp09" => "VP9".into(),
-        b"av01" => "AV1".into(),
-        b"mp4v" => "MPEG-4 part 2".into(),
-        b"apch" | b"apcn" | b"apcs" | b"apco" | b"ap4h" | b"ap4x" => "ProRes".into(),
-        b"encv" => "encrypted".into(),
-        other => other.escape_ascii().to_string(),
-    };
-    Err(Fault::NotRead(format!("{name} video in MP4")))
-}
-
-/// The content of a `colr` box.
-fn colour(content: &[u8]) -> Option<Colour> {
-    let mut content = Bytes(content);
-    let kind = content.kind()?;
-    // Behind the kind: primaries and transfer, which matter to displays only.
-    content.take(4)?;
-    let matrix = content.u16()?;
-    let is_full_range = &kind == b"nclx" && content.u8()? >> 7 == 1;
-    matches!(&kind, b"nclx" | b"nclc").then_some(Colour { matrix, is_full_range })
 }
 
 /// Gives every sample its number and time in the film; `film_time_s` tells the time from the media's ticks.

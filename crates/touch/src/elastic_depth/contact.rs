@@ -12,6 +12,12 @@ use super::{CELLS, ElasticMode, ElasticParams};
 
 /// What a point of the gel may differ from a stuck face's motion, px at the distance of the gel: the flow's error.
 const NOISE_PX: f64 = 0.04;
+/// The same over the deviation that the flow predicts, where that is more: images of the simulated sensor make it 0.023 px.
+const NOISE_OVER_DEVIATION: f64 = 1.7;
+/// Deviation of the flow, px, that the network's own error covers: that of the images it was trained on.
+const TRAINING_DEVIATION_PX: f64 = 0.025;
+/// Deviation of the flow over that of the training images from which on a frame is flagged.
+const MOST_OVER_TRAINING: f64 = 2.5;
 /// A face sticks if at least this part of its inner cells moves with it.
 const LEAST_MATCHING: f64 = 0.6;
 /// A face sticks if half of them miss its motion by less than this part of the flow's error: those of presses that stick miss by
@@ -50,7 +56,13 @@ pub(super) struct ContactFinder {
     told: Vec<[f32; OUTPUTS]>,
     /// From mm to the mm of training.
     scale: f32,
+    /// What a point of the gel may differ from a stuck face's motion, mm: at least, and in the last frame.
+    least_noise_mm: f64,
     noise_mm: f64,
+    /// Whether the flow is far less certain than what the network was trained on.
+    pub(super) is_flow_uncertain: bool,
+    /// Depth, mm, that the flow's error puts into a frame beyond what the network's own error covers.
+    flow_deviation_mm: f32,
     /// Whether each cell is touched.
     pub(super) touches: Vec<bool>,
     /// Which part of each cell is touched, 0 to 1; above a half the cell is.
@@ -88,7 +100,10 @@ impl ContactFinder {
             padded,
             constants,
             scale: scale as f32,
+            least_noise_mm: NOISE_PX * surface.mm_per_px,
             noise_mm: NOISE_PX * surface.mm_per_px,
+            is_flow_uncertain: false,
+            flow_deviation_mm: 0.0,
             touches: vec![false; cells],
             share: vec![0.0; cells],
             depth_mm: vec![0.0; cells],
@@ -120,6 +135,7 @@ impl ContactFinder {
 
     /// Finds contact and its depth in what the surface shows, with what is known of its drag set apart.
     pub(super) fn find(&mut self, surface: &Surface, drag: Option<&Drag>) {
+        self.take_noise(surface);
         if self.network.is_some() {
             self.look(surface, drag);
             self.take_contact(surface);
@@ -142,6 +158,16 @@ impl ContactFinder {
         self.look(surface, drag);
         self.take_depth(drag);
         self.hold_to_face(surface);
+    }
+
+    /// Takes note of how far a frame's flow can be trusted.
+    fn take_noise(&mut self, surface: &Surface) {
+        let deviation_mm = surface.typical_deviation_mm(&mut self.scratch);
+        self.noise_mm = self.least_noise_mm.max(NOISE_OVER_DEVIATION * deviation_mm);
+        let covered_mm = TRAINING_DEVIATION_PX * surface.mm_per_px;
+        self.is_flow_uncertain = deviation_mm > MOST_OVER_TRAINING * covered_mm;
+        let beyond_mm = (deviation_mm.powi(2) - covered_mm.powi(2)).max(0.0).sqrt();
+        self.flow_deviation_mm = (surface.typical_leverage() * beyond_mm) as f32;
     }
 
     /// Gives what moves with a face that the gel sticks to the depth of that face.
@@ -179,7 +205,7 @@ impl ContactFinder {
     pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32) -> f32 {
         match (self.on_face[cell], self.is_learned()) {
             (true, _) => self.face_deviation_mm,
-            (false, true) => self.told_deviation_mm[cell],
+            (false, true) => self.told_deviation_mm[cell].hypot(self.flow_deviation_mm),
             (false, false) => 0.01 + 0.1 * around_mm.abs(),
         }
     }

@@ -30,12 +30,16 @@ pub struct ElasticFields {
     pub is_beyond_linear: bool,
     /// Whether contact reaches the border of what the camera sees.
     pub is_cut: bool,
-    /// Whether the flow cannot be that of this gel before this camera.
+    /// Whether the tractions do not explain the motion: the fields do not hold.
+    pub is_unexplained: bool,
+    /// Whether that is because the flow, whose deviation is small, cannot be that of this gel before this camera.
     pub is_misfit: bool,
     /// Whether the gel moves and nothing like it before this camera was learned from, though what was learned is to be used.
     pub is_outside_learned: bool,
     /// Whether the flow holds in less than a tenth of contact.
     pub is_untracked: bool,
+    /// Whether the flow's deviation is more than 2.5 times that of the images which the network was trained on.
+    pub is_flow_uncertain: bool,
 }
 
 /// A field of tractions over the gel's surface: row by row, the surface's centre in the grid's middle.
@@ -78,9 +82,11 @@ impl ElasticFields {
             unexplained: None,
             is_beyond_linear: false,
             is_cut: false,
+            is_unexplained: false,
             is_misfit: false,
             is_outside_learned: false,
             is_untracked: false,
+            is_flow_uncertain: false,
         };
         fields.rest();
         fields
@@ -100,8 +106,9 @@ impl ElasticFields {
         self.force_n = self.force_n.map(|_| [0.0; 3]);
         self.torque_nmm = self.torque_nmm.map(|_| 0.0);
         self.unexplained = None;
-        (self.is_beyond_linear, self.is_cut, self.is_misfit) = (false, false, false);
-        (self.is_outside_learned, self.is_untracked) = (false, false);
+        (self.is_beyond_linear, self.is_cut) = (false, false);
+        (self.is_unexplained, self.is_misfit) = (false, false);
+        (self.is_outside_learned, self.is_untracked, self.is_flow_uncertain) = (false, false, false);
     }
 }
 

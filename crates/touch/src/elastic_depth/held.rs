@@ -13,6 +13,8 @@ use super::traction::{Limits, Tractions};
 /// How far from contact the gel's motion is compared with what elasticity makes of it, in thicknesses: nearer, strain is
 /// too large for a linear law.
 const AWAY: f64 = 0.25;
+/// Deviations of the flow that explain a difference between the two.
+const FLOW_DEVIATIONS: f64 = 2.0;
 /// Motion away from contact below which nothing is said about the gel, px, root mean square.
 const TELLING_PX: f64 = 0.25;
 
@@ -72,6 +74,7 @@ impl HeldGel {
                 apparent_mm: [0, 1].map(|axis| around.mean(|cell| surface.seen[cell].apparent_mm[axis])),
                 slope: [0, 1].map(|axis| around.mean(|cell| surface.seen[cell].slope[axis])),
                 trust: around.mean(|cell| surface.seen[cell].trust),
+                deviation_mm: around.mean(|cell| surface.seen[cell].deviation_mm),
             };
             let depth = around.mean(|cell| contact.depth_mm[cell]);
             let [x, y] = seen.lateral_mm(depth);
@@ -80,14 +83,14 @@ impl HeldGel {
         }
     }
 
-    /// How far the motion along the surface, well away from contact, is from what the tractions make there: root mean
-    /// square over the largest depth; that of the whole surface where there is no contact, none where the motion is too small to
-    /// tell.
+    /// How far the motion along the surface, well away from contact, is from what the tractions make there beyond the flow's own
+    /// error: root mean square over the largest depth; that of the whole surface where there is no contact, none where the motion
+    /// is too small to tell.
     pub(super) fn unexplained(&mut self, thickness_mm: f64, deepest_mm: f64, mm_per_px: f64) -> Option<f64> {
         let away = AWAY * thickness_mm / self.grid().cell_mm;
         let columns = self.grid().columns;
         nearest_into(columns, &self.touches, &mut self.nearest);
-        let (mut left, mut all, mut count) = (0.0, 0.0, 0.0);
+        let (mut left, mut all, mut error, mut count) = (0.0, 0.0, 0.0, 0.0);
         let moved = self.tractions.displacement_mm();
         let cells = self.nearest.iter().enumerate().filter(|&(cell, &from)| distance(columns, cell, from) > away);
         let cells = cells.map(|(cell, _)| (&self.seen[cell], moved[cell])).filter(|(seen, _)| seen.trust > 0.5);
@@ -97,8 +100,10 @@ impl HeldGel {
                 left += f64::from(seen.apparent_mm[axis] - explained).powi(2);
                 all += f64::from(seen.apparent_mm[axis]).powi(2);
             }
+            error += (FLOW_DEVIATIONS * f64::from(seen.deviation_mm)).powi(2);
             count += 1.0;
         }
+        let (left, all) = ((left - error).max(0.0), all - error);
         let telling_mm = TELLING_PX * mm_per_px;
         (all > count * telling_mm * telling_mm).then(|| (left / count).sqrt() / deepest_mm.max(telling_mm))
     }

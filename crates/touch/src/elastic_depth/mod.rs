@@ -135,13 +135,13 @@ impl ElasticDepth {
         Ok(Self { gel: *gel, is_outside_learned, contact, drag, is_exact, held, told, surface, fields })
     }
 
-    /// The fields of one frame, from its flow, px, and where that holds.
+    /// The fields of one frame, from its flow, px, the deviation of that, px, and where it holds.
     ///
     /// # Panics
     ///
     /// If the fields are not of the size that was given.
-    pub fn solve(&mut self, flow: &FlowField, valid: &Image<u8>) -> &ElasticFields {
-        self.surface.look(flow, valid);
+    pub fn solve(&mut self, flow: &FlowField, deviation: &Image<f32>, valid: &Image<u8>) -> &ElasticFields {
+        self.surface.look(flow, deviation, valid);
         let still_mm = STILL_PX * self.surface.mm_per_px;
         if self.surface.largest_apparent_mm() < still_mm {
             self.rest();
@@ -247,14 +247,17 @@ impl ElasticDepth {
         let touched = self.contact.touches.iter().filter(|touches| **touches).count();
         self.fields.contact_area_mm2 = (touched as f64 * self.surface.grid.cell_area_mm2()) as f32;
         self.fields.is_beyond_linear = deepest_mm > LINEAR_RANGE * thickness_mm;
+        self.fields.is_flow_uncertain = self.contact.is_flow_uncertain;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
         self.fields.is_outside_learned = self.is_outside_learned;
         self.fields.is_untracked = (self.tracked() as f64) < LEAST_TRACKED * touched as f64;
         let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);
-        // Once found not to fit, a gel has to fit well or to come to rest.
-        let most = if self.fields.is_misfit { 0.5 * MOST_UNEXPLAINED } else { MOST_UNEXPLAINED } as f32;
-        self.fields.is_misfit = self.fields.unexplained.map_or(self.fields.is_misfit, |part| part > most);
+        // Once it does not fit, a gel has to fit well or to come to rest.
+        let was_unexplained = self.fields.is_unexplained;
+        let most = if was_unexplained { 0.5 * MOST_UNEXPLAINED } else { MOST_UNEXPLAINED } as f32;
+        self.fields.is_unexplained = self.fields.unexplained.map_or(was_unexplained, |part| part > most);
+        self.fields.is_misfit = self.fields.is_unexplained && !self.fields.is_flow_uncertain;
     }
 
     /// Cells in contact whose flow holds.

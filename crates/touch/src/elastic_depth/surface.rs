@@ -71,6 +71,8 @@ struct Sum {
     flow: [f32; 2],
     count: f32,
     valid: f32,
+    /// Of the flow's variance where it holds, px².
+    variance: f32,
 }
 
 impl Sum {
@@ -79,6 +81,7 @@ impl Sum {
         self.flow[1] += other.flow[1];
         self.count += other.count;
         self.valid += other.valid;
+        self.variance += other.variance;
     }
 }
 
@@ -91,6 +94,8 @@ pub struct Seen {
     pub slope: [f32; 2],
     /// Which part of the cell's pixels has a flow that holds, 0 to 1; 0 where no pixel shows the cell.
     pub trust: f32,
+    /// Predicted standard deviation of its flow, both components together, on the undeformed surface, mm; 0 where none holds.
+    pub deviation_mm: f32,
 }
 
 impl Seen {
@@ -167,6 +172,13 @@ impl Surface {
         self.camera.position_mm()[2]
     }
 
+    /// Depth that an error of the apparent displacement puts into a point half-way from the gel's centre to its side, mm per
+    /// mm: one over the slope of its ray.
+    pub(super) fn typical_leverage(&self) -> f64 {
+        let SurfaceGrid { columns, rows, cell_mm } = self.grid;
+        self.distance_mm() / (0.25 * cell_mm * columns.max(rows) as f64)
+    }
+
     /// The centre of a cell, mm.
     pub(super) fn centre_mm(&self, cell: usize) -> [f64; 2] {
         let SurfaceGrid { columns, rows, cell_mm } = self.grid;
@@ -181,24 +193,34 @@ impl Surface {
         f64::from(squares.fold(0.0, f32::max)).sqrt()
     }
 
+    /// Half of the cells whose flow holds have a deviation of at most this, mm; `scratch` is room to rank them.
+    pub(super) fn typical_deviation_mm(&self, scratch: &mut Vec<f64>) -> f64 {
+        scratch.clear();
+        scratch.extend(self.seen.iter().filter(|seen| seen.trust > 0.5).map(|seen| f64::from(seen.deviation_mm)));
+        let middle = scratch.len() / 2;
+        if scratch.is_empty() { 0.0 } else { *scratch.select_nth_unstable_by(middle, f64::total_cmp).1 }
+    }
+
     /// Cells at the border of what the camera sees of the gel where the gel goes on.
     pub(super) fn border(&self) -> impl Iterator<Item = usize> {
         self.border.iter().copied()
     }
 
-    /// Takes a frame's flow, px, and where it holds. What a cell outside the view does is taken from the nearest inside.
-    pub(super) fn look(&mut self, flow: &FlowField, valid: &Image<u8>) {
+    /// Takes a frame's flow, px, its deviation, px, and where it holds. What a cell outside the view does is taken from the
+    /// nearest inside.
+    pub(super) fn look(&mut self, flow: &FlowField, deviation: &Image<f32>, valid: &Image<u8>) {
         self.sums.fill(Sum::default());
-        let pixels = flow.u.values().iter().zip(flow.v.values()).zip(valid.values());
+        let pixels = flow.u.values().iter().zip(flow.v.values()).zip(deviation.values().iter().zip(valid.values()));
         // Neighbours in a row mostly show the same cell: they are summed before they are added to it.
         let (mut last, mut run) = (0, Sum::default());
-        for (&cell, ((&u, &v), &valid)) in self.cell_of.iter().zip(pixels) {
+        for (&cell, ((&u, &v), (&deviation, &valid))) in self.cell_of.iter().zip(pixels) {
             if cell != NOWHERE && u.is_finite() && v.is_finite() {
                 if cell != last {
                     self.sums[last as usize].add(std::mem::take(&mut run));
                     last = cell;
                 }
-                run.add(Sum { flow: [u, v], count: 1.0, valid: f32::from(valid) });
+                let variance = if valid == 1 { deviation * deviation } else { 0.0 };
+                run.add(Sum { flow: [u, v], count: 1.0, valid: f32::from(valid), variance });
             }
         }
         self.sums[last as usize].add(run);
@@ -214,6 +236,7 @@ impl Surface {
                 apparent_mm: [(x - rest.gel_mm[0]) as f32, (y - rest.gel_mm[1]) as f32],
                 slope: [((x - camera_x) / height) as f32, ((y - camera_y) / height) as f32],
                 trust: if now.is_some() { sum.valid / sum.count.max(1.0) } else { 0.0 },
+                deviation_mm: (sum.variance / sum.valid.max(1.0)).sqrt() * self.mm_per_px as f32,
             };
             *is_seen = sum.count > 0.0 && (seen.trust >= 0.5 || is_within(self.size, px));
         }
@@ -282,6 +305,7 @@ impl Surface {
             apparent_mm: [apparent_x as f32, apparent_y as f32],
             slope: [slope_x as f32, slope_y as f32],
             trust: seen.trust,
+            deviation_mm: seen.deviation_mm,
         }
     }
 

@@ -8,6 +8,7 @@ use crate::ParameterError;
 
 /// What is wrong with a profile.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ProfileError {
     /// The file or a value in it.
     #[error(transparent)]
@@ -22,6 +23,16 @@ pub enum ProfileError {
         region: Rect,
         /// Columns and rows of the frames, px.
         frame_size: (usize, usize),
+    },
+    /// A setting that changes nothing under the others.
+    #[error("{key} has no effect: {reason}")]
+    NoEffect {
+        /// The path of the setting.
+        key: String,
+        /// Why not.
+        reason: String,
+        /// What would give it one.
+        hint: String,
     },
     /// Elastic depth without the table that says where the camera is or what the gel is.
     #[error("depth.method = \"elastic\" needs [{table}], which the profile lacks")]
@@ -39,10 +50,17 @@ impl ProfileError {
             Self::Settings(error) if error.is_not_found() => {
                 Some("leave --profile out to track an uncalibrated sensor".into())
             }
+            Self::Settings(SettingsError::OutOfRange { key, allowed, .. }) if allowed.ends_with(" mm") => {
+                Some(format!("write {key} in mm: multiply by 1000 what is in m, divide by 1000 what is in µm"))
+            }
+            Self::Settings(SettingsError::OutOfRange { key, allowed, .. }) => {
+                Some(format!("set {key} in the profile, or with --set, to {allowed}"))
+            }
             Self::Settings(error) => error.hint(),
             Self::RegionOutside { frame_size: (width, height), .. } => {
                 Some(format!("the region is [x, y, width, height]; the whole frame is [0, 0, {width}, {height}]"))
             }
+            Self::NoEffect { key, hint, .. } => Some(format!("{hint}, or leave {key} out")),
             Self::ElasticNeeds { table: "camera" } => {
                 Some("fit [camera] with `fingervision calibrate camera`, or set depth.method=density".into())
             }
@@ -65,7 +83,7 @@ impl ProfileError {
     fn map_settings(self, change: impl FnOnce(SettingsError) -> SettingsError) -> Self {
         match self {
             Self::Settings(error) => Self::Settings(change(error)),
-            other @ (Self::RegionOutside { .. } | Self::ElasticNeeds { .. }) => other,
+            other @ (Self::RegionOutside { .. } | Self::NoEffect { .. } | Self::ElasticNeeds { .. }) => other,
         }
     }
 

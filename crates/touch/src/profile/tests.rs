@@ -3,7 +3,7 @@ use std::fs;
 use fingervision_optics::Radial;
 
 use super::*;
-use crate::{DepthLine, ElasticMode, PerspectiveGain, Policy};
+use crate::{DepthLine, ElasticMode, Fields, PerspectiveGain, Policy};
 
 const WHOLE: &str = r#"
 name = "left index"
@@ -299,4 +299,98 @@ fn an_error_names_its_file() {
     assert!(unknown.ends_with("sensor.toml, line 2: unknown key gel.thickness_m"), "{unknown}");
     fs::write(&path, [0xff, 0xfe]).unwrap();
     assert!(Profile::load(&path).unwrap_err().to_string().contains("UTF-8"));
+}
+
+#[test]
+fn a_setting_without_effect_is_named_with_what_would_use_it() {
+    let everything = Fields { displacement: true, traction: true, ..Fields::default() };
+    let uncalibrated = Profile::default();
+    let with = |assignments: &[(&str, &str)]| {
+        let mut profile = Profile::default();
+        profile.set_all(assignments.iter().copied()).unwrap();
+        profile
+    };
+    let stack = with(&[("references.policy", "stack")]);
+    let single = with(&[("references.policy", "single")]);
+    let medium = with(&[("flow.preset", "medium")]);
+    let grey = with(&[("flow.colour", "false")]);
+    for (profile, key, hint) in [
+        (&uncalibrated, "flow.finest_level", "flow.preset=medium"),
+        (&uncalibrated, "references.push_error", "references.policy=stack"),
+        (&uncalibrated, "elastic.mode", "[camera]"),
+        (&uncalibrated, "gel.thickness_mm", "[camera]"),
+        (&stack, "references.rest_frames", "references.policy=anchored"),
+        (&stack, "flow.finest_level", "flow.preset=medium"),
+        (&single, "references.min_matched", "references.policy=anchored"),
+        (&single, "flow.affine.search_steps", "flow.affine.steps"),
+        (&single, "flow.search.patch_size", "references.policy=anchored"),
+        (&medium, "flow.affine.iterations", "flow.preset=affine"),
+        (&grey, "flow.affine.colour_row_step", "flow.colour=true"),
+    ] {
+        let error = profile.expect_effect([key], everything).unwrap_err();
+        assert!(error.to_string().starts_with(&format!("{key} has no effect: ")), "{error}");
+        let found = error.hint().unwrap();
+        assert!(found.contains(hint), "{key}: {found}");
+    }
+    for (profile, key) in [
+        (&medium, "flow.finest_level"),
+        (&stack, "references.min_matched"),
+        (&stack, "flow.affine.steps"),
+        (&stack, "references.push_error"),
+        (&uncalibrated, "references.rest_frames"),
+        (&uncalibrated, "flow.noise_levels"),
+        (&uncalibrated, "density.sigma_px"),
+        (&uncalibrated, "depth.density"),
+        (&uncalibrated, "image.region_of_interest"),
+    ] {
+        profile.expect_effect([key], everything).unwrap();
+    }
+    let error = uncalibrated.expect_effect(["density.filter.radius_px"], Fields::NONE).unwrap_err();
+    assert!(error.hint().unwrap().contains("--fields"), "{error}");
+}
+
+#[test]
+fn the_record_of_a_run_gives_its_profile() {
+    let profile = Profile::from_toml(WHOLE).unwrap();
+    let table: toml::Table = profile.to_toml().parse().unwrap();
+    let mut record = toml::Table::new();
+    record.insert("version".into(), "0.1.0".into());
+    record.insert("source".into(), "press: 2 images".into());
+    record.insert("fields".into(), vec!["flow"].into());
+    record.insert("profile".into(), table.into());
+    let text = record.to_string();
+    assert!(Profile::is_run_record(&text) && !Profile::is_run_record(WHOLE));
+    assert_eq!(Profile::from_toml(&text).unwrap(), profile);
+}
+
+#[test]
+fn a_fault_in_the_record_of_a_run_is_named_with_its_line() {
+    let (error, hint) = refusal("version = '0.1.0'\n[profile.flow]\nfinest_levl = 1");
+    assert_eq!(error, "line 3: unknown key profile.flow.finest_levl");
+    assert_eq!(hint, "did you mean profile.flow.finest_level?");
+    let (error, hint) = refusal("[profile]\nname = 'a'");
+    assert!(error.contains("unknown key profile"), "without a version it is no record: {error}, {hint}");
+}
+
+#[test]
+fn lengths_in_another_unit_are_refused_with_the_unit() {
+    let text = |distance: &str, size: &str, thickness: &str| {
+        format!(
+            "name = 'a'\n[camera]\nfocal_length_px = [400.0, 400.0]\nprincipal_point_px = [239.5, 239.5]\n\
+             translation_mm = [0.0, 0.0, {distance}]\n[gel]\nsize_mm = [{size}, {size}]\nthickness_mm = {thickness}\n\
+             poissons_ratio = 0.48\n"
+        )
+    };
+    assert!(Profile::from_toml(&text("25.0", "30.0", "10.0")).is_ok());
+    for (distance, size, thickness, key) in [
+        ("0.025", "30.0", "10.0", "camera.translation_mm"),
+        ("25000.0", "30.0", "10.0", "camera.translation_mm"),
+        ("25.0", "0.03", "0.01", "gel.size_mm"),
+        ("25.0", "30000.0", "10000.0", "gel.size_mm"),
+        ("25.0", "30.0", "0.01", "gel.thickness_mm"),
+    ] {
+        let error = Profile::from_toml(&text(distance, size, thickness)).unwrap_err();
+        assert!(error.to_string().contains(key), "{error}");
+        assert!(error.hint().unwrap().contains("in mm"), "{:?}", error.hint());
+    }
 }

@@ -7,6 +7,13 @@ use crate::{DepthLaw, PerspectiveGain};
 
 use super::{ImageSection, Profile, ProfileError};
 
+/// Distances from a lens to a gel, mm: beyond them a length is in another unit.
+const DISTANCES_MM: [f64; 2] = [1.0, 2000.0];
+/// Sides of a gel, mm.
+const SIZES_MM: [f64; 2] = [1.0, 2000.0];
+/// Thicknesses of a gel, mm.
+const THICKNESSES_MM: [f64; 2] = [0.1, 1000.0];
+
 pub(super) fn validate(profile: &Profile) -> Result<(), ProfileError> {
     profile.image.as_ref().map_or(Ok(()), validate_image)?;
     profile.camera.as_ref().map_or(Ok(()), validate_camera)?;
@@ -27,7 +34,13 @@ fn validate_image(image: &ImageSection) -> Result<(), ProfileError> {
 }
 
 fn validate_camera(camera: &CameraParams) -> Result<(), ProfileError> {
-    camera.validate().map_err(impossible_camera)
+    camera.validate().map_err(impossible_camera)?;
+    let distance_mm = camera.translation_mm[2];
+    if (DISTANCES_MM[0]..=DISTANCES_MM[1]).contains(&distance_mm) {
+        return Ok(());
+    }
+    let allowed = "a distance to the gel, its last number, of 1 to 2000 mm";
+    Err(ProfileError::impossible("camera.translation_mm", format!("{:?}", camera.translation_mm), allowed))
 }
 
 /// A camera that cannot be, in a profile.
@@ -50,5 +63,14 @@ fn validate_law(law: DepthLaw, has_camera: bool) -> Result<(), ProfileError> {
 fn validate_gel(gel: &GelBlock) -> Result<(), ProfileError> {
     gel.validate().map_err(|BlockError { key, value, allowed }| {
         ProfileError::impossible(format!("gel.{key}"), format!("{value:?}"), allowed)
-    })
+    })?;
+    let ([width, height], thickness) = (gel.size_mm, gel.thickness_mm);
+    let lengths = [("gel.size_mm", [width, height], SIZES_MM), ("gel.thickness_mm", [thickness; 2], THICKNESSES_MM)];
+    for (key, lengths, [least, most]) in lengths {
+        if !lengths.iter().all(|length| (least..=most).contains(length)) {
+            let value = if key == "gel.size_mm" { format!("{lengths:?}") } else { format!("{thickness:?}") };
+            return Err(ProfileError::impossible(key, value, format!("{least} to {most} mm")));
+        }
+    }
+    Ok(())
 }

@@ -6,7 +6,7 @@
 //! a refinement of the composed flow against the first image, is taken. Only while the first image cannot be matched at
 //! all is the keyframe the reference, and the composed flow the answer.
 //!
-//! A gel that was pressed at the start is recognised by its flow pointing inwards; once it has come to rest, that rest
+//! A gel that was pressed at the start is recognised by its first motion; once it has come to rest, that rest
 //! becomes the reference, unless elasticity says that it is no rest but a press.
 
 use super::compose::compose_into;
@@ -50,7 +50,12 @@ const KEYFRAME_MATCHED: f32 = 0.9;
 const KEYFRAME_INTERVAL: u64 = 10;
 
 impl Anchored {
-    pub(crate) fn new(estimator: &FlowEstimator, (width, height): (usize, usize), params: &ReferenceParams) -> Self {
+    pub(crate) fn new(
+        estimator: &FlowEstimator,
+        (width, height): (usize, usize),
+        centre_px: [f32; 2],
+        params: &ReferenceParams,
+    ) -> Self {
         Self {
             params: *params,
             first: estimator.reference(),
@@ -63,7 +68,7 @@ impl Anchored {
             trial: Estimate::new(width, height),
             frames_lost: 0,
             frames_since_key: 0,
-            start_up: StartUp::new(params.rest_frames),
+            start_up: StartUp::new(params.rest_frames, centre_px),
         }
     }
 

@@ -24,6 +24,7 @@ pub(crate) fn compose_into(a: &Estimate, b: &Estimate, out: &mut Estimate) {
     }
     out.matched = b.matched;
     out.residual_levels = b.residual_levels;
+    out.unexplained = b.unexplained;
 }
 
 /// A place between pixels, clamped to the image.

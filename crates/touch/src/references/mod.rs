@@ -2,6 +2,7 @@
 
 mod anchored;
 mod compose;
+mod first_motion;
 mod params;
 mod stack;
 mod start_up;
@@ -40,13 +41,15 @@ pub(crate) struct Single {
 }
 
 impl References {
+    /// The references of a camera that has its centre of perspective there, px.
     pub(crate) fn new(
         estimator: &FlowEstimator,
         size: (usize, usize),
+        centre_px: [f32; 2],
         params: &ReferenceParams,
     ) -> Result<Self, FlowError> {
         Ok(match params.policy {
-            Policy::Anchored => Self::Anchored(Box::new(Anchored::new(estimator, size, params))),
+            Policy::Anchored => Self::Anchored(Box::new(Anchored::new(estimator, size, centre_px, params))),
             Policy::Stack => Self::Stack(Box::new(Stack::new(size, params)?)),
             Policy::Single => Self::Single(Box::new(Single {
                 reference: estimator.reference(),

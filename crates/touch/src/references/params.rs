@@ -17,13 +17,25 @@ pub enum Policy {
     Single,
 }
 
+impl Policy {
+    /// The policy's name in a profile.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Anchored => "anchored",
+            Self::Stack => "stack",
+            Self::Single => "single",
+        }
+    }
+}
+
 /// Parameters of the references.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReferenceParams {
     /// Which reference a frame is matched with.
     pub policy: Policy,
-    /// Anchored: a frame counts as matched while at least this part of the textured patches match, 0 to 1.
+    /// Anchored and stack: a frame counts as matched while at least this part of the textured patches match, 0 to 1.
     pub min_matched: f32,
     /// Anchored: frames between two searches from nowhere while the gel is lost.
     pub search_interval: u64,

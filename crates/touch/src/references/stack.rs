@@ -5,6 +5,8 @@
 //! to the stack. An error below the loop threshold against an older reference closes a loop and drops all later ones.
 //! The flow from the first reference is the current flow composed with its reference's own.
 //!
+//! The fine flow starts from that of the frame before, and is searched for where that does not match.
+//!
 //! Where the paper superposes flows this composes them; plain addition is off by several per cent of a strong press.
 
 use super::compose::compose_into;
@@ -66,7 +68,10 @@ impl Stack {
         }
         let error = self.close_loop();
         let top = &self.layers[self.layers.len() - 1];
-        estimator.estimate(&top.reference, current, Start::Search(Some(&self.before)), &mut self.from_top);
+        estimator.estimate(&top.reference, current, Start::Flow(&self.before), &mut self.from_top);
+        if self.from_top.matched < self.params.min_matched {
+            estimator.estimate(&top.reference, current, Start::Search(Some(&self.before)), &mut self.from_top);
+        }
         self.before.copy_from(&self.from_top.flow);
         if self.layers.len() > 1 {
             compose_into(&top.from_first, &self.from_top, out);

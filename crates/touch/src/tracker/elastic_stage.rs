@@ -36,19 +36,20 @@ impl ElasticStage {
             clear(reading);
             return;
         }
-        let found = self.inverse.solve(&reading.flow, &reading.valid);
+        let found = self.inverse.solve(&reading.flow, &reading.deviation, &reading.valid);
         for (flag, holds) in [
             (Flag::BeyondLinear, found.is_beyond_linear),
             (Flag::ContactCut, found.is_cut),
             (Flag::GelMisfit, found.is_misfit),
             (Flag::OutsideLearned, found.is_outside_learned),
             (Flag::ContactUntracked, found.is_untracked),
+            (Flag::UncertainFlow, found.is_flow_uncertain),
         ] {
             if holds {
                 reading.flags.raise(flag);
             }
         }
-        if reading.flags.has(Flag::GelMisfit) {
+        if found.is_unexplained {
             clear(reading);
             return;
         }

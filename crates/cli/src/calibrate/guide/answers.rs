@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use fingervision_calibrate::camera::{Prior, Slide};
+use fingervision_elastic::GelBlock;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -23,11 +24,41 @@ pub(super) struct Answers {
     /// From the lens to the gel's surface, mm, and how far that may be off.
     #[serde(skip_serializing_if = "Option::is_none")]
     distance_mm: Option<[f64; 2]>,
+    /// How much of the gel's surface the image shows from left to right, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    view_mm: Option<f64>,
+    /// The gel's width, height and thickness, mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gel_mm: Option<[f64; 3]>,
+    /// Its Young's modulus, `MPa`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    youngs_modulus_mpa: Option<f64>,
 }
+
+/// Answers that are given now, on the command line or at a prompt.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Given {
+    pub(super) step_mm: Option<f64>,
+    pub(super) direction_deg: Option<f64>,
+    pub(super) distance: Option<Prior>,
+    pub(super) view_mm: Option<f64>,
+    pub(super) gel_mm: Option<[f64; 3]>,
+    pub(super) youngs_modulus_mpa: Option<f64>,
+}
+
+/// Poisson's ratio of soft silicone, until presses tell the gel's own.
+const SILICONE: f64 = 0.48;
 
 impl Default for Answers {
     fn default() -> Self {
-        Self { step_mm: 0.5, direction_deg: 0.0, distance_mm: None }
+        Self {
+            step_mm: 0.5,
+            direction_deg: 0.0,
+            distance_mm: None,
+            view_mm: None,
+            gel_mm: None,
+            youngs_modulus_mpa: None,
+        }
     }
 }
 
@@ -42,7 +73,12 @@ impl Answers {
         };
         let answers: Self = toml::from_str(&text).map_err(|error| refused(&path, &error.message()))?;
         let is_length = |value: f64| value.is_finite() && value > 0.0;
-        let lengths = [answers.step_mm].into_iter().chain(answers.distance_mm.into_iter().flatten());
+        let lengths = [answers.step_mm]
+            .into_iter()
+            .chain(answers.distance_mm.into_iter().flatten())
+            .chain(answers.view_mm)
+            .chain(answers.gel_mm.into_iter().flatten())
+            .chain(answers.youngs_modulus_mpa);
         match lengths.into_iter().find(|&value| !is_length(value)) {
             Some(value) => Err(refused(&path, &format!("{value} mm is no length"))),
             None if !answers.direction_deg.is_finite() => Err(refused(&path, &"direction_deg is no angle")),
@@ -51,11 +87,14 @@ impl Answers {
     }
 
     /// These answers with those replaced that are given now.
-    pub(super) fn with(self, step_mm: Option<f64>, direction_deg: Option<f64>, distance: Option<Prior>) -> Self {
+    pub(super) fn with(self, given: &Given) -> Self {
         Self {
-            step_mm: step_mm.unwrap_or(self.step_mm),
-            direction_deg: direction_deg.unwrap_or(self.direction_deg),
-            distance_mm: distance.map(|prior| [prior.value, prior.deviation]).or(self.distance_mm),
+            step_mm: given.step_mm.unwrap_or(self.step_mm),
+            direction_deg: given.direction_deg.unwrap_or(self.direction_deg),
+            distance_mm: given.distance.map(|prior| [prior.value, prior.deviation]).or(self.distance_mm),
+            view_mm: given.view_mm.or(self.view_mm),
+            gel_mm: given.gel_mm.or(self.gel_mm),
+            youngs_modulus_mpa: given.youngs_modulus_mpa.or(self.youngs_modulus_mpa),
         }
     }
 
@@ -71,6 +110,21 @@ impl Answers {
         Slide { step_mm: self.step_mm, direction_rad: self.direction_deg.to_radians() }
     }
 
+    /// How much of the gel's surface the image shows from left to right, mm, if it was measured.
+    pub(super) fn view_mm(&self) -> Option<f64> {
+        self.view_mm
+    }
+
+    /// The gel before it is fitted, if its size is known.
+    pub(super) fn gel(&self) -> Option<GelBlock> {
+        self.gel_mm.map(|[width, height, thickness_mm]| GelBlock {
+            size_mm: [width, height],
+            thickness_mm,
+            poissons_ratio: SILICONE,
+            youngs_modulus_mpa: self.youngs_modulus_mpa,
+        })
+    }
+
     /// The distance from the lens to the gel's surface, mm, if it was measured.
     pub(super) fn distance(&self) -> Option<Prior> {
         self.distance_mm.map(|[value, deviation]| Prior { value, deviation })
@@ -81,6 +135,6 @@ fn refused(path: &Path, reason: &impl ToString) -> Failure {
     let path: PathBuf = path.into();
     Failure::new(
         format!("{}: {}", path.display(), reason.to_string()),
-        "remove the file and give --step-mm, --direction and --distance-mm again, or put it right",
+        "remove the file and give --step-mm, --direction, --distance-mm, --view-mm and --gel-mm again, or put it right",
     )
 }

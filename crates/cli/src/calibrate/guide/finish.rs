@@ -1,15 +1,19 @@
 //! From sound recordings to the profile, and what it is worth.
 
 use std::fmt;
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use fingervision_calibrate::camera::{BoardError, CameraReport};
 use fingervision_calibrate::depth::{DepthFit, FittedLaw, Method};
+use fingervision_calibrate::gel::GelTable;
 use fingervision_calibrate::update_profile;
+use fingervision_elastic::GelBlock;
 use fingervision_touch::Profile;
 use serde::Serialize;
 
-use crate::calibrate::{camera, depth};
+use crate::calibrate::{beside, camera, depth, gel};
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
@@ -17,21 +21,43 @@ use super::PROFILE;
 use super::answers::Answers;
 use super::look::{Kind, Step, images_of, noise_to_set};
 
+/// The profile while it is being made.
+const DRAFT: &str = "sensor.toml.draft";
 /// A camera that leaves more than this of a step's flow unexplained, px, is not the one that took the images: five times
 /// what noise leaves of a good recording.
 const LARGEST_RESIDUAL_PX: f64 = 0.05;
+
+/// How far the camera's picture of the gel may be from what a ruler shows, as a part.
+const LARGEST_VIEW_ERROR: f64 = 0.15;
+/// An image that shows more than this many widths of the gel shows little of it.
+const MOST_GELS: f64 = 1.5;
+/// A thickness that is fitted may differ by this from the one that was measured, as a part.
+const LARGEST_THICKNESS_ERROR: f64 = 0.3;
 
 /// A calibrated sensor.
 #[derive(Debug, Serialize)]
 pub(super) struct Outcome {
     profile: PathBuf,
-    /// Noise that was written, grey levels; absent where the profile's was right.
+    /// Noise that was written, grey levels.
     noise_levels: Option<f32>,
     camera: CameraReport,
     depth: DepthFit,
     /// The law that was written.
     law: FittedLaw,
+    /// The gel that was written, if its size is known.
+    gel: Option<GelOutcome>,
     pictures: [PathBuf; 2],
+}
+
+/// What became of the gel.
+#[derive(Debug, Serialize)]
+struct GelOutcome {
+    /// As it was described.
+    described: GelBlock,
+    /// What the presses determined and was written.
+    fitted: Option<GelTable>,
+    /// Why they did not.
+    remark: Option<String>,
 }
 
 /// What is written of the flow.
@@ -40,18 +66,38 @@ struct FlowTable {
     noise_levels: f32,
 }
 
-/// Fits camera and depth to the recordings of a folder and writes its profile.
+/// Fits camera, depth and gel to the recordings of a folder and writes its profile; all of it or, where something does not
+/// hold, nothing.
 pub(super) fn calibrate(
     folder: &Path,
     answers: &Answers,
     steps: &[Step],
     output: OutputArgs,
 ) -> Result<Outcome, Failure> {
-    let profile = folder.join(PROFILE);
-    let before = if profile.exists() { Profile::load(&profile)? } else { Profile::default() };
-    let noise_levels = steps.iter().find(|step| step.kind == Kind::Still).and_then(|step| noise_to_set(step, &before));
+    let (profile, draft) = (folder.join(PROFILE), folder.join(DRAFT));
+    let named = |error: io::Error| {
+        let message = format!("{}: {}", draft.display(), error.kind());
+        Failure::new(message, "let the sensor's folder be one that you may write")
+    };
+    if profile.exists() {
+        fs::copy(&profile, &draft).map_err(named)?;
+    }
+    let outcome = fit(folder, answers, steps, output);
+    if outcome.is_ok() {
+        fs::rename(&draft, &profile).map_err(named)?;
+    } else {
+        // What is left of it is nobody's.
+        let _ = fs::remove_file(&draft);
+    }
+    outcome
+}
+
+/// Fits everything into the draft of the profile.
+fn fit(folder: &Path, answers: &Answers, steps: &[Step], output: OutputArgs) -> Result<Outcome, Failure> {
+    let (profile, draft) = (folder.join(PROFILE), folder.join(DRAFT));
+    let noise_levels = steps.iter().find(|step| step.kind == Kind::Still).and_then(noise_to_set);
     if let Some(noise_levels) = noise_levels {
-        update_profile(&profile, "flow", &FlowTable { noise_levels })?;
+        update_profile(&draft, "flow", &FlowTable { noise_levels })?;
     }
     let recordings = |kind| steps.iter().filter(move |step| step.kind == kind).filter_map(|step| step.folder.clone());
     let board = recordings(Kind::Board)
@@ -61,13 +107,72 @@ pub(super) fn calibrate(
     let distance = answers.distance().ok_or_else(|| {
         Failure::new("the distance from the lens to the gel is not known", "give it with --distance-mm 25±0.5")
     })?;
-    let slide = camera::Args::slide(board, answers.slide(), distance, profile.clone(), output);
+    let picture = beside(&profile, "camera");
+    let slide = camera::Args::slide(board, answers.slide(), distance, (draft.clone(), picture), output);
     let (camera, residuals) = camera::fit(&slide)?;
-    let presses = recordings(Kind::Press).map(|press| press.to_string_lossy().into_owned()).collect();
-    let presses = depth::Args::recorded(presses, profile.clone(), output);
-    let fit = depth::fit(&presses, &Profile::load(&profile)?)?;
-    let (law, curves) = depth::write(&presses, &fit, method(&fit))?;
-    Ok(Outcome { profile, noise_levels, camera, law: *law, depth: fit, pictures: [residuals, curves] })
+    check_view(&camera, answers)?;
+    let presses: Vec<String> = recordings(Kind::Press).map(|press| press.to_string_lossy().into_owned()).collect();
+    let args = depth::Args::recorded(presses.clone(), (draft.clone(), beside(&profile, "depth")), output);
+    let described = Profile::load(&draft)?;
+    let fit = depth::fit(&args, &described)?;
+    let (law, curves) = depth::write(&args, &fit, method(&fit), &described)?;
+    let law = *law;
+    let gel = answers.gel().map(|gel| fit_gel(&draft, gel, &presses, output)).transpose()?;
+    Ok(Outcome { profile, noise_levels, camera, law, depth: fit, gel, pictures: [residuals, curves] })
+}
+
+/// Writes the gel as it was described, then what the presses tell of it.
+fn fit_gel(draft: &Path, described: GelBlock, presses: &[String], output: OutputArgs) -> Result<GelOutcome, Failure> {
+    update_profile(draft, "gel", &described)?;
+    let report = match gel::fit(presses, &Profile::load(draft)?, output) {
+        Ok(report) => report,
+        Err(failure) => return Ok(GelOutcome { described, fitted: None, remark: Some(failure.to_string()) }),
+    };
+    let fitted = report.table();
+    let thickness_mm = fitted.and_then(|table| table.thickness_mm).unwrap_or(described.thickness_mm);
+    if (thickness_mm / described.thickness_mm - 1.0).abs() > LARGEST_THICKNESS_ERROR {
+        let message =
+            format!("the presses tell a gel {thickness_mm:.2} mm thick, --gel-mm one of {} mm", described.thickness_mm);
+        return Err(Failure::new(
+            message,
+            "measure the gel's thickness again, and check the board's step, the distance and the depths: nothing was written",
+        ));
+    }
+    if let Some(table) = &fitted {
+        update_profile(draft, "gel", table)?;
+    }
+    let remark = fitted.is_none().then(|| "the presses determine nothing of it".into());
+    Ok(GelOutcome { described, fitted, remark })
+}
+
+/// Refuses a camera that sees another part of the gel than a ruler on it or its size says.
+fn check_view(camera: &CameraReport, answers: &Answers) -> Result<(), Failure> {
+    let Some(slide) = camera.slides.first() else { return Ok(()) };
+    let seen_mm = slide.size.0 as f64 / camera.px_per_mm;
+    let step = slide.step_mm;
+    if let Some(view_mm) = answers.view_mm()
+        && (seen_mm / view_mm - 1.0).abs() > LARGEST_VIEW_ERROR
+    {
+        return Err(Failure::new(
+            format!(
+                "by a step of {step} mm the image shows {seen_mm:.1} mm of the board from left to right, a ruler {view_mm} mm"
+            ),
+            format!(
+                "if the ruler is right, the step was {:.2} mm: give it with --step-mm; otherwise measure --view-mm again",
+                step * view_mm / seen_mm
+            ),
+        ));
+    }
+    if let Some(gel) = answers.gel().filter(|gel| seen_mm > MOST_GELS * gel.size_mm[0]) {
+        return Err(Failure::new(
+            format!(
+                "by a step of {step} mm the image shows {seen_mm:.1} mm, but the gel is {} mm wide",
+                gel.size_mm[0]
+            ),
+            "check --step-mm and --gel-mm, or set image.region_of_interest in sensor.toml to the gel",
+        ));
+    }
+    Ok(())
 }
 
 /// The law of least error among those that leave what is untouched at rest.
@@ -114,10 +219,36 @@ impl fmt::Display for Outcome {
         writeln!(f, "profile   {profile}: [camera], and depth by the {} law\n", depth::law_name(law.method))?;
         writeln!(f, "The sensor is calibrated. Track with it:")?;
         writeln!(f, "  fingervision track RECORDING --out run --profile {profile}\n")?;
-        writeln!(
-            f,
-            "For depth from elasticity, contact and force write what you know of the gel into its [gel], then fit it:"
-        )?;
-        writeln!(f, "  fingervision calibrate gel PRESSES --profile {profile}")
+        self.write_gel(f)
+    }
+}
+
+impl Outcome {
+    /// What became of the gel, or how to come by one.
+    fn write_gel(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(GelOutcome { fitted, remark, .. }) = &self.gel else {
+            writeln!(f, "For depth from elasticity, contact and force say what the gel is:")?;
+            return writeln!(f, "  fingervision calibrate --folder {} --gel-mm WIDTH,HEIGHT,THICKNESS", self.folder());
+        };
+        let values = fitted.map(|GelTable { poissons_ratio, thickness_mm, youngs_modulus_mpa }| {
+            let named = [
+                ("Poisson's ratio", poissons_ratio, ""),
+                ("thickness", thickness_mm, " mm"),
+                ("Young's modulus", youngs_modulus_mpa, " MPa"),
+            ];
+            let text =
+                |(name, value, unit): (&str, Option<f64>, &str)| value.map(|value| format!("{name} {value:.3}{unit}"));
+            named.into_iter().filter_map(text).collect::<Vec<_>>().join(", ")
+        });
+        match (values, remark) {
+            (Some(values), _) => writeln!(f, "gel       {values}, from the presses; the rest as you described it")?,
+            (None, Some(remark)) => writeln!(f, "gel       as you described it: {remark}")?,
+            (None, None) => writeln!(f, "gel       as you described it")?,
+        }
+        writeln!(f, "Its depth, contact and force come from elasticity.")
+    }
+
+    fn folder(&self) -> std::path::Display<'_> {
+        self.profile.parent().unwrap_or(Path::new(".")).display()
     }
 }

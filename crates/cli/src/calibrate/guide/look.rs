@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use fingervision_calibrate::check::{BoardCheck, Check, Fault, PressCheck, RecordingCheck, StillCheck};
+use fingervision_calibrate::check::{BoardCheck, Check, Fault, PressCheck, RecordingCheck, StillCheck, What};
 use fingervision_calibrate::depth::PressFolder;
+use fingervision_image::Frame;
 use fingervision_source::{Options, SourceError, open};
 use fingervision_touch::Profile;
 use serde::Serialize;
@@ -14,6 +15,7 @@ use crate::output::OutputArgs;
 
 use super::PROFILE;
 use super::answers::Answers;
+use super::checks::{Checks, Key};
 
 /// Fewer presses do not show whether one law holds all over the image: centre, midway and corner.
 const LEAST_PRESSES: usize = 3;
@@ -39,6 +41,8 @@ pub(super) enum Kind {
     Still,
     Board,
     Distance,
+    View,
+    Gel,
     Press,
 }
 
@@ -50,6 +54,8 @@ pub(super) enum State {
     Redo,
     Next,
     Later,
+    /// A question that may stay open.
+    Optional,
 }
 
 impl Step {
@@ -59,8 +65,17 @@ impl Step {
         Some(Failure::new(format!("{}: {fault}", self.name), &fault.remedy))
     }
 
+    /// Whether the calibration waits for it.
+    pub(super) fn is_open(&self) -> bool {
+        !matches!(self.state, State::Done | State::Optional)
+    }
+
     fn question(kind: Kind, name: &str, answer: Option<String>) -> Self {
-        let state = if answer.is_some() { State::Done } else { State::Later };
+        let state = match kind {
+            _ if answer.is_some() => State::Done,
+            Kind::View | Kind::Gel => State::Optional,
+            _ => State::Later,
+        };
         Self { name: name.into(), kind, state, folder: None, check: None, answer }
     }
 
@@ -75,87 +90,139 @@ impl Step {
     }
 }
 
-/// Every step in its order. The first that is missing is next, unless one before it must be done again.
+/// Every step in its order. The first that is missing is next, unless one before it must be done again. What was found in a
+/// recording that has not changed since is not looked for again.
 pub(super) fn look(folder: &Path, answers: &Answers, output: OutputArgs) -> Result<Vec<Step>, Failure> {
     let path = folder.join(PROFILE);
-    let mut profile = if path.exists() { Profile::load(&path)? } else { Profile::default() };
-    let still = Step::recording(Kind::Still, folder.join("still"), still(&folder.join("still"), &profile, output));
-    if let Some(noise) = noise_to_set(&still, &profile) {
-        profile.flow.noise_levels = noise;
-    }
-    let board = board(&folder.join("board"), &profile, answers, output);
+    let profile = if path.exists() { Profile::load(&path)? } else { Profile::default() };
+    // What is fitted later has no say in what a recording is worth.
+    let (image, flow, references) = (profile.image, profile.flow, profile.references);
+    let mut bare = Profile { image, flow, references, ..Profile::default() };
+    let mut looker = Looker { checks: Checks::load(folder), output };
+    let place = folder.join("still");
+    // The noise that is being measured has no say in it, either.
+    bare.flow.noise_levels = Profile::default().flow.noise_levels;
+    let still = Step::recording(Kind::Still, place.clone(), looker.still(&place, &bare));
+    bare.flow.noise_levels = noise_to_set(&still).unwrap_or(profile.flow.noise_levels);
+    let rest = still.check.as_ref().filter(|check| check.is_sound()).map(|_| place.as_path());
+    let place = folder.join("board");
+    let board = looker.board(&place, &bare, answers, rest);
     let distance = answers.distance().map(|prior| format!("{} ± {} mm", prior.value, prior.deviation));
+    let view = answers.view_mm().map(|view| format!("{view} mm"));
+    let gel = answers.gel().map(|gel| {
+        let modulus = gel.youngs_modulus_mpa.map(|modulus| format!(", {modulus} MPa")).unwrap_or_default();
+        format!("{} × {} × {} mm{modulus}", gel.size_mm[0], gel.size_mm[1], gel.thickness_mm)
+    });
     let mut steps = vec![
         still,
-        Step::recording(Kind::Board, folder.join("board"), board),
+        Step::recording(Kind::Board, place, board),
         Step::question(Kind::Distance, "distance", distance),
+        Step::question(Kind::View, "view", view),
+        Step::question(Kind::Gel, "gel", gel),
     ];
-    for folder in press_folders(folder) {
-        let check = press(&folder, &profile, output);
-        steps.push(Step::recording(Kind::Press, folder, check));
+    for place in press_folders(folder) {
+        let check = looker.press(&place, &bare, rest);
+        steps.push(Step::recording(Kind::Press, place, check));
     }
-    if let Some(step) =
-        steps.iter_mut().find(|step| step.state != State::Done).filter(|step| step.state == State::Later)
-    {
+    looker.checks.save();
+    if let Some(step) = steps.iter_mut().find(|step| step.is_open()).filter(|step| step.state == State::Later) {
         step.state = State::Next;
     }
     Ok(steps)
 }
 
-/// The camera's noise, grey levels, where a sound recording shows that the profile's is off by a quarter or more. Half a
-/// level is what rounding and a lossless file leave at least.
-pub(super) fn noise_to_set(still: &Step, profile: &Profile) -> Option<f32> {
+/// The camera's noise as a sound recording of the untouched gel shows it, grey levels. Half a level is what rounding and a
+/// lossless file leave at least.
+pub(super) fn noise_to_set(still: &Step) -> Option<f32> {
     let check = still.check.as_ref().filter(|check| check.is_sound())?;
     let noise = check.noise_levels?.max(0.5);
-    let ratio = noise / f64::from(profile.flow.noise_levels);
-    (!(0.8..=1.25).contains(&ratio)).then_some(((100.0 * noise).round() / 100.0) as f32)
+    Some(((100.0 * noise).round() / 100.0) as f32)
 }
 
-fn still(folder: &Path, profile: &Profile, output: OutputArgs) -> Option<RecordingCheck> {
-    judge(folder, output, |size, is_colour| {
-        let region = profile.region(size).map_err(|error| Fault::unreadable(&error, error.hint()))?;
-        let check = StillCheck::new(region, is_colour, &profile.flow);
-        Ok(Box::new(check.map_err(|error| Fault::unreadable(&error, None))?))
-    })
-}
-
-fn board(folder: &Path, profile: &Profile, answers: &Answers, output: OutputArgs) -> Option<RecordingCheck> {
-    judge(folder, output, |size, is_colour| {
-        let region = profile.region(size).map_err(|error| Fault::unreadable(&error, error.hint()))?;
-        let check = BoardCheck::new(region, is_colour, &profile.flow, answers.slide());
-        Ok(Box::new(check.map_err(|error| Fault::from(&error))?))
-    })
-}
-
-fn press(folder: &Path, profile: &Profile, output: OutputArgs) -> Option<RecordingCheck> {
-    if is_empty(folder) {
-        return None;
-    }
-    match PressFolder::open(folder) {
-        Ok(press) => judge(&press.images, output, |size, is_colour| {
-            Ok(Box::new(PressCheck::new(&press, profile, size, is_colour)?))
-        }),
-        Err(error) => Some(RecordingCheck::refused(Fault::from(&error))),
-    }
-}
-
-/// Checks the recording of a folder; none where there is nothing in it.
-fn judge(
-    folder: &Path,
+/// Checks recordings, each once.
+struct Looker {
+    checks: Checks,
     output: OutputArgs,
-    make: impl FnOnce((usize, usize), bool) -> Result<Box<dyn Check>, Fault>,
-) -> Option<RecordingCheck> {
-    if is_empty(folder) {
-        return None;
+}
+
+impl Looker {
+    fn still(&mut self, folder: &Path, profile: &Profile) -> Option<RecordingCheck> {
+        self.judge(folder, &profile.to_toml(), None, |size, is_colour, _| {
+            let region = profile.region(size).map_err(|error| Fault::unreadable(&error, error.hint()))?;
+            let check = StillCheck::new(region, is_colour, &profile.flow);
+            Ok(Box::new(check.map_err(|error| Fault::unreadable(&error, None))?))
+        })
     }
-    let folder = images_of(folder);
-    let unreadable = |error: SourceError| Fault::unreadable(&error, error.hint());
-    let read = || {
-        let mut source = open(&folder, &Options::default()).map_err(unreadable)?;
+
+    fn board(
+        &mut self,
+        folder: &Path,
+        profile: &Profile,
+        answers: &Answers,
+        rest: Option<&Path>,
+    ) -> Option<RecordingCheck> {
+        let slide = answers.slide();
+        let settings = format!("{}{slide:?}", profile.to_toml());
+        self.judge(folder, &settings, rest, |size, is_colour, rest| {
+            of_one_size(size, rest)?;
+            let region = profile.region(size).map_err(|error| Fault::unreadable(&error, error.hint()))?;
+            let check = BoardCheck::new(region, is_colour, &profile.flow, slide);
+            Ok(Box::new(check.map_err(|error| Fault::from(&error))?))
+        })
+    }
+
+    fn press(&mut self, folder: &Path, profile: &Profile, rest: Option<&Path>) -> Option<RecordingCheck> {
+        if is_empty(folder) {
+            return None;
+        }
+        let press = match PressFolder::open(folder) {
+            Ok(press) => press,
+            Err(error) => return Some(RecordingCheck::refused(Fault::from(&error))),
+        };
+        self.judge(folder, &profile.to_toml(), rest, |size, is_colour, rest| {
+            of_one_size(size, rest)?;
+            let check = PressCheck::new(&press, profile, size, is_colour)?;
+            Ok(Box::new(match rest {
+                Some(rest) => check.with_rest(rest)?,
+                None => check,
+            }))
+        })
+    }
+
+    /// Checks the recording of a folder, beside the untouched gel where that is known; none where there is nothing in it.
+    fn judge(
+        &mut self,
+        folder: &Path,
+        settings: &str,
+        rest: Option<&Path>,
+        make: impl FnOnce((usize, usize), bool, Option<&Frame>) -> Result<Box<dyn Check>, Fault>,
+    ) -> Option<RecordingCheck> {
+        if is_empty(folder) {
+            return None;
+        }
+        let key = Key::of(settings, [Some(folder), rest].into_iter().flatten());
+        if let Some(check) = self.checks.of(folder, key) {
+            return Some(check);
+        }
+        let check = self.read(folder, rest, make).unwrap_or_else(RecordingCheck::refused);
+        self.checks.keep(folder, key, &check);
+        Some(check)
+    }
+
+    fn read(
+        &self,
+        folder: &Path,
+        rest: Option<&Path>,
+        make: impl FnOnce((usize, usize), bool, Option<&Frame>) -> Result<Box<dyn Check>, Fault>,
+    ) -> Result<RecordingCheck, Fault> {
+        let unreadable = |error: SourceError| Fault::unreadable(&error, error.hint());
+        let rest = rest.map(|rest| open(images_of(rest), &Options::default())?.next_frame()).transpose();
+        let rest = rest.map_err(unreadable)?.flatten();
+        let mut source = open(images_of(folder), &Options::default()).map_err(unreadable)?;
         let size = source.size();
-        let bar = output.progress("checking", source.frame_count());
+        let bar = self.output.progress("checking", source.frame_count());
         let Some(first) = source.next_frame().map_err(unreadable)? else { return Ok(RecordingCheck::default()) };
-        let mut check = make(size, first.pixels.is_colour())?;
+        let mut check = make(size, first.pixels.is_colour(), rest.as_ref())?;
         let mut next = Some(first);
         while let Some(frame) = next {
             check.push(&frame);
@@ -164,8 +231,17 @@ fn judge(
         }
         bar.finish_and_clear();
         Ok(check.finish())
+    }
+}
+
+/// Refuses images of another size than those of the untouched gel.
+fn of_one_size((width, height): (usize, usize), rest: Option<&Frame>) -> Result<(), Fault> {
+    let Some((columns, rows)) = rest.map(|rest| rest.pixels.size()).filter(|&size| size != (width, height)) else {
+        return Ok(());
     };
-    Some(read().unwrap_or_else(RecordingCheck::refused))
+    let (measured, allowed) = (format!("images of {width}x{height} px"), format!("{columns}x{rows} px, as in still"));
+    let remedy = "take all recordings with this sensor's camera, at one size";
+    Err(Fault::new(What::OtherSensor, measured, allowed, remedy))
 }
 
 /// Where a recording's images are: in its subfolder frames, as a simulation writes it, or in itself.

@@ -18,7 +18,7 @@ impl fmt::Display for Progress<'_> {
         if let Some(outcome) = &self.outcome {
             return outcome.fmt(f);
         }
-        match self.steps.iter().find(|step| step.state != State::Done) {
+        match self.steps.iter().find(|step| step.is_open()) {
             Some(step) => write_next(f, step, self.folder),
             None => Ok(()),
         }
@@ -31,10 +31,14 @@ fn write_row(f: &mut fmt::Formatter<'_>, step: &Step) -> fmt::Result {
         State::Redo => "redo",
         State::Next => "next",
         State::Later => "-",
+        State::Optional => "ask",
     };
     write!(f, "  {mark:4}  {:10}", step.name)?;
     if let Some(answer) = &step.answer {
         write!(f, "{answer}")?;
+    }
+    if step.state == State::Optional {
+        write!(f, "{}", question(step.kind))?;
     }
     let Some(check) = &step.check else { return writeln!(f) };
     if check.images > 0 {
@@ -62,6 +66,19 @@ fn write_next(f: &mut fmt::Formatter<'_>, step: &Step, folder: &Path) -> fmt::Re
     writeln!(f, "Then: fingervision calibrate --folder {}{answer}", folder.display())
 }
 
+/// A question that may stay open, and what its answer is good for.
+fn question(kind: Kind) -> &'static str {
+    match kind {
+        Kind::View => {
+            "what a ruler on the gel shows from the image's left border to its right one: --view-mm 30 (checks the board's step)"
+        }
+        Kind::Gel => {
+            "the gel's width, height, thickness: --gel-mm 30,30,10 (for depth by elasticity, contact and force)"
+        }
+        _ => "",
+    }
+}
+
 /// How a step is done, in lines.
 fn how_to(kind: Kind) -> String {
     match kind {
@@ -78,10 +95,11 @@ fn how_to(kind: Kind) -> String {
         Kind::Distance => "The slide does not tell a near camera from a long lens. Measure from the lens (its middle) to the gel's surface, in\n\
              mm, and say how far that may be off."
             .into(),
+        Kind::View | Kind::Gel => question(kind).into(),
         Kind::Press => "Press a small flat stamp, some mm wide, straight into the gel and stop at known depths, on a stage or with shims: the first\n\
              image untouched, then 5 to 10 depths down to 1 to 3 mm. One press at the centre, one midway, one towards a corner;\n\
              nine, each place to 1, 2 and 3 mm, are better than three. Beside the images write depth.csv: a line frame,depth_mm,\n\
-             then a row for every image, from 0, as in 0,0.0 and 1,0.2."
+             then a row for every image, from 0, as in 0,0.0 and 1,0.2. A third column, force_z_n, in N from a scale, gives force."
             .into(),
     }
 }

@@ -6,6 +6,7 @@
 
 mod lettering;
 mod page;
+mod paper;
 mod pdf;
 mod png;
 mod svg;
@@ -14,6 +15,7 @@ use fingervision_image::Image;
 
 use super::{Motif, Pattern, PatternError, discs};
 use page::{Artwork, Page};
+pub use paper::Paper;
 
 /// A pattern laid out on a page.
 #[derive(Debug, Clone)]
@@ -31,39 +33,18 @@ impl Print {
     ///
     /// As [`Pattern::texture`].
     pub fn new(pattern: &Pattern, size_mm: [f64; 2]) -> Result<Self, PatternError> {
-        pattern.check_size(size_mm)?;
-        let [dark, bright] = pattern.levels;
-        let (mut pattern_mm, mut cell) = (size_mm, None);
-        let mut facts = vec![format!("fingervision {}", env!("CARGO_PKG_VERSION"))];
-        let artwork = match pattern.motif {
-            Motif::Colour { cell_mm } => {
-                let cells = pattern.colours(size_mm)?.into_cells();
-                let (columns, rows) = cells.size();
-                (pattern_mm, cell) = ([columns, rows].map(|count| count as f64 * cell_mm), Some(cell_mm));
-                facts.extend(["colour".into(), format!("cell {} mm", length(cell_mm))]);
-                facts.push(format!("{columns} x {rows} cells"));
-                Artwork::Cells(Image::from_fn(columns, rows, |x, y| cells.at(x, y).map(|level| level as u8)))
-            }
-            Motif::Dots { count: [columns, rows], diameter_mm } => {
-                facts.extend([format!("{columns} x {rows} dots"), format!("diameter {} mm", length(diameter_mm))]);
-                let discs = discs::dots([columns, rows], diameter_mm, size_mm);
-                Artwork::Discs { discs, dark, bright }
-            }
-            Motif::Speckle { diameter_mm, coverage } => {
-                facts.extend(["speckle".into(), format!("diameter {} mm", length(diameter_mm))]);
-                facts.push(format!("coverage {} %", length(100.0 * coverage)));
-                let (discs, _) = discs::speckle(diameter_mm, coverage, size_mm, pattern.seed)?;
-                let discs = discs.into_iter().flat_map(|disc| disc.copies(size_mm)).collect();
-                Artwork::Discs { discs, dark, bright }
-            }
-        };
-        facts.push(format!("{} x {} mm", length(pattern_mm[0]), length(pattern_mm[1])));
-        facts.push(format!("levels {dark}-{bright}"));
-        if !matches!(pattern.motif, Motif::Dots { .. }) {
-            facts.push(format!("seed {}", pattern.seed));
-        }
-        facts.push("print at 100 %".into());
-        Ok(Self { page: Page::around(pattern_mm, artwork, &facts), cell_mm: cell })
+        let Parts { pattern_mm, artwork, facts, cell_mm } = Parts::of(pattern, size_mm)?;
+        Ok(Self { page: Page::around(pattern_mm, artwork, &facts), cell_mm })
+    }
+
+    /// The same in the middle of a sheet of paper, which lies where the pattern is too wide for it upright.
+    ///
+    /// # Errors
+    ///
+    /// As [`Print::new`], and [`PatternError::Paper`] if the pattern does not fit.
+    pub fn on_paper(pattern: &Pattern, size_mm: [f64; 2], paper: Paper) -> Result<Self, PatternError> {
+        let Parts { pattern_mm, artwork, facts, cell_mm } = Parts::of(pattern, size_mm)?;
+        Ok(Self { page: Page::on_paper(paper, pattern_mm, artwork, &facts)?, cell_mm })
     }
 
     /// Width and height of the pattern, mm.
@@ -137,6 +118,52 @@ impl Print {
         let even =
             resolutions.filter(|px| *px <= f64::from(u32::MAX)).map(|px| px as u32).filter(|&px| self.is_even(px));
         even.min_by_key(|px| px.abs_diff(px_per_m))
+    }
+}
+
+/// What goes onto a page, wherever it is put there.
+struct Parts {
+    pattern_mm: [f64; 2],
+    artwork: Artwork,
+    facts: Vec<String>,
+    cell_mm: Option<f64>,
+}
+
+impl Parts {
+    fn of(pattern: &Pattern, size_mm: [f64; 2]) -> Result<Self, PatternError> {
+        pattern.check_size(size_mm)?;
+        let [dark, bright] = pattern.levels;
+        let (mut pattern_mm, mut cell) = (size_mm, None);
+        let mut facts = vec![format!("fingervision {}", env!("CARGO_PKG_VERSION"))];
+        let artwork = match pattern.motif {
+            Motif::Colour { cell_mm } => {
+                let cells = pattern.colours(size_mm)?.into_cells();
+                let (columns, rows) = cells.size();
+                (pattern_mm, cell) = ([columns, rows].map(|count| count as f64 * cell_mm), Some(cell_mm));
+                facts.extend(["colour".into(), format!("cell {} mm", length(cell_mm))]);
+                facts.push(format!("{columns} x {rows} cells"));
+                Artwork::Cells(Image::from_fn(columns, rows, |x, y| cells.at(x, y).map(|level| level as u8)))
+            }
+            Motif::Dots { count: [columns, rows], diameter_mm } => {
+                facts.extend([format!("{columns} x {rows} dots"), format!("diameter {} mm", length(diameter_mm))]);
+                let discs = discs::dots([columns, rows], diameter_mm, size_mm);
+                Artwork::Discs { discs, dark, bright }
+            }
+            Motif::Speckle { diameter_mm, coverage } => {
+                facts.extend(["speckle".into(), format!("diameter {} mm", length(diameter_mm))]);
+                facts.push(format!("coverage {} %", length(100.0 * coverage)));
+                let (discs, _) = discs::speckle(diameter_mm, coverage, size_mm, pattern.seed)?;
+                let discs = discs.into_iter().flat_map(|disc| disc.copies(size_mm)).collect();
+                Artwork::Discs { discs, dark, bright }
+            }
+        };
+        facts.push(format!("{} x {} mm", length(pattern_mm[0]), length(pattern_mm[1])));
+        facts.push(format!("levels {dark}-{bright}"));
+        if !matches!(pattern.motif, Motif::Dots { .. }) {
+            facts.push(format!("seed {}", pattern.seed));
+        }
+        facts.push("print at 100 %".into());
+        Ok(Self { pattern_mm, artwork, facts, cell_mm: cell })
     }
 }
 

@@ -4,12 +4,17 @@
 use fingervision_image::Image;
 
 use super::lettering;
+use super::paper::Paper;
 use crate::pattern::disc::Disc;
+use crate::pattern::error::PatternError;
 
 /// From the page's border to the pattern, mm.
 const MARGIN_MM: f64 = 10.0;
 /// Least width between the margins, mm: room for the caption.
 const LEAST_WIDTH_MM: f64 = 30.0;
+/// From a sheet's border to a pattern that is centred on it, mm: most printers leave out the outermost 5 mm, and crop marks
+/// lie between.
+const SHEET_MARGIN_MM: f64 = 12.0;
 /// From the pattern to a crop mark, and the mark's end, mm.
 const CROP_MARK_MM: [f64; 2] = [2.0, 7.0];
 /// Width of crop marks and of the scale bar's ticks, mm.
@@ -58,18 +63,60 @@ impl Page {
     pub(super) fn around(pattern_mm: [f64; 2], artwork: Artwork, facts: &[String]) -> Self {
         let width = pattern_mm[0].max(LEAST_WIDTH_MM) + 2.0 * MARGIN_MM;
         let origin_mm = [0.5 * (width - pattern_mm[0]), MARGIN_MM];
-        let mut strokes = crop_marks(origin_mm, pattern_mm);
-        let bar_y = origin_mm[1] + pattern_mm[1] + SCALE_BAR_BELOW_MM;
-        scale_bar([MARGIN_MM, bar_y], &mut strokes);
-        let lines = wrapped(facts, width - 2.0 * MARGIN_MM);
-        let mut baseline = bar_y + LINE_HEIGHT_MM;
-        for line in &lines {
-            baseline += LINE_HEIGHT_MM;
-            lettering::write(line, [MARGIN_MM, baseline], LETTER_MM, &mut strokes);
-        }
-        let size_mm = [width, baseline + LINE_HEIGHT_MM];
+        let (strokes, bottom) = surroundings(origin_mm, pattern_mm, [MARGIN_MM, width - MARGIN_MM], facts);
+        let size_mm = [width, bottom + LINE_HEIGHT_MM];
         Self { size_mm, origin_mm, pattern_mm, artwork, strokes, caption: facts.join(", ") }
     }
+
+    /// The pattern in the middle of a sheet, upright or, where only that will do, lying.
+    ///
+    /// # Errors
+    ///
+    /// [`PatternError::Paper`] if neither will.
+    pub(super) fn on_paper(
+        paper: Paper,
+        pattern_mm: [f64; 2],
+        artwork: Artwork,
+        facts: &[String],
+    ) -> Result<Self, PatternError> {
+        let [narrow, long] = paper.size_mm();
+        let sheets = [[narrow, long], [long, narrow]];
+        let fits = |room: [f64; 2]| (0..2).all(|axis| pattern_mm[axis] <= room[axis] + 1e-6);
+        let sheet = sheets.into_iter().find(|&sheet| fits(room(sheet, facts)));
+        let Some(size_mm) = sheet else {
+            let room_mm = sheets.map(|sheet| room(sheet, facts));
+            return Err(PatternError::Paper { paper: paper.to_string(), pattern_mm, room_mm });
+        };
+        let origin_mm = [0, 1].map(|axis| 0.5 * (size_mm[axis] - pattern_mm[axis]));
+        let sides = [SHEET_MARGIN_MM, size_mm[0] - SHEET_MARGIN_MM];
+        let (strokes, _) = surroundings(origin_mm, pattern_mm, sides, facts);
+        Ok(Self { size_mm, origin_mm, pattern_mm, artwork, strokes, caption: facts.join(", ") })
+    }
+}
+
+/// Width and height of the largest pattern in the middle of a sheet, whole mm: below it, bar and caption take their room.
+fn room([width, height]: [f64; 2], facts: &[String]) -> [f64; 2] {
+    let lines = wrapped(facts, width - 2.0 * SHEET_MARGIN_MM).len() as f64;
+    let below = SCALE_BAR_BELOW_MM + LINE_HEIGHT_MM * (lines + 2.0) + 0.5 * SHEET_MARGIN_MM;
+    [(width - 2.0 * SHEET_MARGIN_MM).floor(), (height - 2.0 * below.max(SHEET_MARGIN_MM)).floor()]
+}
+
+/// Crop marks, scale bar and caption, these two between a left and a right end, and where the caption's last line stands.
+fn surroundings(
+    origin_mm: [f64; 2],
+    pattern_mm: [f64; 2],
+    [left, right]: [f64; 2],
+    facts: &[String],
+) -> (Vec<Stroke>, f64) {
+    let mut strokes = crop_marks(origin_mm, pattern_mm);
+    let bar_y = origin_mm[1] + pattern_mm[1] + SCALE_BAR_BELOW_MM;
+    scale_bar([left, bar_y], &mut strokes);
+    let mut baseline = bar_y + LINE_HEIGHT_MM;
+    for line in &wrapped(facts, right - left) {
+        baseline += LINE_HEIGHT_MM;
+        lettering::write(line, [left, baseline], LETTER_MM, &mut strokes);
+    }
+    (strokes, baseline)
 }
 
 /// Two lines at every corner of the pattern, outside it, that end where it would be cut.
@@ -140,6 +187,34 @@ mod tests {
                     assert!(!is_inside, "{point:?} in a pattern of {pattern_mm:?} at {origin_mm:?}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_pattern_is_centred_on_a_sheet_with_all_around_it_in_reach_of_a_printer() {
+        let facts = ["colour", "cell 0.1 mm", "a fact of some length", "seed 18446744073709551615"].map(String::from);
+        let cells = || Artwork::Cells(Image::filled(3, 3, [0; 3]));
+        for (paper, pattern_mm, sheet_mm) in [
+            (Paper::A4, [30.0, 30.0], [210.0, 297.0]),
+            (Paper::A4, [186.0, 240.0], [210.0, 297.0]),
+            (Paper::Letter, [190.0, 20.0], [215.9, 279.4]),
+            (Paper::Letter, [230.0, 90.0], [279.4, 215.9]),
+        ] {
+            let page = Page::on_paper(paper, pattern_mm, cells(), &facts).unwrap();
+            assert!((0..2).all(|axis| (page.size_mm[axis] - sheet_mm[axis]).abs() < 1e-9), "{:?}", page.size_mm);
+            for axis in 0..2 {
+                let middle = page.origin_mm[axis] + 0.5 * pattern_mm[axis];
+                assert!((middle - 0.5 * sheet_mm[axis]).abs() < 1e-9, "{middle} mm on {sheet_mm:?}");
+                for point in page.strokes.iter().flat_map(|stroke| &stroke.points_mm) {
+                    assert!((4.9..=sheet_mm[axis] - 4.9).contains(&point[axis]), "{point:?} on {sheet_mm:?}");
+                }
+            }
+        }
+        let error = Page::on_paper(Paper::A4, [187.0, 200.0], cells(), &facts).unwrap_err();
+        assert!(error.hint().contains("186x"), "{}", error.hint());
+        for room in [[186.0, 250.0], [250.0, 150.0]] {
+            let PatternError::Paper { room_mm, .. } = &error else { panic!("{error}") };
+            assert!(room_mm.iter().any(|[width, _]| *width >= room[0]), "{room_mm:?}");
         }
     }
 

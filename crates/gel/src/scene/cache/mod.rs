@@ -32,6 +32,7 @@ pub struct PressCache {
 
 /// What is wrong with the cache. A press can be solved all the same.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CacheError {
     /// An entry is not what was written.
     #[error("{} in the cache of solved presses is damaged", path.display())]

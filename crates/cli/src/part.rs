@@ -1,0 +1,144 @@
+//! Which frames of a recording are tracked.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use crate::failure::Failure;
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(crate) struct PartArgs {
+    /// Write only the readings of these frames: from A up to but not including B, as in 100..200, 100.. or ..200
+    ///
+    /// Frames have the numbers of readings.csv: from 0, or those in the names of the images. Tracking begins at the reference frame all the same, so that what is written is, to the bit,
+    /// what the whole recording gives; numbers and times of the frames stay those of the recording. To save the time until A, name a
+    /// later frame that shows the gel untouched with --reference-frame.
+    #[arg(long, value_name = "A..B", value_parser = frames)]
+    frames: Option<Frames>,
+    /// The frame that shows the gel untouched: tracking begins with it, and displacement is relative to it
+    ///
+    /// Without it the first of the recording.
+    #[arg(long, value_name = "N")]
+    reference_frame: Option<u64>,
+}
+
+/// Frames from the first up to but not including the end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Frames {
+    first: u64,
+    end: Option<u64>,
+}
+
+/// The part of a recording that is tracked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub(crate) struct Part {
+    /// The first frame tracked; absent: the first of the recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) reference: Option<u64>,
+    /// The first frame written.
+    pub(crate) first: u64,
+    /// The frame behind the last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) end: Option<u64>,
+}
+
+impl PartArgs {
+    /// The part that is asked for.
+    ///
+    /// # Errors
+    ///
+    /// A reference behind the first frame to write.
+    pub(crate) fn part(self) -> Result<Part, Failure> {
+        let reference = self.reference_frame;
+        let frames = self.frames.unwrap_or(Frames { first: reference.unwrap_or(0), end: None });
+        let Some(reference_frame) = reference.filter(|&reference| reference > frames.first) else {
+            return Ok(Part { reference, first: frames.first, end: frames.end });
+        };
+        Err(Failure::new(
+            format!("--reference-frame {reference_frame} comes after the first frame of --frames {frames}"),
+            "name a frame before the part, or its first one",
+        ))
+    }
+}
+
+impl Part {
+    /// Whether it is the whole recording.
+    pub(crate) fn is_whole(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Whether a frame is written.
+    pub(crate) fn is_written(&self, sequence: u64) -> bool {
+        sequence >= self.first
+    }
+
+    /// Whether a frame lies behind the part.
+    pub(crate) fn is_behind(&self, sequence: u64) -> bool {
+        self.end.is_some_and(|end| sequence >= end)
+    }
+
+    /// The error of a recording that has none of the frames.
+    pub(crate) fn absent(&self) -> Failure {
+        let frames = Frames { first: self.first, end: self.end };
+        let hint = "name frames that it has: readings.csv of a run over all of it lists them";
+        Failure::new(format!("the recording has no frame in --frames {frames}"), hint)
+    }
+
+    /// The most frames that are written of a recording of so many.
+    pub(crate) fn written(&self, count: Option<u64>) -> Option<u64> {
+        let part = self.end.map(|end| end - self.first);
+        count.map_or(part, |count| Some(part.map_or(count, |part| part.min(count))))
+    }
+
+    /// How many frames are tracked of a recording of so many; known for the whole alone, since numbers may have gaps.
+    pub(crate) fn tracked(&self, count: Option<u64>) -> Option<u64> {
+        count.filter(|_| self.is_whole())
+    }
+}
+
+impl fmt::Display for Frames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}..", self.first)?;
+        self.end.map_or(Ok(()), |end| write!(f, "{end}"))
+    }
+}
+
+fn frames(text: &str) -> Result<Frames, String> {
+    let number = |text: &str| text.trim().parse::<u64>().ok();
+    let parse = || {
+        let (first, end) = text.split_once("..")?;
+        let first = if first.is_empty() { 0 } else { number(first)? };
+        let end = if end.is_empty() { None } else { Some(number(end)?) };
+        end.is_none_or(|end| end > first).then_some(Frames { first, end })
+    };
+    parse().ok_or_else(|| "it takes A..B with A below B, as in 100..200, 100.. or ..200".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn either_end_may_be_left_open() {
+        for (text, first, end) in [("3..7", 3, Some(7)), ("3..", 3, None), ("..7", 0, Some(7)), ("..", 0, None)] {
+            assert_eq!(frames(text), Ok(Frames { first, end }), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_part_is_refused() {
+        for text in ["", "3", "7..3", "3..3", "-1..3", "a..b", "3..=7"] {
+            assert!(frames(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn no_more_is_written_than_the_part_and_the_recording_have() {
+        let part = |end| Part { reference: None, first: 3, end };
+        assert_eq!(part(Some(10)).written(Some(100)), Some(7));
+        assert_eq!(part(Some(10)).written(None), Some(7));
+        assert_eq!(part(Some(10)).written(Some(5)), Some(5));
+        assert_eq!(part(None).written(Some(5)), Some(5));
+        assert_eq!(part(None).written(None), None);
+    }
+}

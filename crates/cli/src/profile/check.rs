@@ -1,0 +1,73 @@
+//! `fingervision profile check`: what is wrong, looks wrong or is missing.
+
+use std::fmt;
+use std::io::Write;
+use std::path::PathBuf;
+
+use fingervision_source::{Options, open};
+use fingervision_touch::{Profile, ProfileReview, Weight};
+use serde::Serialize;
+
+use super::show::Facts;
+use crate::failure::Failure;
+use crate::output::OutputArgs;
+
+/// Check a profile: values that cannot be or look wrong, and what is missing for depth and force
+///
+/// Faults, with which tracking fails or its numbers are wrong, make the command exit with 1; warnings and what is missing do not. With
+/// a recording the profile is checked against the size of its frames, too.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The profile, or the run.toml of a run
+    file: PathBuf,
+    /// A recording of the sensor: whatever `track` takes
+    source: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+#[derive(Debug, Serialize)]
+struct Checked {
+    file: PathBuf,
+    /// Columns and rows of the recording's frames, px.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame_size: Option<(usize, usize)>,
+    is_sound: bool,
+    #[serde(flatten)]
+    review: ProfileReview,
+    #[serde(skip)]
+    profile: Profile,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    let profile = Profile::load(&args.file)?;
+    let source = args.source.as_ref().map(|source| open(source, &Options::default())).transpose()?;
+    let frame_size = source.map(|source| source.size());
+    let review = profile.review(frame_size);
+    let faults: Vec<_> = review.remarks.iter().filter(|remark| remark.weight == Weight::Fault).cloned().collect();
+    let checked = Checked { file: args.file.clone(), frame_size, is_sound: faults.is_empty(), review, profile };
+    args.output.result(out, &checked, &checked.to_string())?;
+    let Some(first) = faults.into_iter().next() else { return Ok(()) };
+    Err(Failure::new(format!("{}: {}", args.file.display(), first.message), first.hint))
+}
+
+impl fmt::Display for Checked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { review, profile, .. } = self;
+        writeln!(f, "profile         \"{}\", {}", profile.name, self.file.display())?;
+        if let Some((width, height)) = self.frame_size {
+            writeln!(f, "frames          {width}x{height} px")?;
+        }
+        write!(f, "{}", Facts { review, profile })?;
+        for remark in &review.remarks {
+            writeln!(f, "{:15} {}", Facts::word(remark.weight), remark.message)?;
+            writeln!(f, "{:15} {}", "", remark.hint)?;
+        }
+        let count = |weight| review.remarks.iter().filter(|remark| remark.weight == weight).count();
+        match (count(Weight::Fault), count(Weight::Warning)) {
+            (0, 0) => writeln!(f, "sound"),
+            (0, warnings) => writeln!(f, "usable; {warnings} to look at"),
+            (faults, _) => writeln!(f, "{faults} to correct"),
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! `fingervision profile`: the file that describes a sensor, begun, explained and checked.
+
+mod check;
+mod new;
+mod show;
+mod template;
+
+use std::io::Write;
+
+use clap::Subcommand;
+
+use crate::failure::Failure;
+
+/// Begin, show or check a profile, the file that describes one sensor
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Debug, Subcommand)]
+enum Task {
+    New(new::Args),
+    Show(show::Args),
+    Check(check::Args),
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    match &args.task {
+        Task::New(args) => new::run(args, out),
+        Task::Show(args) => show::run(args, out),
+        Task::Check(args) => check::run(args, out),
+    }
+}

@@ -1,0 +1,59 @@
+//! What a shell and `man` know of the command: both are made from the same description as its help.
+
+use std::fs;
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::CommandFactory;
+use clap_complete::Shell;
+
+use crate::Cli;
+use crate::failure::Failure;
+
+/// The command's name, and that of its first page.
+const NAME: &str = "fingervision";
+
+/// Print the completions of a shell, so that Tab completes commands and options
+///
+/// In bash for this session: source <(fingervision completions bash). For all sessions, write them to where the shell looks, as in
+/// fingervision completions bash > ~/.local/share/bash-completion/completions/fingervision
+#[derive(Debug, clap::Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+/// Write the manual: a page for the command and one for each subcommand
+///
+/// Without --out the first page is printed, to be read with: fingervision man | man -l -
+#[derive(Debug, clap::Args)]
+pub(crate) struct ManArgs {
+    /// The folder to write all pages to, as in ~/.local/share/man/man1; earlier pages there are replaced
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+pub(crate) fn completions(args: &CompletionsArgs, out: &mut impl Write) -> Result<(), Failure> {
+    // A closed pipe is no failure: what is generated is written here.
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut text);
+    Ok(out.write_all(&text)?)
+}
+
+pub(crate) fn man(args: &ManArgs, out: &mut impl Write) -> Result<(), Failure> {
+    let Some(folder) = &args.out else {
+        let mut text = Vec::new();
+        // As on the written pages: `help` has none of its own.
+        clap_mangen::Man::new(Cli::command().disable_help_subcommand(true)).render(&mut text)?;
+        return Ok(out.write_all(&text)?);
+    };
+    let written = fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
+    written.map_err(|error| {
+        let message = format!("{}: the pages cannot be written: {}", folder.display(), error.kind());
+        Failure::new(message, "name a folder that you may write with --out")
+    })?;
+    let folder = folder.display();
+    writeln!(out, "the manual is in {folder}; read it with: man -l {folder}/{NAME}.1")?;
+    Ok(())
+}

@@ -1,0 +1,23 @@
+//! How many threads the command may use.
+
+use std::num::NonZero;
+
+use crate::failure::Failure;
+
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(crate) struct ThreadArgs {
+    /// Use at most N threads; without it, one per core. The result does not depend on it
+    #[arg(long, global = true, value_name = "N")]
+    threads: Option<NonZero<usize>>,
+}
+
+impl ThreadArgs {
+    /// Holds from now on, for all that runs side by side.
+    pub(crate) fn apply(self) -> Result<(), Failure> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
+        pool.build_global().map_err(|error| {
+            Failure::new(format!("{threads} threads cannot be started: {error}"), "name fewer with --threads")
+        })
+    }
+}

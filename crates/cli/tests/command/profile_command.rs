@@ -1,0 +1,179 @@
+//! `profile new`, `show` and `check`, and a run's own record as profile.
+
+use std::fs;
+use std::path::Path;
+
+use fingervision_touch::Profile;
+use serde_json::Value;
+
+use crate::workbench::{Ended, Workbench};
+
+const KNOWN: &str = "--image-size 640x480 --region-of-interest 15,15,610,450 --distance-mm 25 --view-width-mm 38.125 \
+                     --gel-size-mm 30,30 --thickness-mm 10";
+
+fn json(ended: &Ended) -> Value {
+    serde_json::from_str(&ended.out).unwrap_or_else(|error| panic!("{error}: {ended:?}"))
+}
+
+#[test]
+fn a_new_profile_holds_what_is_known_and_says_what_is_not() {
+    let bench = Workbench::new();
+    let ended = bench.run(&format!("profile new --out sensor.toml {KNOWN}")).expect_done();
+    assert!(ended.errors.contains("note: no gel.youngs_modulus_mpa: no force"), "{}", ended.errors);
+    assert!(ended.out.contains("fingervision profile check sensor.toml"), "{}", ended.out);
+    let profile = Profile::load(&bench.path("sensor.toml")).unwrap();
+    let camera = profile.camera.unwrap();
+    assert_eq!((camera.focal_length_px, camera.principal_point_px), ([400.0; 2], [304.5, 224.5]));
+    assert_eq!(profile.gel.map(|gel| gel.size_mm), Some([30.0; 2]));
+    assert!(fs::read_to_string(bench.path("sensor.toml")).unwrap().contains("# youngs_modulus_mpa = 0.6"));
+    bench.run("profile check sensor.toml").expect_done();
+}
+
+#[test]
+fn a_new_profile_replaces_none_unless_told() {
+    let bench = Workbench::new();
+    bench.run("profile new --out sensor.toml").expect_done();
+    let ended = bench.run("profile new --out sensor.toml --thickness-mm 8 --gel-size-mm 20,20");
+    ended.expect_failure("sensor.toml exists already", "--overwrite");
+    assert_eq!(Profile::load(&bench.path("sensor.toml")).unwrap().gel, None, "the file is as it was");
+    bench.run("profile new --out sensor.toml --thickness-mm 8 --gel-size-mm 20,20 --overwrite").expect_done();
+    assert!(Profile::load(&bench.path("sensor.toml")).unwrap().gel.is_some());
+    let ended = bench.run("profile new --out nowhere/sensor.toml");
+    ended.expect_failure("cannot write the profile nowhere/sensor.toml", "a folder that exists");
+}
+
+#[test]
+fn a_new_profile_that_cannot_be_is_not_written() {
+    let bench = Workbench::new();
+    let ended = bench.run("profile new --out sensor.toml --image-size 320x240 --region-of-interest 15,15,610,450");
+    ended.expect_failure("reaches outside the frames of 320x240 px", "[0, 0, 320, 240]");
+    let ended = bench.run("profile new --out sensor.toml --gel-size-mm 30,30 --thickness-mm 10000");
+    ended.expect_failure("gel.thickness_mm = 10000.0 is impossible", "");
+    let ended = bench.run("profile new --out sensor.toml --distance-mm 25 --view-width-mm 30");
+    ended.expect_failure("--view-width-mm 30 gives no focal length", "--image-size");
+    assert!(!bench.path("sensor.toml").exists());
+}
+
+#[test]
+fn what_is_shown_says_what_is_switched_on() {
+    let bench = Workbench::new();
+    bench.run(&format!("profile new --out sensor.toml {KNOWN}")).expect_done();
+    let text = bench.run("profile show sensor.toml").expect_done().out;
+    for line in [
+        "tracked         610x450 px at (15, 15)",
+        "depth           elastic",
+        "force           no",
+        "pixel           0.0625 mm",
+        "field of view   38.1 x 28.1 mm",
+        "training range  inside",
+        "policy = \"anchored\"",
+    ] {
+        assert!(text.contains(line), "no \"{line}\" in {text}");
+    }
+    let shown = json(&bench.run("profile show sensor.toml --set gel.youngs_modulus_mpa=0.6 --json").expect_done());
+    assert_eq!((&shown["has_force"], &shown["depth"]), (&true.into(), &"elastic".into()));
+    assert_eq!(shown["profile"]["density"]["sigma_px"].as_f64(), Some(2.0));
+    let toml = bench.run("profile show sensor.toml --toml").expect_done().out;
+    assert_eq!(Profile::from_toml(&toml).unwrap(), Profile::load(&bench.path("sensor.toml")).unwrap());
+    bench.run("profile show nowhere.toml").expect_failure("nowhere.toml: no such file", "");
+}
+
+#[test]
+fn a_fault_makes_a_check_fail() {
+    let bench = Workbench::new();
+    bench.run(&format!("profile new --out sensor.toml {KNOWN}")).expect_done();
+    let sound = fs::read_to_string(bench.path("sensor.toml")).unwrap();
+    let wrong = |from: &str, to: &str| {
+        assert!(sound.contains(from), "{from}");
+        bench.write("wrong.toml", &sound.replace(from, to));
+        bench.run("profile check wrong.toml")
+    };
+    wrong("[30.0, 30.0]", "[30000.0, 30000.0]")
+        .expect_failure("gel.size_mm = [30000.0, 30000.0] is impossible", "divide by 1000 what is in µm");
+    wrong("# youngs_modulus_mpa = 0.6", "youngs_modulus_mpa = 600.0")
+        .expect_failure("gel.youngs_modulus_mpa = 600 MPa", "write 0.6 if this is in kPa");
+    wrong("[0.0, 0.0, 25.0]", "[300.0, 0.0, 25.0]").expect_failure("does not see the gel", "translation_mm");
+    wrong("[400.0, 400.0]", "[4.0, 4.0]").expect_failure("camera.focal_length_px = 4 px", "in px");
+    wrong("thickness_mm", "thickness").expect_failure("unknown key gel.thickness", "did you mean");
+    let warned = wrong("thickness_mm = 10.0", "thickness_mm = 3.0").expect_done();
+    assert!(warned.out.contains("warning") && warned.out.contains("training range"), "{}", warned.out);
+    let checked = bench.run("profile check wrong.toml --json").expect_done();
+    assert_eq!(json(&checked)["remarks"][0]["weight"], "warning");
+}
+
+#[test]
+fn a_check_takes_the_size_of_a_recordings_frames() {
+    let bench = Workbench::new();
+    bench.press(2);
+    bench.run(&format!("profile new --out sensor.toml {KNOWN}")).expect_done();
+    let ended = bench.run("profile check sensor.toml press");
+    let ended = ended.expect_failure("reaches outside the frames of 128x96 px", "[0, 0, 128, 96]");
+    assert!(ended.out.contains("frames          128x96 px"), "{}", ended.out);
+    bench.write("bare.toml", "name = 'bare'");
+    let ended = bench.run("profile check bare.toml press").expect_done();
+    assert!(ended.out.contains("missing         no [camera]") && ended.out.contains("sound"), "{}", ended.out);
+}
+
+#[test]
+fn the_record_of_a_run_tracks_to_the_same_bytes() {
+    let bench = Workbench::new();
+    bench.press(3);
+    let set = "--set flow.noise_levels=3 --set density.sigma_px=2.3 --set depth.density={slope_mm=2,intercept_mm=0.1}";
+    bench.run(&format!("track press --out run {set}")).expect_done();
+    let arrays = |run: &str| {
+        ["flow", "density", "depth", "valid"].map(|name| fs::read(bench.path(&format!("{run}/{name}.npy"))).unwrap())
+    };
+    bench.run("track press --out again --profile run/run.toml").expect_done();
+    assert!(arrays("run") == arrays("again"), "the runs differ");
+    let [before, after] =
+        ["run", "again"].map(|run| fs::read_to_string(bench.path(&format!("{run}/run.toml"))).unwrap());
+    assert_eq!(before, after);
+    bench.run("bench --frames 3 --profile run/run.toml").expect_done();
+    bench.run("profile check run/run.toml press").expect_done();
+}
+
+#[test]
+fn a_calibration_leaves_the_record_of_a_run_alone() {
+    let bench = Workbench::new();
+    bench.press(2);
+    bench.run("track press --out run").expect_done();
+    let before = fs::read(bench.path("run/run.toml")).unwrap();
+    for command in ["depth press", "gel press", "camera press --step-mm 0.5"] {
+        let ended = bench.run(&format!("calibrate {command} --profile run/run.toml"));
+        ended.expect_failure("run/run.toml is the record of a run", "profile show run/run.toml --toml > sensor.toml");
+    }
+    assert!(fs::read(bench.path("run/run.toml")).unwrap() == before);
+}
+
+#[test]
+fn the_bench_takes_any_profile_that_can_be_tracked() {
+    let bench = Workbench::new();
+    let mut texts: Vec<(String, String)> = Vec::new();
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    for page in ["README.md", "docs/hardware.md", "docs/profile.md"] {
+        let text = fs::read_to_string(root.join(page)).unwrap();
+        let blocks = text.split("```toml\n").skip(1).filter_map(|rest| rest.split("```").next());
+        texts.extend(blocks.filter(|block| block.contains("[gel]")).map(|block| (page.to_string(), block.to_string())));
+    }
+    assert_eq!(texts.len(), 3, "the profiles that are printed");
+    let sensor = |region: &str, centre: &str| {
+        format!(
+            "{region}[camera]\nfocal_length_px = [400.0, 400.0]\nprincipal_point_px = {centre}\ntranslation_mm = [0.0, 0.0, 25.0]\n\
+             [gel]\nsize_mm = [30.0, 30.0]\nthickness_mm = 10.0\npoissons_ratio = 0.35\nyoungs_modulus_mpa = 0.6"
+        )
+    };
+    texts.push(("no region".into(), sensor("", "[239.5, 239.5]")));
+    texts.push(("a small region".into(), sensor("[image]\nregion_of_interest = [600, 500, 90, 70]\n", "[44.5, 34.5]")));
+    for (name, text) in texts {
+        bench.write("sensor.toml", &text);
+        let ended = bench.run("bench --frames 1 --profile sensor.toml --json").expect_done();
+        let report = json(&ended);
+        let mean = report["epe_px"]["mean"].as_f64().unwrap();
+        assert!(mean < 0.1, "{name}: off by {mean} px on average");
+        if name == "no region" {
+            assert_eq!(report["size"], serde_json::json!([480, 480]));
+        }
+    }
+    bench.write("sensor.toml", "[image]\nregion_of_interest = [0, 0, 100000, 100000]");
+    bench.run("bench --profile sensor.toml").expect_failure("100000x100000 px", "");
+}

@@ -1,0 +1,49 @@
+//! Which of the truth's frames a run holds that tracked a part of a recording, or left out frames that could not be read.
+
+use std::fs;
+use std::path::Path;
+
+/// The numbers of the run's frames by the column `sequence` of its table of readings; none where the run holds the first frames
+/// of so many, one after another, or the table does not say.
+pub(super) fn part(table: &Path, frames: u64) -> Option<Vec<u64>> {
+    let text = fs::read_to_string(table).ok()?;
+    let mut lines = text.lines().map(|line| line.split(',').map(str::trim));
+    let place = lines.next()?.position(|column| column == "sequence")?;
+    let numbers: Vec<u64> = lines.map(|mut cells| cells.nth(place)?.parse().ok()).collect::<Option<_>>()?;
+    let is_part = numbers.is_sorted_by(|a, b| a < b) && numbers.last().is_some_and(|&last| last < frames);
+    let is_beginning = numbers.iter().zip(0..).all(|(&number, row)| number == row);
+    (is_part && !is_beginning).then_some(numbers)
+}
+
+/// How many frames of the truth to go on by for each frame of the run.
+pub(super) fn steps(numbers: &[u64]) -> Vec<u64> {
+    let before = std::iter::once(None).chain(numbers.iter().copied().map(Some));
+    numbers.iter().zip(before).map(|(&number, before)| number + 1 - before.map_or(0, |before| before + 1)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn part_of(table: &str, frames: u64) -> Option<Vec<u64>> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("readings.csv");
+        fs::write(&path, table).unwrap();
+        part(&path, frames)
+    }
+
+    #[test]
+    fn a_part_is_told_by_its_numbers() {
+        assert_eq!(part_of("sequence,x\n3,a\n5,b\n", 6), Some(vec![3, 5]));
+        assert_eq!(part_of("x,sequence\n0,0\n0,2\n", 6), Some(vec![0, 2]));
+        assert_eq!(steps(&[3, 5, 6]), [4, 2, 1]);
+    }
+
+    #[test]
+    fn whatever_is_no_part_counts_from_the_first_frame() {
+        for table in ["", "x\n1\n", "sequence\n0\n1\n2\n", "sequence\n3\n9\n", "sequence\n5\n3\n", "sequence\na\n"] {
+            assert_eq!(part_of(table, 6), None, "{table:?}");
+        }
+        assert_eq!(part(Path::new("nowhere/readings.csv"), 6), None);
+    }
+}

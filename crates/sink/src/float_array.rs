@@ -1,0 +1,98 @@
+//! Arrays of floating-point numbers, as the tracker has them or with half of the bytes.
+
+use std::path::Path;
+
+use half::f16;
+
+use crate::arrays::{ArrayWriter, Element};
+use crate::{RunOptions, SinkError};
+
+/// How numbers with a fraction are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Precision {
+    /// 4 bytes, as the tracker has them.
+    #[default]
+    Float32,
+    /// 2 bytes with 11 significant bits: off by up to 1 part in 2048, so 0.004 px for a flow of 8 to 16 px.
+    Float16,
+}
+
+impl Precision {
+    /// Bytes of a number.
+    #[must_use]
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::Float32 => size_of::<f32>(),
+            Self::Float16 => size_of::<f16>(),
+        }
+    }
+}
+
+/// A pixel that can be written in half of the bytes.
+pub(crate) trait Narrow: Element {
+    type Half: Element;
+
+    /// The nearest number of half precision.
+    fn narrowed(self) -> Self::Half;
+}
+
+impl Narrow for f32 {
+    type Half = f16;
+
+    fn narrowed(self) -> f16 {
+        f16::from_f32(self)
+    }
+}
+
+impl<const N: usize> Narrow for [f32; N] {
+    type Half = [f16; N];
+
+    fn narrowed(self) -> [f16; N] {
+        self.map(f16::from_f32)
+    }
+}
+
+/// A growing array of either precision.
+#[derive(Debug)]
+pub(crate) enum FloatArray<T: Narrow> {
+    Single(ArrayWriter<T>),
+    Half(ArrayWriter<T::Half>),
+}
+
+impl<T: Narrow> FloatArray<T> {
+    pub(crate) fn create(path: &Path, size: (usize, usize), options: &RunOptions) -> Result<Self, SinkError> {
+        let (width, height) = size;
+        Ok(match options.precision {
+            Precision::Float32 => Self::Single(ArrayWriter::create(path, width, height)?),
+            Precision::Float16 => Self::Half(ArrayWriter::create(path, width, height)?),
+        })
+    }
+
+    pub(crate) fn stage(&mut self, pixels: impl ExactSizeIterator<Item = T>) -> Result<(), SinkError> {
+        match self {
+            Self::Single(array) => array.stage(pixels),
+            Self::Half(array) => array.stage(pixels.map(T::narrowed)),
+        }
+    }
+
+    pub(crate) fn commit(&mut self) -> Result<(), SinkError> {
+        match self {
+            Self::Single(array) => array.commit(),
+            Self::Half(array) => array.commit(),
+        }
+    }
+
+    pub(crate) fn len_bytes(&self) -> u64 {
+        match self {
+            Self::Single(array) => array.len_bytes(),
+            Self::Half(array) => array.len_bytes(),
+        }
+    }
+
+    pub(crate) fn finish(self) -> Result<(), SinkError> {
+        match self {
+            Self::Single(array) => array.finish(),
+            Self::Half(array) => array.finish(),
+        }
+    }
+}

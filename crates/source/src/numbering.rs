@@ -1,0 +1,103 @@
+//! Sequence numbers that show where frames are missing.
+//!
+//! A frame's sequence number is its place in what was recorded, not in what is left of it: where images or times leave a
+//! gap, the numbers leave one too, and whoever tracks the frames can count those that are missing.
+
+/// A gap between two frames is a missing frame if it is longer than this many usual intervals, dimensionless.
+const LONGEST_INTERVAL: f64 = 1.5;
+
+/// Most frames that a gap stands for: a damaged time must not make numbers overflow.
+const MOST_MISSING: f64 = 1e9;
+
+/// Sequence numbers by the numbers in file names: from 0, with a gap for every number that is missing.
+///
+/// Names count frames if they are one common text, a number that grows from file to file, and one common text. The usual
+/// step between two numbers is the smallest; every other step must be a multiple of it and it must be that of half the
+/// files or more. Every tenth image of a recording is thus complete. Names that do not count, as times of day, say nothing
+/// about gaps: none if they do not.
+pub(crate) fn by_names<'a>(stems: impl IntoIterator<Item = &'a str>) -> Option<Vec<u64>> {
+    let parts: Vec<Parts> = stems.into_iter().map(Parts::of).collect::<Option<_>>()?;
+    let first = parts.first()?;
+    if parts.iter().any(|part| (part.before, part.after) != (first.before, first.after)) {
+        return None;
+    }
+    let steps: Vec<u64> =
+        parts.windows(2).map(|pair| pair[1].number.checked_sub(pair[0].number)).collect::<Option<_>>()?;
+    let usual = *steps.iter().min().filter(|&&step| step > 0)?;
+    let count = steps.iter().filter(|&&step| step == usual).count();
+    let is_counted = steps.iter().all(|step| step % usual == 0) && 2 * count >= steps.len();
+    is_counted.then(|| parts.iter().map(|part| (part.number - first.number) / usual).collect())
+}
+
+/// Sequence numbers by times in ascending order, s: from 0, with a gap where times jump.
+///
+/// An interval that is longer than 1.5 times the usual one, the median, stands for as many frames as usual intervals fit
+/// into it.
+pub(crate) fn by_times(times_s: &[f64]) -> Vec<u64> {
+    let mut intervals: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let steps = intervals.clone();
+    intervals.sort_by(f64::total_cmp);
+    let usual = intervals.get(intervals.len() / 2).copied().unwrap_or(0.0);
+    let numbers = steps.iter().scan(0, |number, &interval| {
+        let is_gap = usual > 0.0 && interval > LONGEST_INTERVAL * usual;
+        *number += if is_gap { (interval / usual).round().min(MOST_MISSING) as u64 } else { 1 };
+        Some(*number)
+    });
+    std::iter::once(0).chain(numbers).take(times_s.len()).collect()
+}
+
+/// A file name around the last number in it.
+struct Parts<'a> {
+    before: &'a str,
+    number: u64,
+    after: &'a str,
+}
+
+impl<'a> Parts<'a> {
+    fn of(stem: &'a str) -> Option<Self> {
+        let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;
+        let start = stem[..end].trim_end_matches(|c: char| c.is_ascii_digit()).len();
+        Some(Self { before: &stem[..start], number: stem[start..end].parse().ok()?, after: &stem[end..] })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers<const N: usize>(stems: [&str; N]) -> Option<Vec<u64>> {
+        by_names(stems)
+    }
+
+    #[test]
+    fn a_number_that_is_missing_leaves_a_gap() {
+        assert_eq!(numbers(["000001", "000002", "000005"]), Some(vec![0, 1, 4]));
+        assert_eq!(numbers(["a-7", "a-8", "a-9"]), Some(vec![0, 1, 2]));
+        assert_eq!(numbers(["cam0_08_rgb", "cam0_09_rgb", "cam0_11_rgb"]), Some(vec![0, 1, 3]));
+    }
+
+    #[test]
+    fn every_tenth_image_is_a_whole_recording() {
+        assert_eq!(numbers(["f0", "f10", "f20", "f30"]), Some(vec![0, 1, 2, 3]));
+        assert_eq!(numbers(["f0", "f10", "f20", "f50"]), Some(vec![0, 1, 2, 5]));
+        assert_eq!(numbers(["f3", "f9"]), Some(vec![0, 1]));
+    }
+
+    #[test]
+    fn names_that_do_not_count_frames_tell_nothing() {
+        assert_eq!(numbers(["rest", "press"]), None);
+        assert_eq!(numbers(["a1", "b2", "b3"]), None);
+        assert_eq!(numbers(["t1000", "t1033", "t1067", "t1100"]), None);
+        assert_eq!(numbers(["1", "4", "6", "13", "20"]), None);
+        assert_eq!(numbers(["1", "01", "2"]), None);
+    }
+
+    #[test]
+    fn a_jump_in_time_leaves_a_gap() {
+        assert_eq!(by_times(&[0.0, 0.1, 0.2, 0.5, 0.6]), [0, 1, 2, 5, 6]);
+        assert_eq!(by_times(&[0.0, 0.1, 0.21, 0.29, 0.43]), [0, 1, 2, 3, 4]);
+        assert_eq!((by_times(&[3.0]), by_times(&[])), (vec![0], vec![]));
+        assert_eq!(by_times(&[1.0, 1.0, 1.0]), [0, 1, 2]);
+        assert_eq!(by_times(&[0.0, 1.0, 2.0, f64::INFINITY]), [0, 1, 2, 1_000_000_002]);
+    }
+}

@@ -1,0 +1,208 @@
+//! What looks wrong with a profile although every value is possible: a slip of unit, a camera that looks elsewhere.
+
+use serde::Serialize;
+
+use super::review::ProfileReview;
+use super::{DepthMethod, Profile};
+use crate::LEARNED_FROM;
+
+/// Angles of view across the region that a lens has, degrees.
+const ANGLES_DEGREES: std::ops::RangeInclusive<f64> = 5.0..=150.0;
+/// Less than this part of the gel in view, or of the view on gel, is no sensor as meant.
+const LEAST_PART: f64 = 0.2;
+/// Farther than this from the region's middle, in its sides, a principal point is taken to be that of another image.
+const FARTHEST_AXIS: f64 = 0.25;
+/// A longer rotation is one in degrees, rad.
+const LARGEST_ROTATION_RAD: f64 = 0.6;
+
+/// How much a remark weighs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Weight {
+    /// Tracking fails, or its numbers are wrong.
+    Fault,
+    /// It may be meant, but rarely is.
+    Warning,
+    /// What is absent and what it would switch on.
+    Missing,
+}
+
+/// One thing to say about a profile.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Remark {
+    /// How much it weighs.
+    pub weight: Weight,
+    /// What is the matter, with the value.
+    pub message: String,
+    /// What to do about it.
+    pub hint: String,
+}
+
+impl Remark {
+    fn new(weight: Weight, message: impl Into<String>, hint: impl Into<String>) -> Self {
+        Self { weight, message: message.into(), hint: hint.into() }
+    }
+}
+
+/// All that is to say, faults first.
+pub(super) fn all(profile: &Profile, review: &ProfileReview, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
+    let mut remarks = does_not_fit(profile, frame_size);
+    remarks.extend(lengths(profile));
+    remarks.extend(lens(profile, review));
+    remarks.extend(view(review));
+    remarks.extend(training_range(review));
+    remarks.extend(missing(profile));
+    remarks.sort_by_key(|remark| remark.weight);
+    remarks
+}
+
+/// What keeps a tracker from being made.
+fn does_not_fit(profile: &Profile, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
+    let region = frame_size.and_then(|size| profile.region(size).err());
+    let is_elastic = profile.depth_method() == DepthMethod::Elastic;
+    let elastic = is_elastic.then(|| profile.elastic_sensor().err()).flatten();
+    let fault =
+        |error: super::ProfileError| Remark::new(Weight::Fault, error.to_string(), error.hint().unwrap_or_default());
+    region.into_iter().chain(elastic).map(fault).collect()
+}
+
+/// Values in another unit: 1000 times what a sensor has, or a thousandth.
+fn lengths(profile: &Profile) -> Vec<Remark> {
+    let mut checks = Vec::new();
+    if let Some(gel) = profile.gel {
+        let [width, height] = gel.size_mm;
+        checks.push(("gel.size_mm", width, [2.0, 300.0], LENGTH));
+        checks.push(("gel.size_mm", height, [2.0, 300.0], LENGTH));
+        checks.push(("gel.thickness_mm", gel.thickness_mm, [0.3, 100.0], LENGTH));
+        checks.extend(gel.youngs_modulus_mpa.map(|value| ("gel.youngs_modulus_mpa", value, [0.003, 30.0], STIFFNESS)));
+    }
+    if let Some(camera) = profile.camera {
+        checks.push(("the distance camera.translation_mm[2]", camera.translation_mm[2], [1.0, 1000.0], LENGTH));
+    }
+    let mut remarks: Vec<Remark> =
+        checks.into_iter().filter_map(|(key, value, range, unit)| slip(key, value, range, unit)).collect();
+    remarks.dedup();
+    remarks
+}
+
+/// A unit and the ones that it is mistaken for: 1000 times smaller, 1000 times larger.
+type Unit = [&'static str; 3];
+const LENGTH: Unit = ["mm", "µm", "m"];
+const STIFFNESS: Unit = ["MPa", "kPa", "GPa"];
+
+fn slip(key: &str, value: f64, [least, most]: [f64; 2], [unit, smaller, larger]: Unit) -> Option<Remark> {
+    if (least..=most).contains(&value) {
+        return None;
+    }
+    let meant = [(value / 1000.0, smaller), (value * 1000.0, larger)];
+    let hint = match meant.into_iter().find(|(meant, _)| (least..=most).contains(meant)) {
+        Some((meant, given_in)) => format!("the unit is {unit}: write {} if this is in {given_in}", rounded(meant)),
+        None => format!("the unit is {unit}: measure it again"),
+    };
+    let message = format!("{key} = {value} {unit} is none of a sensor: {least} to {most} {unit} is usual");
+    Some(Remark::new(Weight::Fault, message, hint))
+}
+
+/// The value without the digits that a factor of 1000 adds.
+fn rounded(value: f64) -> f64 {
+    (value * 1e9).round() / 1e9
+}
+
+/// Focal length, principal point and rotation.
+fn lens(profile: &Profile, review: &ProfileReview) -> Vec<Remark> {
+    let Some(camera) = profile.camera else { return Vec::new() };
+    let mut remarks = Vec::new();
+    let ([fx, fy], [cx, cy]) = (camera.focal_length_px, camera.principal_point_px);
+    if let Some([_, _, width, height]) = review.region_of_interest {
+        let [width, height] = [width, height].map(|length| length as f64);
+        let angle = 2.0 * (0.5 * width / fx).atan().to_degrees();
+        if !ANGLES_DEGREES.contains(&angle) {
+            remarks.push(Remark::new(
+                Weight::Fault,
+                format!("camera.focal_length_px = {fx} px sees {angle:.1}° across a region of {width} px"),
+                "the focal length is in px of the image: the lens's in mm over the size of a pixel on the chip in mm",
+            ));
+        }
+        let off = [(cx / (width - 1.0).max(1.0) - 0.5).abs(), (cy / (height - 1.0).max(1.0) - 0.5).abs()];
+        if off.iter().any(|&off| off > FARTHEST_AXIS) {
+            remarks.push(Remark::new(
+                Weight::Warning,
+                format!("camera.principal_point_px = [{cx}, {cy}] is far from the middle of the region of {width}x{height} px"),
+                "it is in px of the region of interest: subtract the region's x and y from that in the camera's image",
+            ));
+        }
+    }
+    if (fx / fy).max(fy / fx) > 1.25 {
+        let message = format!("camera.focal_length_px = [{fx}, {fy}] px says that pixels are not square");
+        remarks.push(Remark::new(Weight::Warning, message, "both are nearly equal for a usual camera"));
+    }
+    let rotation = camera.rotation_rad.iter().map(|value| value * value).sum::<f64>().sqrt();
+    if rotation > LARGEST_ROTATION_RAD {
+        let message = format!("camera.rotation_rad turns the gel by {:.0}°", rotation.to_degrees());
+        remarks.push(Remark::new(Weight::Warning, message, "it is in rad: 1° is 0.01745 rad"));
+    }
+    remarks
+}
+
+/// Camera and gel that miss each other.
+fn view(review: &ProfileReview) -> Option<Remark> {
+    let (gel_seen, region_on_gel) = review.gel_seen.zip(review.region_on_gel)?;
+    let percent = |part: f64| 100.0 * part;
+    let hint = "check gel.size_mm (mm), and of [camera] focal_length_px (px), principal_point_px (px of the region) and \
+                translation_mm (mm, x, y and distance to the gel's centre)";
+    if gel_seen == 0.0 || region_on_gel == 0.0 {
+        return Some(Remark::new(Weight::Fault, "the camera does not see the gel's surface", hint));
+    }
+    if gel_seen < LEAST_PART {
+        let message = format!("the camera sees {:.0} % of the gel's surface", percent(gel_seen));
+        return Some(Remark::new(Weight::Warning, message, hint));
+    }
+    (region_on_gel < LEAST_PART).then(|| {
+        let message = format!("{:.0} % of the region shows gel", percent(region_on_gel));
+        Remark::new(Weight::Warning, message, format!("crop to the gel with image.region_of_interest, or {hint}"))
+    })
+}
+
+fn training_range(review: &ProfileReview) -> Option<Remark> {
+    (review.is_outside_training_range == Some(true)).then(|| {
+        Remark::new(
+            Weight::Warning,
+            format!("gel and camera are outside the network's training range: {LEARNED_FROM}"),
+            "expect larger errors of depth than depth_deviation says; --set elastic.learned=false does without the network",
+        )
+    })
+}
+
+/// What is absent, and what it would switch on.
+fn missing(profile: &Profile) -> Vec<Remark> {
+    let mut remarks = Vec::new();
+    let mut lacks = |message: &str, hint: &str| remarks.push(Remark::new(Weight::Missing, message, hint));
+    if profile.depth.method == Some(DepthMethod::Density) {
+        if profile.depth.density.is_none() {
+            lacks("no depth.density: no depth", "fit it: fingervision calibrate depth PRESSES --profile FILE");
+        }
+        lacks(
+            "depth.method = \"density\": no contact, no force",
+            "leave depth.method out and describe [camera] and [gel]",
+        );
+        return remarks;
+    }
+    let without = if profile.depth.density.is_some() { "no contact and no force" } else { "no depth and no force" };
+    if profile.camera.is_none() {
+        let hint = "fit it: fingervision calibrate camera BOARD --step-mm 0.5 --profile FILE";
+        lacks(&format!("no [camera]: {without}"), hint);
+    }
+    match profile.gel {
+        None => lacks(
+            &format!("no [gel]: {without}"),
+            "measure size_mm and thickness_mm with calipers; poissons_ratio = 0.48 for silicone",
+        ),
+        Some(gel) if gel.youngs_modulus_mpa.is_none() => lacks(
+            "no gel.youngs_modulus_mpa: no force",
+            "fit it to presses of known force: fingervision calibrate gel PRESSES --profile FILE",
+        ),
+        Some(_) => {}
+    }
+    remarks
+}

@@ -1,0 +1,109 @@
+use super::{Profile, Remark, Weight};
+
+/// The profile of the documentation.
+const SENSOR: &str = "
+    [image]
+    region_of_interest = [15, 15, 610, 450]
+    [camera]
+    focal_length_px = [400.0, 400.0]
+    principal_point_px = [304.5, 224.5]
+    translation_mm = [0.0, 0.0, 25.0]
+    [gel]
+    size_mm = [30.0, 30.0]
+    thickness_mm = 10.0
+    poissons_ratio = 0.48
+    youngs_modulus_mpa = 0.6
+";
+
+/// What there is to say once some values are others.
+fn remarks(assignments: &[(&str, &str)]) -> Vec<Remark> {
+    let mut profile = Profile::from_toml(SENSOR).unwrap();
+    profile.set_all(assignments.iter().copied()).unwrap();
+    profile.review(Some((640, 480))).remarks
+}
+
+#[track_caller]
+fn expect(assignments: &[(&str, &str)], weight: Weight, message: &str, hint: &str) {
+    let remarks = remarks(assignments);
+    let is_it = |remark: &&Remark| remark.message.contains(message) && remark.hint.contains(hint);
+    let found = remarks.iter().find(is_it).unwrap_or_else(|| panic!("no \"{message}\" in {remarks:#?}"));
+    assert_eq!(found.weight, weight, "{found:?}");
+}
+
+#[test]
+fn a_sound_sensor_gives_nothing_to_say() {
+    assert_eq!(remarks(&[]), []);
+}
+
+#[test]
+fn a_value_that_no_sensor_has_is_a_fault_that_says_what_may_be_meant() {
+    use Weight::Fault;
+    expect(
+        &[("gel.youngs_modulus_mpa", "600")],
+        Fault,
+        "gel.youngs_modulus_mpa = 600 MPa",
+        "write 0.6 if this is in kPa",
+    );
+    expect(
+        &[("gel.youngs_modulus_mpa", "0.0006")],
+        Fault,
+        "gel.youngs_modulus_mpa = 0.0006",
+        "write 0.6 if this is in GPa",
+    );
+    expect(&[("gel.thickness_mm", "0.2")], Fault, "gel.thickness_mm = 0.2 mm", "measure it again");
+    expect(
+        &[("camera.translation_mm", "[0, 0, 1500]")],
+        Fault,
+        "camera.translation_mm[2] = 1500 mm",
+        "write 1.5 if this is in µm",
+    );
+    let both = remarks(&[("gel.size_mm", "[1500, 1500]")]);
+    assert_eq!(both.iter().filter(|remark| remark.message.contains("size_mm")).count(), 1, "said once: {both:#?}");
+}
+
+#[test]
+fn a_lens_that_cannot_be_is_a_fault() {
+    expect(&[("camera.focal_length_px", "[4.0, 4.0]")], Weight::Fault, "sees 178.5° across", "size of a pixel");
+    expect(&[("camera.focal_length_px", "[400.0, 800.0]")], Weight::Warning, "not square", "nearly equal");
+    expect(&[("camera.principal_point_px", "[20, 20]")], Weight::Warning, "far from the middle", "subtract");
+    expect(&[("camera.rotation_rad", "[0, 0, 3.0]")], Weight::Warning, "by 172°", "in rad");
+}
+
+#[test]
+fn a_camera_that_looks_beside_the_gel_is_a_fault() {
+    expect(&[("camera.translation_mm", "[200, 0, 25]")], Weight::Fault, "does not see the gel", "translation_mm");
+    expect(&[("camera.translation_mm", "[0, 0, 4]")], Weight::Warning, "% of the gel's surface", "focal_length_px");
+    expect(&[("camera.translation_mm", "[0, 0, 80]")], Weight::Warning, "of the region shows gel", "crop");
+}
+
+#[test]
+fn a_region_outside_the_frame_is_a_fault() {
+    expect(&[("image.region_of_interest", "[100, 0, 610, 450]")], Weight::Fault, "reaches outside", "[0, 0, 640, 480]");
+}
+
+#[test]
+fn a_sensor_outside_the_training_range_is_a_warning() {
+    expect(&[("gel.thickness_mm", "3")], Weight::Warning, "training range", "elastic.learned=false");
+}
+
+#[test]
+fn what_is_missing_says_what_it_would_switch_on() {
+    let missing = |text: &str| {
+        let remarks = Profile::from_toml(text).unwrap().review(None).remarks;
+        assert!(remarks.iter().all(|remark| remark.weight == Weight::Missing), "{remarks:#?}");
+        remarks.into_iter().map(|remark| remark.message).collect::<Vec<_>>()
+    };
+    assert_eq!(missing(""), ["no [camera]: no depth and no force", "no [gel]: no depth and no force"]);
+    assert_eq!(missing("[gel]\nsize_mm=[30,30]\nthickness_mm=10\npoissons_ratio=0.48").len(), 2);
+    let without_modulus = SENSOR.replace("youngs_modulus_mpa = 0.6", "");
+    assert_eq!(missing(&without_modulus), ["no gel.youngs_modulus_mpa: no force"]);
+    let density = missing("[depth]\nmethod = 'density'");
+    assert_eq!(density[0], "no depth.density: no depth");
+}
+
+#[test]
+fn elastic_depth_without_a_gel_is_a_fault() {
+    let remarks = Profile::from_toml("[depth]\nmethod = 'elastic'").unwrap().review(None).remarks;
+    assert_eq!(remarks[0].weight, Weight::Fault);
+    assert!(remarks[0].message.contains("needs [camera]"), "{remarks:#?}");
+}

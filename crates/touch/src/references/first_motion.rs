@@ -1,0 +1,164 @@
+//! What the first motion of the gel says about the first image: did it show the gel at rest or pressed?
+//!
+//! Which way the surface moves along itself is no evidence. Nearly incompressible gel gives way sideways and compressible
+//! gel is drawn in, so a press on the one looks much like a release of the other. Two signs hold for every gel, because a
+//! surface that is pressed comes nearer to the camera, and what comes nearer moves away from the centre of perspective:
+//!
+//! - **Far from contact**, all around it, a press leaves the surface where it is or moves it outwards, whatever Poisson's
+//!   ratio is. A release moves it inwards.
+//! - **The face**, where motion is largest, is a patch that is scaled about the centre of perspective: a press away from the
+//!   centre shifts and magnifies it, a release shifts it back and makes it smaller, both by the same factor. Shear
+//!   shifts without magnifying.
+//!
+//! Each is evidence for either answer. Without any the first image stays undecided and the next frame is looked at.
+
+use fingervision_flow::Estimate;
+
+/// Flow that counts as motion, px: well above noise and slow drift.
+const MOTION_PX: f32 = 0.5;
+/// Fewer moving samples may be anything.
+const LEAST_MOVING: usize = 16;
+/// Part of the moving samples' motion that must point to or from the centre of perspective, dimensionless.
+const CERTAIN: f32 = 0.5;
+/// Least mean motion far from contact, px: the mean of so many samples is known to a few thousandths.
+const LEAST_FAR_PX: f32 = 0.04;
+/// The same as a part of the largest motion: simulated presses err to the other side by less than half of it.
+const LEAST_FAR: f32 = 0.02;
+/// Samples that move by this part of the largest motion are the face.
+const FACE: f32 = 0.6;
+/// A face nearer to the centre of perspective than this part of the image's half height does not show a shift.
+const LEAST_ASIDE: f32 = 0.2;
+/// Cosine between the face's shift and the line to the centre of perspective.
+const LEAST_ALIGNED: f32 = 0.9;
+/// Shift of the face over what its magnification makes of its distance from the centre: 1 by perspective alone.
+const SHIFT_BY_SCALE: std::ops::Range<f32> = 0.5..1.5;
+/// Root mean square that shift and magnification may leave of the face's motion, as a part of the largest.
+const MOST_UNEXPLAINED: f32 = 0.2;
+/// Every so many pixels either way are looked at.
+pub(super) const STEP: usize = 8;
+
+/// What the first image showed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum FirstImage {
+    AtRest,
+    Pressed,
+}
+
+/// Place and flow of one sample, px.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    at: [f32; 2],
+    flow: [f32; 2],
+}
+
+/// Looks at flows from the first image; keeps its scratch.
+#[derive(Debug)]
+pub(super) struct FirstMotion {
+    /// The centre of perspective, px.
+    centre_px: [f32; 2],
+    samples: Vec<Sample>,
+}
+
+impl FirstMotion {
+    /// Looks at flows of a camera that has its centre of perspective there, px.
+    pub(super) fn new(centre_px: [f32; 2]) -> Self {
+        Self { centre_px, samples: Vec::new() }
+    }
+
+    /// What a flow says of the first image; none where little moves or the motion could be either.
+    pub(super) fn judge(&mut self, estimate: &Estimate) -> Option<FirstImage> {
+        self.take(estimate);
+        let moving = || self.samples.iter().filter(|sample| sample.length() > MOTION_PX);
+        if moving().count() < LEAST_MOVING {
+            return None;
+        }
+        let weight: f32 = moving().map(Sample::length).sum();
+        let middle = [0, 1].map(|axis| moving().map(|sample| sample.length() * sample.at[axis]).sum::<f32>() / weight);
+        let largest = moving().map(Sample::length).fold(0.0, f32::max);
+        let outwards = self.outwards();
+        let far_px = far_from(&mut self.samples, middle);
+        let limit_px = LEAST_FAR_PX.max(LEAST_FAR * largest);
+        if outwards.abs() > CERTAIN && far_px.abs() > limit_px && (outwards > 0.0) == (far_px > 0.0) {
+            return Some(if far_px > 0.0 { FirstImage::AtRest } else { FirstImage::Pressed });
+        }
+        let half_height = 0.5 * estimate.flow.size().1 as f32;
+        let scale = self.scale_of_face(largest, LEAST_ASIDE * half_height)?;
+        // The surroundings must not say the opposite.
+        let is_denied = far_px.abs() > limit_px && (scale > 0.0) != (far_px > 0.0);
+        let says = if scale > 0.0 { FirstImage::AtRest } else { FirstImage::Pressed };
+        (!is_denied).then_some(says)
+    }
+
+    fn take(&mut self, Estimate { flow, valid, .. }: &Estimate) {
+        let (width, height) = flow.size();
+        let pixels = (0..height).step_by(STEP).flat_map(|y| (0..width).step_by(STEP).map(move |x| (x, y)));
+        let measured = pixels.filter(|&(x, y)| valid.at(x, y) == 1);
+        let sample =
+            |(x, y): (usize, usize)| Sample { at: [x as f32, y as f32], flow: [flow.u.at(x, y), flow.v.at(x, y)] };
+        self.samples.clear();
+        self.samples.extend(measured.map(sample));
+    }
+
+    /// `Σ f·(x − p) / Σ |f| |x − p|` over what moves, about the centre of perspective `p`.
+    fn outwards(&self) -> f32 {
+        let moving = self.samples.iter().filter(|sample| sample.length() > MOTION_PX);
+        let (along, all) = moving.fold((0.0, 0.0), |(along, all), sample| {
+            let [x, y] = sample.from(self.centre_px);
+            (along + sample.flow[0] * x + sample.flow[1] * y, all + sample.length() * x.hypot(y))
+        });
+        if all > 0.0 { along / all } else { 0.0 }
+    }
+
+    /// Magnification less 1 of a face that is scaled about the centre of perspective; none where it is not.
+    fn scale_of_face(&self, largest: f32, least_aside: f32) -> Option<f32> {
+        let least = MOTION_PX.max(FACE * largest);
+        let face = || self.samples.iter().filter(|sample| sample.length() > least);
+        let count = face().count() as f32;
+        let mean = |value: &dyn Fn(&Sample) -> f32| face().map(value).sum::<f32>() / count;
+        let middle = [0, 1].map(|axis| mean(&|sample| sample.at[axis]));
+        let shift = [0, 1].map(|axis| mean(&|sample| sample.flow[axis]));
+        let spread = mean(&|sample| sample.from(middle).iter().map(|x| x * x).sum());
+        let scale = mean(&|sample| dot(sample.from(middle), sample.flow)) / spread;
+        let left = mean(&|sample| {
+            let [x, y] = sample.from(middle);
+            (sample.flow[0] - shift[0] - scale * x).powi(2) + (sample.flow[1] - shift[1] - scale * y).powi(2)
+        });
+        let aside = [middle[0] - self.centre_px[0], middle[1] - self.centre_px[1]];
+        let distance = aside[0].hypot(aside[1]);
+        let outwards = dot(shift, aside) / distance;
+        let is_scaled = distance > least_aside
+            && left.sqrt() < MOST_UNEXPLAINED * largest
+            && outwards.abs() > LEAST_ALIGNED * shift[0].hypot(shift[1])
+            && SHIFT_BY_SCALE.contains(&(outwards / (scale * distance)));
+        is_scaled.then_some(scale)
+    }
+}
+
+impl Sample {
+    fn length(&self) -> f32 {
+        self.flow[0].hypot(self.flow[1])
+    }
+
+    fn from(&self, place: [f32; 2]) -> [f32; 2] {
+        [self.at[0] - place[0], self.at[1] - place[1]]
+    }
+}
+
+fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Mean motion away from a place, px, over the half of the samples that is farther from it.
+fn far_from(samples: &mut [Sample], place: [f32; 2]) -> f32 {
+    let distance = |sample: &Sample| {
+        let [x, y] = sample.from(place);
+        x.hypot(y)
+    };
+    let half = samples.len() / 2;
+    let (_, _, farther) = samples.select_nth_unstable_by(half, |a, b| distance(a).total_cmp(&distance(b)));
+    let outwards = |sample: &Sample| dot(sample.from(place), sample.flow) / distance(sample);
+    farther.iter().map(outwards).sum::<f32>() / farther.len().max(1) as f32
+}
+
+#[cfg(test)]
+mod tests;
