@@ -122,10 +122,10 @@ impl Default for AffineParams {
             steps: 2,
             search_steps: 5,
             colour_row_step: 2,
-            iterations: 4,
-            continuity_px: 0.006,
-            curvature_px: 0.012,
-            bond_tolerance: 3.0,
+            iterations: 5,
+            continuity_px: 0.0065,
+            curvature_px: 0.011,
+            bond_tolerance: 2.7,
         }
     }
 }
