@@ -3,6 +3,7 @@
 
 use std::ops::ControlFlow;
 
+use fingervision_elastic::GelBlock;
 use fingervision_gel::{PressCache, Scene, Simulation};
 use fingervision_image::{Frame, Pixels};
 use fingervision_touch::{Fields, Flag, Profile, Reading, Tracker};
@@ -164,4 +165,52 @@ fn a_gel_that_nothing_was_learned_from_is_flagged_once_it_moves() {
     let mut tracker = press.tracker();
     let reading = press.show_all(&mut tracker);
     assert!(!reading.flags.has(Flag::OutsideLearned), "it was not asked for: {}", reading.flags);
+}
+
+/// A sensor of half or twice the size gives the same images. Its depths scale with it, its forces with its square, and its
+/// flags are the same: no threshold is a length in mm.
+#[test]
+fn a_scaled_sensor_gives_scaled_depths_and_the_same_flags() {
+    let square = "[contact]\nlaw = 'stick'\n[indenter]\nshape = 'rectangle'\nsize_mm = [6.0, 6.0]\n\
+                  [motion]\nframes = 9\nkeyframes = [{ at = 8, depth_mm = 1.2 }]";
+    for (mut press, learned) in
+        [(Press::of_a_ball("", 0.3), true), (Press::of_a_ball("", 2.6), true), (Press::new(square), false)]
+    {
+        press.profile.elastic.learned = learned;
+        let camera = press.profile.camera.unwrap();
+        let gel = press.profile.gel.unwrap();
+        let mut readings = [1.0, 0.5, 2.0].map(|scale| {
+            let mut camera = camera;
+            camera.translation_mm = camera.translation_mm.map(|length| length * scale);
+            press.profile.camera = Some(camera);
+            press.profile.gel = Some(GelBlock {
+                size_mm: gel.size_mm.map(|length| length * scale),
+                thickness_mm: gel.thickness_mm * scale,
+                ..gel
+            });
+            let mut tracker = press.tracker();
+            (scale, press.show_all(&mut tracker).clone())
+        });
+        let (_, whole) = readings[0].clone();
+        assert!(whole.max_depth_mm.unwrap() > 0.2);
+        for (scale, reading) in &mut readings[1..] {
+            assert_eq!(reading.flags, whole.flags);
+            let same = |found: f32, expected: f32, scale: f64| {
+                let found = f64::from(found) / scale;
+                assert!((found - f64::from(expected)).abs() <= 1e-3 * f64::from(expected).abs(), "{found}, {expected}");
+            };
+            same(reading.max_depth_mm.unwrap(), whole.max_depth_mm.unwrap(), *scale);
+            same(reading.contact_area_mm2.unwrap(), whole.contact_area_mm2.unwrap(), scale.powi(2));
+            same(reading.force_n.unwrap()[2], whole.force_n.unwrap()[2], scale.powi(2));
+            let (depths, expected) = (reading.depth.as_ref().unwrap(), whole.depth.as_ref().unwrap());
+            let deepest = f64::from(whole.max_depth_mm.unwrap());
+            for (found, expected) in depths.values().iter().zip(expected.values()) {
+                let difference = f64::from(*found) / *scale - f64::from(*expected);
+                assert!(difference.abs() <= 1e-3 * deepest, "{found} mm at scale {scale}, {expected} mm");
+            }
+            let [found, expected] = [&*reading, &whole].map(|reading| reading.depth_deviation.as_ref().unwrap());
+            let both = found.values().iter().zip(expected.values()).filter(|(_, expected)| expected.is_finite());
+            both.for_each(|(found, expected)| same(*found, *expected, *scale));
+        }
+    }
 }

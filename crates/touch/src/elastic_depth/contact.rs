@@ -4,40 +4,19 @@ use fingervision_elastic::{GelBlock, SurfaceGrid};
 
 use super::coarse::Around;
 use super::drag::Drag;
-use super::face_search::{self, Room};
+use super::face_search::{self, FaceLimits, Room};
 use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Way};
 use super::rigid::{self, StuckFace};
 use super::surface::{self, Seen, Surface};
+use super::thresholds::THRESHOLDS;
 use super::{CELLS, ElasticMode, ElasticParams};
 
-/// What a point of the gel may differ from a stuck face's motion, px at the distance of the gel: the flow's error.
-const NOISE_PX: f64 = 0.04;
-/// The same over the deviation that the flow predicts, where that is more: images of the simulated sensor make it 0.023 px.
-const NOISE_OVER_DEVIATION: f64 = 1.7;
-/// Deviation of the flow, px, that the network's own error covers: that of the images it was trained on.
-const TRAINING_DEVIATION_PX: f64 = 0.025;
-/// Deviation of the flow over that of the training images from which on a frame is flagged.
-const MOST_OVER_TRAINING: f64 = 2.5;
-/// A face sticks if at least this part of its inner cells moves with it.
-const LEAST_MATCHING: f64 = 0.6;
-/// A face sticks if half of them miss its motion by less than this part of the flow's error: those of presses that stick miss by
-/// a quarter to a half of it, gel that slides evenly by 1.3 and more.
-const MOST_RESIDUAL: f64 = 0.8;
-/// Standard deviation of a face's depth, mm, above which the rays are too parallel to tell it.
-const MOST_DEVIATION_MM: f64 = 0.05;
-/// A face may be deeper or less deep than what was learned says by this part of that depth: gel that slides and spreads evenly
-/// under a face grows in the image, too, as if it came closer.
-const MOST_CHANGE: f64 = 0.25;
 /// Rings of cells left out at the border of contact where a face's motion is fitted: walls are not the face.
 const RIM_CELLS: usize = 3;
 
 /// Standard deviation of a depth over its mean absolute error as the network foretells it: that of the Laplace distribution
 /// that it was trained for. Errors on unseen presses are as large as foretold.
 const DEVIATION: f32 = std::f32::consts::SQRT_2;
-/// Least standard deviation of the depth of a face that the gel sticks to, mm: its rays tell it better, its rim and the gel's
-/// model do not.
-const FACE_DEVIATION_MM: f32 = 0.02;
-
 /// Cells that tell of a face's motion: more than so many add time and no precision.
 const MOST_POINTS: usize = 600;
 
@@ -56,6 +35,8 @@ pub(super) struct ContactFinder {
     told: Vec<[f32; OUTPUTS]>,
     /// From mm to the mm of training.
     scale: f32,
+    /// Thickness of the gel, mm.
+    thickness_mm: f64,
     /// What a point of the gel may differ from a stuck face's motion, mm: at least, and in the last frame.
     least_noise_mm: f64,
     noise_mm: f64,
@@ -100,8 +81,9 @@ impl ContactFinder {
             padded,
             constants,
             scale: scale as f32,
-            least_noise_mm: NOISE_PX * surface.mm_per_px,
-            noise_mm: NOISE_PX * surface.mm_per_px,
+            least_noise_mm: THRESHOLDS.noise_px * surface.mm_per_px,
+            noise_mm: THRESHOLDS.noise_px * surface.mm_per_px,
+            thickness_mm: gel.thickness_mm,
             is_flow_uncertain: false,
             flow_deviation_mm: 0.0,
             touches: vec![false; cells],
@@ -144,7 +126,12 @@ impl ContactFinder {
             return;
         }
         self.depth_mm.fill(0.0);
-        face_search::mark(surface, self.noise_mm, &mut self.touches, &mut self.room);
+        face_search::mark(
+            surface,
+            &FaceLimits::new(self.noise_mm, self.thickness_mm),
+            &mut self.touches,
+            &mut self.room,
+        );
         self.hold_to_face(surface);
         // What does not move with the face has no depth of its own.
         self.touches.copy_from_slice(&self.on_face);
@@ -160,12 +147,18 @@ impl ContactFinder {
         self.hold_to_face(surface);
     }
 
+    /// Motion up to which the gel is at rest in this frame, mm.
+    pub(super) fn still_mm(&mut self, surface: &Surface) -> f64 {
+        let deviation_mm = surface.typical_deviation_mm(&mut self.scratch);
+        (THRESHOLDS.still_px * surface.mm_per_px).max(THRESHOLDS.still_over_deviation * deviation_mm)
+    }
+
     /// Takes note of how far a frame's flow can be trusted.
     fn take_noise(&mut self, surface: &Surface) {
         let deviation_mm = surface.typical_deviation_mm(&mut self.scratch);
-        self.noise_mm = self.least_noise_mm.max(NOISE_OVER_DEVIATION * deviation_mm);
-        let covered_mm = TRAINING_DEVIATION_PX * surface.mm_per_px;
-        self.is_flow_uncertain = deviation_mm > MOST_OVER_TRAINING * covered_mm;
+        self.noise_mm = self.least_noise_mm.max(THRESHOLDS.noise_over_deviation * deviation_mm);
+        let covered_mm = THRESHOLDS.training_deviation_px * surface.mm_per_px;
+        self.is_flow_uncertain = deviation_mm > THRESHOLDS.most_over_training * covered_mm;
         let beyond_mm = (deviation_mm.powi(2) - covered_mm.powi(2)).max(0.0).sqrt();
         self.flow_deviation_mm = (surface.typical_leverage() * beyond_mm) as f32;
     }
@@ -175,15 +168,18 @@ impl ContactFinder {
         self.erode(surface.grid);
         let deviation_mm = |face: &StuckFace| {
             rigid::depth_deviation_mm(surface, &self.inner, face, self.noise_mm)
-                .filter(|deviation_mm| *deviation_mm <= MOST_DEVIATION_MM)
+                .filter(|deviation_mm| *deviation_mm <= THRESHOLDS.most_face_deviation * self.thickness_mm)
         };
         let face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
-            .filter(|face| face.matching >= LEAST_MATCHING && face.residual_mm <= MOST_RESIDUAL * self.noise_mm)
+            .filter(|face| {
+                face.matching >= THRESHOLDS.least_matching
+                    && face.residual_mm <= THRESHOLDS.most_residual * self.noise_mm
+            })
             .filter(|face| self.is_likely(surface, face))
             .and_then(|face| Some((face, deviation_mm(&face)?)));
         self.on_face.fill(false);
         let Some((face, deviation_mm)) = face else { return };
-        self.face_deviation_mm = FACE_DEVIATION_MM.max(deviation_mm as f32);
+        self.face_deviation_mm = (THRESHOLDS.face_deviation * self.thickness_mm).max(deviation_mm) as f32;
         for cell in 0..self.depth_mm.len() {
             if self.touches[cell] && rigid::distance_mm(surface, cell, &face.motion) < 3.0 * self.noise_mm {
                 self.on_face[cell] = true;
@@ -197,7 +193,7 @@ impl ContactFinder {
         let depths = |cell: usize| (face.motion.apply(surface.centre_mm(cell))[2], f64::from(self.depth_mm[cell]));
         let (face_mm, learned_mm) =
             self.inner.iter().map(|&cell| depths(cell)).fold((0.0, 0.0), |sum, (a, b)| (sum.0 + a, sum.1 + b));
-        !self.is_learned() || (face_mm - learned_mm).abs() <= MOST_CHANGE * learned_mm
+        !self.is_learned() || (face_mm - learned_mm).abs() <= THRESHOLDS.most_change * learned_mm
     }
 
     /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free and
@@ -206,7 +202,10 @@ impl ContactFinder {
         match (self.on_face[cell], self.is_learned()) {
             (true, _) => self.face_deviation_mm,
             (false, true) => self.told_deviation_mm[cell].hypot(self.flow_deviation_mm),
-            (false, false) => 0.01 + 0.1 * around_mm.abs(),
+            (false, false) => {
+                let [least, by_depth] = THRESHOLDS.free_deviation;
+                (least * self.thickness_mm + by_depth * f64::from(around_mm.abs())) as f32
+            }
         }
     }
 

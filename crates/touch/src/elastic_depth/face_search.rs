@@ -8,6 +8,7 @@ use fingervision_elastic::SurfaceGrid;
 
 use super::rigid::{self, StuckFace};
 use super::surface::{self, Surface};
+use super::thresholds::THRESHOLDS;
 
 /// Side of a window, cells.
 const WINDOW: usize = 12;
@@ -15,28 +16,47 @@ const WINDOW: usize = 12;
 const STEP: usize = 6;
 /// Every so many cells are looked at, along both axes.
 const SPARSE: usize = 2;
-/// A face less deep than this cannot be told from gel at rest, mm.
-const LEAST_DEPTH_MM: f64 = 0.1;
 /// Cells that a face has at least.
 const LEAST_CELLS: usize = 60;
 
+/// What counts as a face, in mm.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FaceLimits {
+    /// What a point may differ from the face's motion.
+    tolerance: f64,
+    /// Least depth of a face.
+    least_depth: f64,
+    /// Depth from which on a cell counts for no more.
+    counted_depth: f64,
+}
+
+impl FaceLimits {
+    pub(super) fn new(tolerance_mm: f64, thickness_mm: f64) -> Self {
+        Self {
+            tolerance: tolerance_mm,
+            least_depth: THRESHOLDS.least_face_depth * thickness_mm,
+            counted_depth: THRESHOLDS.counted_face_depth * thickness_mm,
+        }
+    }
+}
+
 /// Marks the cells that move with the face; none are left marked if there is no face.
-pub(super) fn mark(surface: &Surface, tolerance_mm: f64, touches: &mut [bool], room: &mut Room) {
+pub(super) fn mark(surface: &Surface, limits: &FaceLimits, touches: &mut [bool], room: &mut Room) {
     touches.fill(false);
     let mut best: Option<(f64, StuckFace)> = None;
     for (column, row) in windows(surface.grid) {
         collect(surface, (column, row), &mut room.cells);
-        let Some(face) = rigid::fit(surface, &room.cells, tolerance_mm, &mut room.scratch) else { continue };
-        if face.residual_mm > tolerance_mm {
+        let Some(face) = rigid::fit(surface, &room.cells, limits.tolerance, &mut room.scratch) else { continue };
+        if face.residual_mm > limits.tolerance {
             continue;
         }
-        let score = score(surface, &face, tolerance_mm);
+        let score = score(surface, &face, limits);
         if best.is_none_or(|(most, _)| score > most) {
             best = Some((score, face));
         }
     }
     let Some((_, face)) = best else { return };
-    let moves = |cell: usize| is_on(surface, cell, &face, tolerance_mm);
+    let moves = |cell: usize| is_on(surface, cell, &face, limits);
     for (cell, touches) in touches.iter_mut().enumerate() {
         *touches = moves(cell);
     }
@@ -79,19 +99,19 @@ fn collect(surface: &Surface, (column, row): (usize, usize), cells: &mut Vec<usi
     cells.extend(window.filter(|&cell| surface.seen[cell].trust > 0.0));
 }
 
-fn is_on(surface: &Surface, cell: usize, face: &StuckFace, tolerance_mm: f64) -> bool {
+fn is_on(surface: &Surface, cell: usize, face: &StuckFace, limits: &FaceLimits) -> bool {
     surface.seen[cell].trust > 0.0
-        && face.motion.apply(surface.centre_mm(cell))[2] > LEAST_DEPTH_MM
-        && rigid::distance_mm(surface, cell, &face.motion) < 2.0 * tolerance_mm
+        && face.motion.apply(surface.centre_mm(cell))[2] > limits.least_depth
+        && rigid::distance_mm(surface, cell, &face.motion) < 2.0 * limits.tolerance
 }
 
-/// Cells that move with a face, each worth its depth up to 1 mm: gel near rest fits many motions.
-fn score(surface: &Surface, face: &StuckFace, tolerance_mm: f64) -> f64 {
+/// Cells that move with a face, each worth its depth up to a limit: gel near rest fits many motions.
+fn score(surface: &Surface, face: &StuckFace, limits: &FaceLimits) -> f64 {
     let SurfaceGrid { columns, rows, .. } = surface.grid;
     let cells = (0..rows).step_by(SPARSE).flat_map(|row| (0..columns).step_by(SPARSE).map(move |x| row * columns + x));
     cells
-        .filter(|&cell| is_on(surface, cell, face, tolerance_mm))
-        .map(|cell| face.motion.apply(surface.centre_mm(cell))[2].min(1.0))
+        .filter(|&cell| is_on(surface, cell, face, limits))
+        .map(|cell| face.motion.apply(surface.centre_mm(cell))[2].min(limits.counted_depth))
         .sum()
 }
 

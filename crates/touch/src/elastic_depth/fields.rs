@@ -3,6 +3,8 @@
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 use fingervision_image::Image;
 
+use super::thresholds::THRESHOLDS;
+
 /// Everything that elasticity tells about one frame.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
@@ -40,6 +42,8 @@ pub struct ElasticFields {
     pub is_untracked: bool,
     /// Whether the flow's deviation is more than 2.5 times that of the images which the network was trained on.
     pub is_flow_uncertain: bool,
+    /// Deviation of depth at rest in images of the usual noise, mm.
+    rest_deviation_mm: f32,
 }
 
 /// A field of tractions over the gel's surface: row by row, the surface's centre in the grid's middle.
@@ -87,16 +91,19 @@ impl ElasticFields {
             is_outside_learned: false,
             is_untracked: false,
             is_flow_uncertain: false,
+            rest_deviation_mm: (THRESHOLDS.rest_deviation * gel.thickness_mm) as f32,
         };
-        fields.rest();
+        fields.rest(1.0);
         fields
     }
 
-    /// Sets everything to what it is on an untouched gel.
-    pub(crate) fn rest(&mut self) {
+    /// Sets everything to what it is on an untouched gel, in images in which motion is seen from so many times the usual
+    /// motion on.
+    pub(crate) fn rest(&mut self, motion: f64) {
+        let rest_deviation_mm = self.rest_deviation_mm * motion as f32;
         self.depth_mm.values_mut().fill(0.0);
         for (deviation, &on_gel) in self.deviation_mm.values_mut().iter_mut().zip(self.on_gel.values()) {
-            *deviation = if on_gel == 1 { REST_DEVIATION_MM } else { f32::INFINITY };
+            *deviation = if on_gel == 1 { rest_deviation_mm } else { f32::INFINITY };
         }
         self.contact.values_mut().fill(0);
         self.contact_area_mm2 = 0.0;
@@ -111,6 +118,3 @@ impl ElasticFields {
         (self.is_outside_learned, self.is_untracked, self.is_flow_uncertain) = (false, false, false);
     }
 }
-
-/// Mean depth that contact can have without the gel being seen to move, mm: that of a ball of radius 6 mm.
-const REST_DEVIATION_MM: f32 = 0.05;

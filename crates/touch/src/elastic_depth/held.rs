@@ -8,15 +8,8 @@ use super::contact::ContactFinder;
 use super::nearest::{Place, distance, nearest_into};
 use super::stiffening::Strain;
 use super::surface::{Seen, Surface};
+use super::thresholds::THRESHOLDS;
 use super::traction::{Limits, Tractions};
-
-/// How far from contact the gel's motion is compared with what elasticity makes of it, in thicknesses: nearer, strain is
-/// too large for a linear law.
-const AWAY: f64 = 0.25;
-/// Deviations of the flow that explain a difference between the two.
-const FLOW_DEVIATIONS: f64 = 2.0;
-/// Motion away from contact below which nothing is said about the gel, px, root mean square.
-const TELLING_PX: f64 = 0.25;
 
 /// Holds the gel where it is touched.
 #[derive(Debug)]
@@ -87,7 +80,7 @@ impl HeldGel {
     /// error: root mean square over the largest depth; that of the whole surface where there is no contact, none where the motion
     /// is too small to tell.
     pub(super) fn unexplained(&mut self, thickness_mm: f64, deepest_mm: f64, mm_per_px: f64) -> Option<f64> {
-        let away = AWAY * thickness_mm / self.grid().cell_mm;
+        let away = THRESHOLDS.away * thickness_mm / self.grid().cell_mm;
         let columns = self.grid().columns;
         nearest_into(columns, &self.touches, &mut self.nearest);
         let (mut left, mut all, mut error, mut count) = (0.0, 0.0, 0.0, 0.0);
@@ -100,11 +93,11 @@ impl HeldGel {
                 left += f64::from(seen.apparent_mm[axis] - explained).powi(2);
                 all += f64::from(seen.apparent_mm[axis]).powi(2);
             }
-            error += (FLOW_DEVIATIONS * f64::from(seen.deviation_mm)).powi(2);
+            error += (THRESHOLDS.flow_deviations * f64::from(seen.deviation_mm)).powi(2);
             count += 1.0;
         }
         let (left, all) = ((left - error).max(0.0), all - error);
-        let telling_mm = TELLING_PX * mm_per_px;
+        let telling_mm = THRESHOLDS.least_motion_px * mm_per_px;
         (all > count * telling_mm * telling_mm).then(|| (left / count).sqrt() / deepest_mm.max(telling_mm))
     }
 

@@ -27,6 +27,7 @@ mod params;
 mod rigid;
 mod stiffening;
 mod surface;
+mod thresholds;
 mod traction;
 
 pub use fields::{ElasticFields, TractionGrid};
@@ -45,22 +46,15 @@ use fingervision_image::Image;
 use fingervision_optics::Camera;
 use held::HeldGel;
 use surface::{KNOWN, Surface};
+use thresholds::THRESHOLDS;
 
 use crate::TrackError;
 
 /// Cells along the gel's longer side.
 const CELLS: usize = 120;
-/// The gel is taken for untouched where no cell of it seems to move by more than this, px: twice what noise of 5 grey levels
-/// makes the largest of all.
-const STILL_PX: f64 = 0.06;
-/// Depth over thickness beyond which the flag for large strain is raised.
-const LINEAR_RANGE: f64 = 0.25;
 /// Motion well away from contact that may stay unexplained, root mean square, as a part of the largest depth: more, and the gel
 /// is not the one that was described.
-pub const MOST_UNEXPLAINED: f64 = 0.05;
-
-/// Part of contact in which the flow has to hold.
-const LEAST_TRACKED: f64 = 0.1;
+pub const MOST_UNEXPLAINED: f64 = THRESHOLDS.most_unexplained;
 
 /// When tractions are found in exact mode.
 const EXACT: Limits = Limits { tolerance: 1e-3, most_iterations: 30 };
@@ -142,9 +136,9 @@ impl ElasticDepth {
     /// If the fields are not of the size that was given.
     pub fn solve(&mut self, flow: &FlowField, deviation: &Image<f32>, valid: &Image<u8>) -> &ElasticFields {
         self.surface.look(flow, deviation, valid);
-        let still_mm = STILL_PX * self.surface.mm_per_px;
+        let still_mm = self.contact.still_mm(&self.surface);
         if self.surface.largest_apparent_mm() < still_mm {
-            self.rest();
+            self.rest(still_mm);
             return &self.fields;
         }
         self.find_contact();
@@ -211,13 +205,14 @@ impl ElasticDepth {
         }
     }
 
-    fn rest(&mut self) {
+    /// Takes the gel to be at rest, in a frame in which motion is seen from `still_mm` on.
+    fn rest(&mut self, still_mm: f64) {
         self.held.rest();
         if let Some(drag) = &mut self.drag {
             drag.rest();
         }
         self.contact.rest();
-        self.fields.rest();
+        self.fields.rest(still_mm / (THRESHOLDS.still_px * self.surface.mm_per_px));
     }
 
     fn write_fields(&mut self) {
@@ -246,11 +241,11 @@ impl ElasticDepth {
         let thickness_mm = self.gel.thickness_mm;
         let touched = self.contact.touches.iter().filter(|touches| **touches).count();
         self.fields.contact_area_mm2 = (touched as f64 * self.surface.grid.cell_area_mm2()) as f32;
-        self.fields.is_beyond_linear = deepest_mm > LINEAR_RANGE * thickness_mm;
+        self.fields.is_beyond_linear = deepest_mm > THRESHOLDS.linear_range * thickness_mm;
         self.fields.is_flow_uncertain = self.contact.is_flow_uncertain;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
         self.fields.is_outside_learned = self.is_outside_learned;
-        self.fields.is_untracked = (self.tracked() as f64) < LEAST_TRACKED * touched as f64;
+        self.fields.is_untracked = (self.tracked() as f64) < THRESHOLDS.least_tracked * touched as f64;
         let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);
         // Once it does not fit, a gel has to fit well or to come to rest.

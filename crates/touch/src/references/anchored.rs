@@ -11,6 +11,7 @@
 
 use super::compose::compose_into;
 use super::start_up::StartUp;
+use super::thresholds::THRESHOLDS;
 use super::{Matched, ReferenceParams};
 use fingervision_flow::{Estimate, FlowEstimator, FlowField, Picture, Reference, Start};
 
@@ -43,11 +44,6 @@ pub(crate) struct Anchored {
     frames_since_key: u64,
     start_up: StartUp,
 }
-
-/// Part of the textured patches, 0 to 1, from which a frame is good enough to become a keyframe.
-const KEYFRAME_MATCHED: f32 = 0.9;
-/// Least number of frames between two keyframes.
-const KEYFRAME_INTERVAL: u64 = 10;
 
 impl Anchored {
     pub(crate) fn new(
@@ -164,9 +160,9 @@ impl Anchored {
         self.frames_since_key += 1;
         // While the keyframe serves as reference it is renewed only when it, too, begins to fail.
         let is_due = if reference_id == self.first_id {
-            self.frames_since_key >= KEYFRAME_INTERVAL && out.matched >= KEYFRAME_MATCHED
+            self.frames_since_key >= THRESHOLDS.keyframe_interval && out.matched >= THRESHOLDS.keyframe_matched
         } else {
-            self.frames_since_key >= KEYFRAME_INTERVAL && out.matched < KEYFRAME_MATCHED
+            self.frames_since_key >= THRESHOLDS.keyframe_interval && out.matched < THRESHOLDS.keyframe_matched
         };
         if self.keyframe.is_none() || is_due {
             self.keep(estimator, current, out);

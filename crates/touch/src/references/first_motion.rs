@@ -14,26 +14,8 @@
 
 use fingervision_flow::Estimate;
 
-/// Flow that counts as motion, px: well above noise and slow drift.
-const MOTION_PX: f32 = 0.5;
-/// Fewer moving samples may be anything.
-const LEAST_MOVING: usize = 16;
-/// Part of the moving samples' motion that must point to or from the centre of perspective, dimensionless.
-const CERTAIN: f32 = 0.5;
-/// Least mean motion far from contact, px: the mean of so many samples is known to a few thousandths.
-const LEAST_FAR_PX: f32 = 0.04;
-/// The same as a part of the largest motion: simulated presses err to the other side by less than half of it.
-const LEAST_FAR: f32 = 0.02;
-/// Samples that move by this part of the largest motion are the face.
-const FACE: f32 = 0.6;
-/// A face nearer to the centre of perspective than this part of the image's half height does not show a shift.
-const LEAST_ASIDE: f32 = 0.2;
-/// Cosine between the face's shift and the line to the centre of perspective.
-const LEAST_ALIGNED: f32 = 0.9;
-/// Shift of the face over what its magnification makes of its distance from the centre: 1 by perspective alone.
-const SHIFT_BY_SCALE: std::ops::Range<f32> = 0.5..1.5;
-/// Root mean square that shift and magnification may leave of the face's motion, as a part of the largest.
-const MOST_UNEXPLAINED: f32 = 0.2;
+use super::thresholds::THRESHOLDS;
+
 /// Every so many pixels either way are looked at.
 pub(super) const STEP: usize = 8;
 
@@ -68,8 +50,8 @@ impl FirstMotion {
     /// What a flow says of the first image; none where little moves or the motion could be either.
     pub(super) fn judge(&mut self, estimate: &Estimate) -> Option<FirstImage> {
         self.take(estimate);
-        let moving = || self.samples.iter().filter(|sample| sample.length() > MOTION_PX);
-        if moving().count() < LEAST_MOVING {
+        let moving = || self.samples.iter().filter(|sample| sample.length() > THRESHOLDS.motion_px);
+        if moving().count() < THRESHOLDS.least_moving {
             return None;
         }
         let weight: f32 = moving().map(Sample::length).sum();
@@ -77,12 +59,12 @@ impl FirstMotion {
         let largest = moving().map(Sample::length).fold(0.0, f32::max);
         let outwards = self.outwards();
         let far_px = far_from(&mut self.samples, middle);
-        let limit_px = LEAST_FAR_PX.max(LEAST_FAR * largest);
-        if outwards.abs() > CERTAIN && far_px.abs() > limit_px && (outwards > 0.0) == (far_px > 0.0) {
+        let limit_px = THRESHOLDS.least_far_px.max(THRESHOLDS.least_far * largest);
+        if outwards.abs() > THRESHOLDS.certain && far_px.abs() > limit_px && (outwards > 0.0) == (far_px > 0.0) {
             return Some(if far_px > 0.0 { FirstImage::AtRest } else { FirstImage::Pressed });
         }
         let half_height = 0.5 * estimate.flow.size().1 as f32;
-        let scale = self.scale_of_face(largest, LEAST_ASIDE * half_height)?;
+        let scale = self.scale_of_face(largest, THRESHOLDS.least_aside * half_height)?;
         // The surroundings must not say the opposite.
         let is_denied = far_px.abs() > limit_px && (scale > 0.0) != (far_px > 0.0);
         let says = if scale > 0.0 { FirstImage::AtRest } else { FirstImage::Pressed };
@@ -101,7 +83,7 @@ impl FirstMotion {
 
     /// `Σ f·(x − p) / Σ |f| |x − p|` over what moves, about the centre of perspective `p`.
     fn outwards(&self) -> f32 {
-        let moving = self.samples.iter().filter(|sample| sample.length() > MOTION_PX);
+        let moving = self.samples.iter().filter(|sample| sample.length() > THRESHOLDS.motion_px);
         let (along, all) = moving.fold((0.0, 0.0), |(along, all), sample| {
             let [x, y] = sample.from(self.centre_px);
             (along + sample.flow[0] * x + sample.flow[1] * y, all + sample.length() * x.hypot(y))
@@ -111,7 +93,7 @@ impl FirstMotion {
 
     /// Magnification less 1 of a face that is scaled about the centre of perspective; none where it is not.
     fn scale_of_face(&self, largest: f32, least_aside: f32) -> Option<f32> {
-        let least = MOTION_PX.max(FACE * largest);
+        let least = THRESHOLDS.motion_px.max(THRESHOLDS.face * largest);
         let face = || self.samples.iter().filter(|sample| sample.length() > least);
         let count = face().count() as f32;
         let mean = |value: &dyn Fn(&Sample) -> f32| face().map(value).sum::<f32>() / count;
@@ -127,9 +109,9 @@ impl FirstMotion {
         let distance = aside[0].hypot(aside[1]);
         let outwards = dot(shift, aside) / distance;
         let is_scaled = distance > least_aside
-            && left.sqrt() < MOST_UNEXPLAINED * largest
-            && outwards.abs() > LEAST_ALIGNED * shift[0].hypot(shift[1])
-            && SHIFT_BY_SCALE.contains(&(outwards / (scale * distance)));
+            && left.sqrt() < THRESHOLDS.most_unexplained * largest
+            && outwards.abs() > THRESHOLDS.least_aligned * shift[0].hypot(shift[1])
+            && (THRESHOLDS.shift_by_scale[0]..THRESHOLDS.shift_by_scale[1]).contains(&(outwards / (scale * distance)));
         is_scaled.then_some(scale)
     }
 }

@@ -6,6 +6,7 @@ mod first_motion;
 mod params;
 mod stack;
 mod start_up;
+mod thresholds;
 
 use anchored::Anchored;
 use fingervision_flow::{Estimate, FlowError, FlowEstimator, FlowField, Picture, Reference, Start};

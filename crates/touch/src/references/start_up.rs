@@ -9,11 +9,7 @@
 use fingervision_flow::{Estimate, FlowField};
 
 use super::first_motion::{FirstImage, FirstMotion, STEP};
-
-/// Change between frames below which the gel is still, px.
-const STILL_PX: f32 = 0.05;
-/// Frames in a row that elasticity explains as a press before the gel of the first image is taken for one at rest.
-const EXPLAINED_FRAMES: u64 = 5;
+use super::thresholds::THRESHOLDS;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
@@ -57,7 +53,7 @@ impl StartUp {
     /// Takes note of whether elasticity explains the last frame as a press.
     pub(crate) fn note_press(&mut self, is_press: bool) {
         self.explained = if is_press { self.explained + 1 } else { 0 };
-        if self.explained >= EXPLAINED_FRAMES {
+        if self.explained >= THRESHOLDS.explained_frames {
             self.state = State::Settled;
         }
     }
@@ -77,7 +73,7 @@ impl StartUp {
                 None => {}
             },
             State::Pressed { still } => {
-                *still = if largest_change(before, &now.flow) < STILL_PX { *still + 1 } else { 0 };
+                *still = if largest_change(before, &now.flow) < THRESHOLDS.still_px { *still + 1 } else { 0 };
             }
         }
     }
