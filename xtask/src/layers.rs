@@ -10,7 +10,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// What a crate of the workspace may name in its dependencies, with the prefix `fingervision-` left off.
-const LAYERS: [(&str, &[&str]); 14] = [
+const LAYERS: [(&str, &[&str]); 15] = [
     ("image", &[]),
     ("settings", &[]),
     ("optics", &[]),
@@ -19,12 +19,13 @@ const LAYERS: [(&str, &[&str]); 14] = [
     ("gel", &["image", "optics", "elastic", "settings"]),
     ("touch", &["image", "flow", "optics", "elastic", "settings"]),
     ("source", &["image", "gel"]),
+    ("plot", &["image", "flow"]),
     // A simulated press is written like a run: the same arrays, tables and pictures.
-    ("sink", &["touch", "image", "flow", "gel"]),
+    ("sink", &["touch", "image", "flow", "gel", "plot"]),
     // The crate that a program names: names alone, from the others.
-    ("fingervision", &["image", "flow", "optics", "elastic", "settings", "gel", "touch", "source", "sink"]),
-    ("calibrate", &["touch", "sink", "elastic", "flow", "optics", "settings", "image"]),
-    ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "sink"]),
+    ("fingervision", &["image", "flow", "optics", "elastic", "settings", "gel", "touch", "source", "plot", "sink"]),
+    ("calibrate", &["touch", "plot", "elastic", "flow", "optics", "settings", "image"]),
+    ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "plot", "sink"]),
     ("cli", &["image", "optics", "elastic", "flow", "gel", "touch", "calibrate", "source", "sink", "evaluate"]),
     ("xtask", &["evaluate"]),
 ];
@@ -36,7 +37,7 @@ const FOR_TESTS: [(Option<&str>, &str); 2] = [(None, "gel"), (Some("fingervision
 const HEAVY: [(&str, &[&str]); 20] = [
     ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
-    ("image", &["source", "sink", "evaluate"]),
+    ("image", &["source", "plot", "sink", "evaluate"]),
     ("indicatif", &["cli"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel"]),
@@ -50,8 +51,8 @@ const HEAVY: [(&str, &[&str]); 20] = [
     ("serde_json", &["cli", "xtask"]),
     ("svg", &["gel"]),
     ("tiff", &["source"]),
-    ("tiny-skia", &["sink"]),
-    ("ttf-parser", &["gel", "sink"]),
+    ("tiny-skia", &["plot"]),
+    ("ttf-parser", &["gel", "plot"]),
     ("zune-core", &["source"]),
     ("zune-jpeg", &["source"]),
 ];

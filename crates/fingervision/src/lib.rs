@@ -75,9 +75,10 @@ pub use fingervision_flow::{
 };
 
 // Readings out.
+pub use fingervision_plot::flow_colours;
 pub use fingervision_sink::{
     Field, Overlay, Precision, Preview, PreviewOptions, RunFolder, RunOptions, RunSummary, Sink, SinkError,
-    flow_colours, write_pixels, write_png,
+    write_pixels, write_png,
 };
 
 #[cfg(feature = "simulate")]

@@ -1,8 +1,8 @@
 //! Readings out: arrays, a table and pictures.
 //!
 //! A [`Sink`] is handed every reading of a run. [`RunFolder`] streams them into files that can be read at any moment;
-//! [`Preview`] keeps the strongest frame and draws it as one picture, [`Overlay`] makes a video of all. [`Comparison`] sets estimated fields beside true
-//! ones. `SimulationFolder` (feature `simulate`) takes a simulated press with its truth. The pieces of these pictures, [`flow_colours`] and [`heat_map`], stand on their own.
+//! [`Preview`] keeps the strongest frame and draws it as one picture, [`Overlay`] makes a video of all.
+//! `SimulationFolder` (feature `simulate`) takes a simulated press with its truth.
 
 mod arrays;
 mod avi;
@@ -24,11 +24,7 @@ pub use error::SinkError;
 pub use float_array::Precision;
 #[cfg(feature = "simulate")]
 pub use picture::SimulationPreview;
-pub use picture::{
-    ColourMap, Comparison, Curve, CurvePanel, CurvePlots, FramePlot, HeatPanel, HeatPanels, HeatScale, INVALID_COLOUR,
-    Overlay, Pair, Preview, PreviewOptions, StraightLine, colour_wheel, flow_colours, heat_map, png, write_pixels,
-    write_png,
-};
+pub use picture::{Overlay, Preview, PreviewOptions, png, write_pixels, write_png};
 pub use run_fields::Field;
 pub use run_folder::{RunFolder, RunOptions, RunSummary};
 #[cfg(feature = "simulate")]

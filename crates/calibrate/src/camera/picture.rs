@@ -1,7 +1,7 @@
 //! Residual maps, before and after.
 
 use fingervision_image::Image;
-use fingervision_sink::{HeatPanel, HeatPanels, HeatScale};
+use fingervision_plot::{HeatPanel, HeatPanels, HeatScale};
 
 use super::report::CameraReport;
 use super::residuals::ResidualMap;

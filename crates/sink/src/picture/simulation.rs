@@ -5,16 +5,15 @@ use std::path::Path;
 use fingervision_flow::FlowField;
 use fingervision_gel::{Scene, Truth};
 use fingervision_image::{Image, Pixels};
-
-use super::canvas::{Area, Canvas, resized};
-use super::lines::{self, FramePlot};
-use super::outline::{self, Outline};
-use super::page::{
+use fingervision_plot::page::{
     BACKGROUND, COLUMN, GAP, HEADING, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIGHT, NOTE, PANEL_TOP, TITLE, WIDTH,
 };
-use super::panels::{LEAST_FLOW_PX, Panel, draw_colour_bar, draw_invalid_key, draw_wheel_key};
-use super::ticks::{number, round_up};
-use super::{HeatScale, Rgb, flow_colours, heat_map, write_png};
+use fingervision_plot::{
+    Area, Canvas, FramePlot, HeatScale, LEAST_FLOW_PX, Outline, Panel, Rgb, draw_colour_bar, draw_invalid_key,
+    draw_outline_key, draw_wheel_key, flow_colours, heat_map, number, resized, round_up,
+};
+
+use super::write_png;
 use crate::{SimulatedFrame, SinkError};
 
 /// Frames in the strip below the panels, and what parts them, px.
@@ -128,7 +127,7 @@ impl SimulationPreview {
         }
         if has_force {
             let area = Area { x: MARGIN, y: plot_top, width: WIDTH - 2.0 * MARGIN, height: PLOT_HEIGHT };
-            lines::draw(&mut canvas, area, &self.forces(), shown.frame);
+            self.forces().draw(&mut canvas, area, shown.frame);
         }
         Ok(canvas.into_image())
     }
@@ -164,7 +163,7 @@ impl Shown {
         canvas.text("Red is pressed in, blue bulges out.", (depth.legend.x, depth.line(2.2)), NOTE);
         if truth.contact.values().contains(&1) {
             let y = depth.line(3.4);
-            let x = outline::draw_key(canvas, (depth.legend.x, y));
+            let x = draw_outline_key(canvas, (depth.legend.x, y));
             canvas.text("border of the contact", (x, y), NOTE);
         }
 

@@ -3,7 +3,7 @@
 //! Each map is kept as 33 evenly spaced colours and interpolated linearly; that is within 5 of 255 levels of the
 //! published tables (viridis is in the public domain, the maps of Kovesi are under CC BY 4.0).
 
-use super::Rgb;
+use crate::colour::Rgb;
 
 /// Colours that a map is given by.
 const STOPS: usize = 33;

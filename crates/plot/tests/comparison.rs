@@ -2,7 +2,7 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
-use fingervision_sink::{Comparison, FramePlot, INVALID_COLOUR, Pair};
+use fingervision_plot::{Comparison, FramePlot, INVALID_COLOUR, Pair};
 
 /// A round press and what was made of it.
 struct Press {

@@ -1,10 +1,10 @@
 //! A few numbers over frames: lines with their names.
 
-use super::Rgb;
-use super::axes::Axes;
-use super::canvas::{Area, Canvas, Point};
-use super::page::{BODY, HEADING};
-use super::ticks::round_up;
+use crate::axes::Axes;
+use crate::canvas::{Area, Canvas, Point};
+use crate::colour::Rgb;
+use crate::page::{BODY, HEADING};
+use crate::ticks::round_up;
 
 /// Told apart by every kind of sight. Okabe and Ito, "Color Universal Design", 2008.
 const COLOURS: [Rgb; 4] = [[0, 114, 178], [213, 94, 0], [0, 158, 115], [86, 86, 86]];
@@ -21,24 +21,31 @@ pub struct FramePlot {
     pub lines: Vec<(String, Vec<f32>)>,
 }
 
-/// Draws a plot with heading, names and axes into an area and marks the frame that is shown above.
-pub(super) fn draw(canvas: &mut Canvas, area: Area, plot: &FramePlot, shown_frame: usize) {
-    canvas.text(&plot.heading, (area.x, area.y + 16.0), HEADING);
-    draw_names(canvas, (area.x + LABELS, area.y + 46.0), plot);
-    let values = || plot.lines.iter().flat_map(|(_, values)| values).copied().filter(|value| value.is_finite());
-    let frames = plot.lines.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
-    let axes = Axes {
-        area: Area { x: area.x + LABELS, y: area.y + 92.0, width: area.width - LABELS, height: area.height - 144.0 },
-        low: 0.0,
-        top: round_up(values().fold(0.0, f32::max)),
-        last: frames.saturating_sub(1).max(1) as f64,
-        counts_frames: true,
-    };
-    axes.draw(canvas);
-    let (x, _) = axes.place(shown_frame as f64, 0.0);
-    axes.draw_mark(canvas, x, MARK);
-    for ((_, values), colour) in plot.lines.iter().zip(COLOURS) {
-        draw_line(canvas, &axes, values, colour);
+impl FramePlot {
+    /// Draws a plot with heading, names and axes into an area and marks the frame that is shown above.
+    pub fn draw(&self, canvas: &mut Canvas, area: Area, shown_frame: usize) {
+        canvas.text(&self.heading, (area.x, area.y + 16.0), HEADING);
+        draw_names(canvas, (area.x + LABELS, area.y + 46.0), self);
+        let values = || self.lines.iter().flat_map(|(_, values)| values).copied().filter(|value| value.is_finite());
+        let frames = self.lines.iter().map(|(_, values)| values.len()).max().unwrap_or(0);
+        let axes = Axes {
+            area: Area {
+                x: area.x + LABELS,
+                y: area.y + 92.0,
+                width: area.width - LABELS,
+                height: area.height - 144.0,
+            },
+            low: 0.0,
+            top: round_up(values().fold(0.0, f32::max)),
+            last: frames.saturating_sub(1).max(1) as f64,
+            counts_frames: true,
+        };
+        axes.draw(canvas);
+        let (x, _) = axes.place(shown_frame as f64, 0.0);
+        axes.draw_mark(canvas, x, MARK);
+        for ((_, values), colour) in self.lines.iter().zip(COLOURS) {
+            draw_line(canvas, &axes, values, colour);
+        }
     }
 }
 

@@ -4,12 +4,15 @@ use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
 use super::Pair;
-use crate::picture::canvas::{Area, Canvas};
-use crate::picture::outline::{self, Outline};
-use crate::picture::page::NOTE;
-use crate::picture::panels::{LEAST_FLOW_PX, Panel, draw_colour_bar, draw_invalid_key, draw_wheel_key};
-use crate::picture::ticks::round_up;
-use crate::picture::{HeatScale, Rgb, flow_colours, heat_map};
+use crate::canvas::{Area, Canvas};
+use crate::colour::Rgb;
+use crate::flow_colours::{LEAST_FLOW_PX, flow_colours};
+use crate::heat_map::{HeatScale, heat_map};
+use crate::keys::{draw_colour_bar, draw_invalid_key, draw_wheel_key};
+use crate::outline::{Outline, draw_outline_key};
+use crate::page::NOTE;
+use crate::panel::Panel;
+use crate::ticks::round_up;
 
 /// What the scale of a picture is made for, blind to a few outliers: so much of 1000 values.
 const TYPICAL: usize = 999;
@@ -72,7 +75,7 @@ impl Row<'_> {
         let [truth, estimate, error] = self.panels;
         if self.outline.is_some() {
             let y = truth.line(line);
-            let x = outline::draw_key(canvas, (truth.legend.x, y));
+            let x = draw_outline_key(canvas, (truth.legend.x, y));
             canvas.text("border of the true contact", (x, y), NOTE);
         }
         draw_invalid_key(canvas, (estimate.legend.x, estimate.line(line)), "not valid");

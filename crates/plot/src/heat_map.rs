@@ -2,7 +2,8 @@
 
 use fingervision_image::Image;
 
-use super::{ColourMap, INVALID_COLOUR, Rgb};
+use crate::colour::{INVALID_COLOUR, Rgb};
+use crate::colour_map::ColourMap;
 
 /// Which number gets which colour.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,10 +2,12 @@
 
 use fingervision_image::Image;
 
-use super::canvas::{Area, Canvas};
-use super::page::{BACKGROUND, COLUMN, GAP, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIGHT, NOTE, PANEL_TOP, TITLE, WIDTH};
-use super::panels::{Panel, draw_colour_bar, draw_invalid_key};
-use super::{HeatScale, Rgb, heat_map};
+use crate::canvas::{Area, Canvas};
+use crate::colour::Rgb;
+use crate::heat_map::{HeatScale, heat_map};
+use crate::keys::{draw_colour_bar, draw_invalid_key};
+use crate::page::{BACKGROUND, COLUMN, GAP, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIGHT, NOTE, PANEL_TOP, TITLE, WIDTH};
+use crate::panel::Panel;
 
 /// From the legends of a row to the panels of the next, px: room for headings.
 const ROW_GAP: f32 = 56.0;

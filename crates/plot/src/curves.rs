@@ -2,11 +2,11 @@
 
 use fingervision_image::Image;
 
-use super::Rgb;
-use super::canvas::{Area, Canvas, Point};
-use super::page::{BACKGROUND, BODY, COLUMN, GAP, HEADING, MARGIN, NOTE, TITLE};
-use super::text::Anchor;
-use super::ticks::{round_up, ticks};
+use crate::canvas::{Area, Canvas, Point};
+use crate::colour::Rgb;
+use crate::page::{BACKGROUND, BODY, COLUMN, GAP, HEADING, MARGIN, NOTE, TITLE};
+use crate::text::Anchor;
+use crate::ticks::{round_up, ticks};
 
 /// Told apart by every kind of sight. Okabe and Ito, "Color Universal Design", 2008.
 const COLOURS: [Rgb; 6] = [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];

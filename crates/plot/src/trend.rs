@@ -6,7 +6,7 @@ const MOST_STEPS: usize = 2048;
 /// A number over the frames of a run, however long it is: when memory is full, neighbouring steps join and keep the
 /// larger number, so peaks survive.
 #[derive(Debug)]
-pub(super) struct Trend {
+pub struct Trend {
     steps: Vec<Step>,
     frames_per_step: u64,
     frames: u64,
@@ -15,22 +15,30 @@ pub(super) struct Trend {
 
 /// Some frames in a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Step {
+pub struct Step {
     /// Time of the first of them since the run's first frame, s.
-    pub(super) time_s: f64,
+    pub time_s: f64,
     /// Place of the first of them in the run, from 0.
-    pub(super) frame: u64,
+    pub frame: u64,
     /// The largest number among them; NaN where there is none.
-    pub(super) peak: f32,
+    pub peak: f32,
+}
+
+impl Default for Trend {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Trend {
-    pub(super) fn new() -> Self {
+    /// No frame yet.
+    #[must_use]
+    pub fn new() -> Self {
         Self { steps: Vec::with_capacity(MOST_STEPS), frames_per_step: 1, frames: 0, start_s: 0.0 }
     }
 
     /// Takes the number of the next frame; NaN where it has none.
-    pub(super) fn push(&mut self, time_s: f64, value: f32) {
+    pub fn push(&mut self, time_s: f64, value: f32) {
         if self.frames == 0 {
             self.start_s = time_s;
         }
@@ -47,17 +55,20 @@ impl Trend {
     }
 
     /// Frames taken so far.
-    pub(super) fn frames(&self) -> u64 {
+    #[must_use]
+    pub fn frames(&self) -> u64 {
         self.frames
     }
 
     /// Time of the first frame on the source's clock, s.
-    pub(super) fn start_s(&self) -> f64 {
+    #[must_use]
+    pub fn start_s(&self) -> f64 {
         self.start_s
     }
 
     /// The steps in order.
-    pub(super) fn steps(&self) -> &[Step] {
+    #[must_use]
+    pub fn steps(&self) -> &[Step] {
         &self.steps
     }
 

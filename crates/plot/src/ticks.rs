@@ -6,17 +6,19 @@ const ENDS: [f32; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
 const STEPS: [f32; 4] = [1.0, 2.0, 5.0, 10.0];
 
 /// The smallest round number that is not below a positive `value`; 1 for any other.
-pub(super) fn round_up(value: f32) -> f32 {
+#[must_use]
+pub fn round_up(value: f32) -> f32 {
     among(&ENDS, value, |end| end >= value * 0.999)
 }
 
 /// The smallest of 1, 2, 5, 10, … times a power of ten that is not below a positive `value`; 1 for any other.
-pub(super) fn step_above(value: f32) -> f32 {
+pub(crate) fn step_above(value: f32) -> f32 {
     among(&STEPS, value, |step| step >= value * 0.999)
 }
 
 /// The largest of 1, 2, 5, 10, … times a power of ten that is not above a positive `value`; 1 for any other.
-pub(super) fn step_below(value: f32) -> f32 {
+#[must_use]
+pub fn step_below(value: f32) -> f32 {
     let above = step_above(value);
     if above <= value { above } else { step_above(above / 2.6) }
 }
@@ -31,7 +33,7 @@ fn among(mantissas: &[f32], value: f32, is_enough: impl Fn(f32) -> bool) -> f32 
 }
 
 /// Evenly spaced round numbers between two ends, with at most `most` steps, and how each is written.
-pub(super) fn ticks(low: f32, high: f32, most: usize) -> Vec<(f32, String)> {
+pub(crate) fn ticks(low: f32, high: f32, most: usize) -> Vec<(f32, String)> {
     let step = step_above((high - low) / most as f32);
     let (first, last) = ((low / step - 1e-3).ceil() as i64, (high / step + 1e-3).floor() as i64);
     let decimals = (-step.log10().floor()).max(0.0) as usize;
@@ -43,7 +45,8 @@ pub(super) fn ticks(low: f32, high: f32, most: usize) -> Vec<(f32, String)> {
 }
 
 /// Three significant digits, or two behind the point for small numbers.
-pub(super) fn number(value: f32) -> String {
+#[must_use]
+pub fn number(value: f32) -> String {
     with_minus(match value.abs() {
         size if size >= 99.95 => format!("{value:.0}"),
         size if size >= 9.995 => format!("{value:.1}"),
@@ -52,7 +55,8 @@ pub(super) fn number(value: f32) -> String {
 }
 
 /// A round number without needless zeros.
-pub(super) fn plain(value: f32) -> String {
+#[must_use]
+pub fn plain(value: f32) -> String {
     with_minus(format!("{}", (f64::from(value) * 1e6).round() / 1e6))
 }
 

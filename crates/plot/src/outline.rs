@@ -2,9 +2,9 @@
 
 use fingervision_image::Image;
 
-use super::canvas::{Canvas, Point};
-use super::panels::Panel;
-use super::{Rgb, canvas};
+use crate::canvas::{Canvas, Point};
+use crate::colour::Rgb;
+use crate::panel::Panel;
 
 const LINE: Rgb = [20, 20, 20];
 const HALO: Rgb = [255; 3];
@@ -12,19 +12,22 @@ const HALO: Rgb = [255; 3];
 /// Where a mask changes: half-way between pixel centres, corners cut (marching squares). Positions are in px of the
 /// mask, integer = pixel centre.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Outline {
+pub struct Outline {
     segments: Vec<[Point; 2]>,
 }
 
 impl Outline {
-    pub(super) fn of(mask: &Image<u8>) -> Self {
+    /// The border of what is not 0.
+    #[must_use]
+    pub fn of(mask: &Image<u8>) -> Self {
         let (width, height) = mask.size();
         let cells = (1..height).flat_map(|y| (1..width).map(move |x| (x - 1, y - 1)));
         Self { segments: cells.flat_map(|(x, y)| of_cell(mask, x, y)).collect() }
     }
 
     /// Every end of a segment moved, as a function of where it is.
-    pub(super) fn moved(self, by: impl Fn(Point) -> Point) -> Self {
+    #[must_use]
+    pub fn moved(self, by: impl Fn(Point) -> Point) -> Self {
         let moved = |(x, y): Point| {
             let (u, v) = by((x, y));
             (x + u, y + v)
@@ -33,7 +36,7 @@ impl Outline {
     }
 
     /// Draws it onto the image of a panel.
-    pub(super) fn draw(&self, canvas: &mut Canvas, panel: Panel) {
+    pub fn draw(&self, canvas: &mut Canvas, panel: Panel) {
         let place = |(x, y): Point| (panel.image.x + (x + 0.5) * panel.scale, panel.image.y + (y + 0.5) * panel.scale);
         for (width, colour) in [(2.6, HALO), (1.3, LINE)] {
             for segment in &self.segments {
@@ -44,7 +47,7 @@ impl Outline {
 }
 
 /// What stands for the outline in a legend; its text starts at the returned x.
-pub(super) fn draw_key(canvas: &mut Canvas, (x, y): Point) -> f32 {
+pub fn draw_outline_key(canvas: &mut Canvas, (x, y): Point) -> f32 {
     for (width, colour) in [(2.6, HALO), (1.3, LINE)] {
         canvas.line(&[(x + 1.0, y - 5.0), (x + 21.0, y - 5.0)], width, colour);
     }
@@ -52,7 +55,7 @@ pub(super) fn draw_key(canvas: &mut Canvas, (x, y): Point) -> f32 {
 }
 
 /// The segments between the four pixel centres below and right of a pixel.
-fn of_cell(mask: &Image<u8>, x: usize, y: usize) -> impl Iterator<Item = [canvas::Point; 2]> {
+fn of_cell(mask: &Image<u8>, x: usize, y: usize) -> impl Iterator<Item = [Point; 2]> {
     let corners = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)];
     let inside = corners.map(|(x, y)| mask.at(x, y) != 0);
     let (left, top) = (x as f32, y as f32);

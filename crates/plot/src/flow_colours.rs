@@ -10,7 +10,10 @@ use std::array::from_fn;
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
-use super::{INVALID_COLOUR, Rgb};
+use crate::colour::{INVALID_COLOUR, Rgb};
+
+/// Flow that is shown at least at full colour or length, px: noise shall not look like touch.
+pub const LEAST_FLOW_PX: f32 = 0.1;
 
 /// Radius of the circle in `OKLab`, dimensionless.
 const RADIUS: f32 = 0.135;

@@ -5,33 +5,42 @@ use image::imageops::{FilterType, resize};
 use image::{ImageBuffer, RgbImage};
 use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
 
-use super::Rgb;
-use super::text::Style;
+use crate::colour::Rgb;
+use crate::text::Style;
 
 /// A place on the canvas, px from its upper left corner.
-pub(super) type Point = (f32, f32);
+pub type Point = (f32, f32);
 
 /// A rectangle on the canvas, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Area {
-    pub(super) x: f32,
-    pub(super) y: f32,
-    pub(super) width: f32,
-    pub(super) height: f32,
+pub struct Area {
+    /// Its left side.
+    pub x: f32,
+    /// Its upper side.
+    pub y: f32,
+    /// From left to right.
+    pub width: f32,
+    /// From top to bottom.
+    pub height: f32,
 }
 
 impl Area {
-    pub(super) fn right(&self) -> f32 {
+    /// Its right side, px.
+    #[must_use]
+    pub fn right(&self) -> f32 {
         self.x + self.width
     }
 
-    pub(super) fn bottom(&self) -> f32 {
+    /// Its lower side, px.
+    #[must_use]
+    pub fn bottom(&self) -> f32 {
         self.y + self.height
     }
 }
 
 /// The canvas.
-pub(super) struct Canvas {
+#[derive(Debug)]
+pub struct Canvas {
     pixels: Pixmap,
 }
 
@@ -41,7 +50,8 @@ impl Canvas {
     /// # Panics
     ///
     /// If a side is zero.
-    pub(super) fn new(width: u32, height: u32, background: Rgb) -> Self {
+    #[must_use]
+    pub fn new(width: u32, height: u32, background: Rgb) -> Self {
         let mut pixels = Pixmap::new(width, height).expect("a canvas has pixels");
         let [red, green, blue] = background;
         pixels.fill(Color::from_rgba8(red, green, blue, 255));
@@ -49,14 +59,15 @@ impl Canvas {
     }
 
     /// A canvas that starts as an image.
-    pub(super) fn of(image: &Image<Rgb>) -> Self {
+    #[must_use]
+    pub fn of(image: &Image<Rgb>) -> Self {
         let mut canvas = Self::new(image.width() as u32, image.height() as u32, [0; 3]);
         canvas.copy(image, 0, 0);
         canvas
     }
 
     /// A line through points, round at corners and ends.
-    pub(super) fn line(&mut self, points: &[Point], width: f32, colour: Rgb) {
+    pub fn line(&mut self, points: &[Point], width: f32, colour: Rgb) {
         let stroke = Stroke { width, line_cap: LineCap::Round, line_join: LineJoin::Round, ..Stroke::default() };
         if let Some(path) = path_through(points, false) {
             self.pixels.stroke_path(&path, &paint(colour), &stroke, Transform::identity(), None);
@@ -64,35 +75,35 @@ impl Canvas {
     }
 
     /// A filled polygon.
-    pub(super) fn polygon(&mut self, corners: &[Point], colour: Rgb) {
+    pub fn polygon(&mut self, corners: &[Point], colour: Rgb) {
         if let Some(path) = path_through(corners, true) {
             self.fill(&path, colour);
         }
     }
 
     /// A filled rectangle.
-    pub(super) fn rectangle(&mut self, area: Area, colour: Rgb) {
+    pub fn rectangle(&mut self, area: Area, colour: Rgb) {
         let corners =
             [(area.x, area.y), (area.right(), area.y), (area.right(), area.bottom()), (area.x, area.bottom())];
         self.polygon(&corners, colour);
     }
 
     /// A filled circle.
-    pub(super) fn disc(&mut self, (x, y): Point, radius: f32, colour: Rgb) {
+    pub fn disc(&mut self, (x, y): Point, radius: f32, colour: Rgb) {
         if let Some(path) = PathBuilder::from_circle(x, y, radius) {
             self.fill(&path, colour);
         }
     }
 
     /// A text with its anchor at a place on the baseline.
-    pub(super) fn text(&mut self, text: &str, (x, y): Point, style: Style) {
+    pub fn text(&mut self, text: &str, (x, y): Point, style: Style) {
         if let Some(path) = style.outline(text, x, y) {
             self.fill(&path, style.colour);
         }
     }
 
     /// Puts an image's upper left corner at whole pixels; what reaches over the edge is left out.
-    pub(super) fn copy(&mut self, image: &Image<Rgb>, left: usize, top: usize) {
+    pub fn copy(&mut self, image: &Image<Rgb>, left: usize, top: usize) {
         let (width, height) = (self.pixels.width() as usize, self.pixels.height() as usize);
         let pixels = self.pixels.pixels_mut();
         let columns = image.width().min(width.saturating_sub(left));
@@ -105,7 +116,8 @@ impl Canvas {
     }
 
     /// The picture drawn so far.
-    pub(super) fn into_image(self) -> Image<Rgb> {
+    #[must_use]
+    pub fn into_image(self) -> Image<Rgb> {
         let (width, pixels) = (self.pixels.width() as usize, self.pixels.pixels());
         let at = |x, y| {
             let pixel: tiny_skia::PremultipliedColorU8 = pixels[y * width + x];
@@ -120,7 +132,8 @@ impl Canvas {
 }
 
 /// An image at another size: a smaller pixel averages those that it covers, a larger image is interpolated.
-pub(super) fn resized(image: &Image<Rgb>, width: usize, height: usize) -> Image<Rgb> {
+#[must_use]
+pub fn resized(image: &Image<Rgb>, width: usize, height: usize) -> Image<Rgb> {
     if image.size() == (width, height) {
         return image.clone();
     }
@@ -128,8 +141,8 @@ pub(super) fn resized(image: &Image<Rgb>, width: usize, height: usize) -> Image<
     Image::from_fn(width, height, |x, y| resized.get_pixel(x as u32, y as u32).0)
 }
 
-/// The image in the type of the library that scales and encodes.
-pub(super) fn as_buffer(image: &Image<Rgb>) -> RgbImage {
+/// The image in the type of the library that scales.
+fn as_buffer(image: &Image<Rgb>) -> RgbImage {
     let levels = image.values().iter().flatten().copied().collect();
     ImageBuffer::from_raw(image.width() as u32, image.height() as u32, levels).expect("three levels a pixel")
 }

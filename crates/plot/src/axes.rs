@@ -1,10 +1,10 @@
 //! The axes of a plot: a number over frames or time.
 
-use super::Rgb;
-use super::canvas::{Area, Canvas, Point};
-use super::page::{BODY, NOTE};
-use super::text::{Anchor, Style};
-use super::ticks::ticks;
+use crate::canvas::{Area, Canvas, Point};
+use crate::colour::Rgb;
+use crate::page::{BODY, NOTE};
+use crate::text::{Anchor, Style};
+use crate::ticks::ticks;
 
 const GRID: Rgb = [224; 3];
 const AXIS: Rgb = [60, 64, 67];
@@ -12,28 +12,28 @@ const AXIS: Rgb = [60, 64, 67];
 const LABEL_PITCH: f32 = 80.0;
 
 /// A plot area and the numbers at its edges.
-pub(super) struct Axes {
+pub(crate) struct Axes {
     /// Without the labels.
-    pub(super) area: Area,
+    pub(crate) area: Area,
     /// The number at the lower edge: zero, or below it.
-    pub(super) low: f32,
+    pub(crate) low: f32,
     /// The number at the upper edge.
-    pub(super) top: f32,
+    pub(crate) top: f32,
     /// Where on the horizontal axis the right edge lies; the left one is zero.
-    pub(super) last: f64,
+    pub(crate) last: f64,
     /// Frames on the horizontal axis, counted from zero, or seconds.
-    pub(super) counts_frames: bool,
+    pub(crate) counts_frames: bool,
 }
 
 impl Axes {
     /// Where a number belongs.
-    pub(super) fn place(&self, along: f64, value: f32) -> Point {
+    pub(crate) fn place(&self, along: f64, value: f32) -> Point {
         let along = (along / self.last).clamp(0.0, 1.0) as f32;
         let up = (value - self.low) / (self.top - self.low);
         (self.area.x + along * self.area.width, self.area.bottom() - up * self.area.height)
     }
 
-    pub(super) fn draw(&self, canvas: &mut Canvas) {
+    pub(crate) fn draw(&self, canvas: &mut Canvas) {
         let Area { x, width, .. } = self.area;
         let (right, bottom) = (self.area.right(), self.area.bottom());
         for (value, label) in ticks(self.low, self.top, 4) {
@@ -56,7 +56,7 @@ impl Axes {
     }
 
     /// Marks the frame that is shown in the panels above.
-    pub(super) fn draw_mark(&self, canvas: &mut Canvas, x: f32, colour: Rgb) {
+    pub(crate) fn draw_mark(&self, canvas: &mut Canvas, x: f32, colour: Rgb) {
         canvas.line(&[(x, self.area.y - 10.0), (x, self.area.bottom())], 1.5, colour);
         let text = "the frame above";
         let half = BODY.width(text) / 2.0;

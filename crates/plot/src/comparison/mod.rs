@@ -5,12 +5,12 @@ mod maps;
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
-use super::Rgb;
-use super::canvas::{Area, Canvas};
-use super::lines::{self, FramePlot};
-use super::outline::Outline;
-use super::page::{BACKGROUND, COLUMN, GAP, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIGHT, NOTE, PANEL_TOP, TITLE, WIDTH};
-use super::panels::Panel;
+use crate::canvas::{Area, Canvas};
+use crate::colour::Rgb;
+use crate::lines::FramePlot;
+use crate::outline::Outline;
+use crate::page::{BACKGROUND, COLUMN, GAP, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIGHT, NOTE, PANEL_TOP, TITLE, WIDTH};
+use crate::panel::Panel;
 use maps::Row;
 
 /// From the legends of a row to the panels of the next, px: room for headings.
@@ -102,7 +102,7 @@ impl Comparison<'_> {
         let width = (WIDTH - 2.0 * MARGIN - (count - 1.0) * GAP) / count;
         let mut x = MARGIN;
         for plot in self.plots {
-            lines::draw(canvas, Area { x, y, width, height: PLOT_HEIGHT }, plot, self.shown_frame);
+            plot.draw(canvas, Area { x, y, width, height: PLOT_HEIGHT }, self.shown_frame);
             x += width + GAP;
         }
     }

@@ -5,10 +5,10 @@ use std::sync::LazyLock;
 use tiny_skia::{Path, PathBuilder};
 use ttf_parser::{Face, OutlineBuilder};
 
-use super::Rgb;
+use crate::colour::Rgb;
 
-static REGULAR: LazyLock<Face<'static>> = LazyLock::new(|| face(include_bytes!("../../fonts/Inter-Regular.otf")));
-static SEMI_BOLD: LazyLock<Face<'static>> = LazyLock::new(|| face(include_bytes!("../../fonts/Inter-SemiBold.otf")));
+static REGULAR: LazyLock<Face<'static>> = LazyLock::new(|| face(include_bytes!("../fonts/Inter-Regular.otf")));
+static SEMI_BOLD: LazyLock<Face<'static>> = LazyLock::new(|| face(include_bytes!("../fonts/Inter-SemiBold.otf")));
 
 fn face(font: &'static [u8]) -> Face<'static> {
     Face::parse(font, 0).expect("the embedded font is whole")
@@ -16,29 +16,38 @@ fn face(font: &'static [u8]) -> Face<'static> {
 
 /// Which part of a text stands at the place that it is given.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Anchor {
+pub enum Anchor {
+    /// Its left end.
     Left,
+    /// Its middle.
     Centre,
+    /// Its right end.
     Right,
 }
 
 /// How a text looks.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Style {
+pub struct Style {
     /// Height of the em square, px.
-    pub(super) size: f32,
-    pub(super) is_bold: bool,
-    pub(super) colour: Rgb,
-    pub(super) anchor: Anchor,
+    pub size: f32,
+    /// Semi-bold instead of regular.
+    pub is_bold: bool,
+    /// Its colour.
+    pub colour: Rgb,
+    /// What stands at the place that it is given.
+    pub anchor: Anchor,
 }
 
 impl Style {
-    pub(super) fn anchored(self, anchor: Anchor) -> Self {
+    /// The same with another anchor.
+    #[must_use]
+    pub fn anchored(self, anchor: Anchor) -> Self {
         Self { anchor, ..self }
     }
 
     /// Length of a text, px.
-    pub(super) fn width(&self, text: &str) -> f32 {
+    #[must_use]
+    pub fn width(&self, text: &str) -> f32 {
         let (face, scale) = self.face();
         let advances = text.chars().filter_map(|c| face.glyph_hor_advance(face.glyph_index(c)?));
         advances.map(|advance| f32::from(advance) * scale).sum()
@@ -46,7 +55,7 @@ impl Style {
 
     /// The outline of a text whose anchor stands at `x` on the baseline `y`; none for a text without ink. Characters
     /// that the typeface lacks are left out.
-    pub(super) fn outline(&self, text: &str, x: f32, y: f32) -> Option<Path> {
+    pub(crate) fn outline(&self, text: &str, x: f32, y: f32) -> Option<Path> {
         let (face, scale) = self.face();
         let x = match self.anchor {
             Anchor::Left => x,
