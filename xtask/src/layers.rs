@@ -10,7 +10,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// What a crate of the workspace may name in its dependencies, with the prefix `fingervision-` left off.
-const LAYERS: [(&str, &[&str]); 15] = [
+const LAYERS: [(&str, &[&str]); 16] = [
     ("image", &[]),
     ("settings", &[]),
     ("optics", &[]),
@@ -18,15 +18,34 @@ const LAYERS: [(&str, &[&str]); 15] = [
     ("flow", &["image"]),
     ("gel", &["image", "optics", "elastic", "settings"]),
     ("touch", &["image", "flow", "optics", "elastic", "settings"]),
-    ("source", &["image", "gel"]),
+    ("source", &["image"]),
     ("plot", &["image", "flow"]),
-    // A simulated press is written like a run: the same arrays, tables and pictures.
-    ("sink", &["touch", "image", "flow", "gel", "plot"]),
+    ("sink", &["touch", "image", "flow", "plot"]),
+    // A simulated press is read like a recording and written like a run: the same arrays, tables and pictures.
+    ("simulation", &["gel", "touch", "image", "flow", "plot", "source", "sink"]),
     // The crate that a program names: names alone, from the others.
-    ("fingervision", &["image", "flow", "optics", "elastic", "settings", "gel", "touch", "source", "plot", "sink"]),
+    (
+        "fingervision",
+        &["image", "flow", "optics", "elastic", "settings", "gel", "touch", "source", "plot", "sink", "simulation"],
+    ),
     ("calibrate", &["touch", "plot", "elastic", "flow", "optics", "settings", "image"]),
-    ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "plot", "sink"]),
-    ("cli", &["image", "optics", "elastic", "flow", "gel", "touch", "calibrate", "source", "sink", "evaluate"]),
+    ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "plot", "sink", "simulation"]),
+    (
+        "cli",
+        &[
+            "image",
+            "optics",
+            "elastic",
+            "flow",
+            "gel",
+            "touch",
+            "calibrate",
+            "source",
+            "sink",
+            "simulation",
+            "evaluate",
+        ],
+    ),
     ("xtask", &["evaluate"]),
 ];
 

@@ -2,7 +2,6 @@
 //!
 //! A [`Sink`] is handed every reading of a run. [`RunFolder`] streams them into files that can be read at any moment;
 //! [`Preview`] keeps the strongest frame and draws it as one picture, [`Overlay`] makes a video of all.
-//! `SimulationFolder` (feature `simulate`) takes a simulated press with its truth.
 
 mod arrays;
 mod avi;
@@ -13,21 +12,16 @@ mod picture;
 mod rows;
 mod run_fields;
 mod run_folder;
-#[cfg(feature = "simulate")]
-mod simulation_folder;
 mod sink;
 mod table;
 
 pub use arrays::{ArrayWriter, Element};
-pub use claim::{FolderKind, FolderLock};
+pub use claim::{FolderKind, FolderLock, write_file};
 pub use error::SinkError;
 pub use float_array::Precision;
-#[cfg(feature = "simulate")]
-pub use picture::SimulationPreview;
 pub use picture::{Overlay, Preview, PreviewOptions, png, write_pixels, write_png};
+pub use rows::Rows;
 pub use run_fields::Field;
 pub use run_folder::{RunFolder, RunOptions, RunSummary};
-#[cfg(feature = "simulate")]
-pub use simulation_folder::{SimulatedFrame, SimulationFolder, simulated_profile};
 pub use sink::Sink;
 pub use table::{COLUMNS, Table};

@@ -5,8 +5,6 @@ mod overlay;
 mod page;
 mod panels;
 mod preview;
-#[cfg(feature = "simulate")]
-mod simulation;
 mod strongest;
 
 use std::path::Path;
@@ -18,8 +16,6 @@ use image::{ColorType, ImageEncoder};
 
 pub use overlay::Overlay;
 pub use preview::{Preview, PreviewOptions};
-#[cfg(feature = "simulate")]
-pub use simulation::SimulationPreview;
 
 use crate::SinkError;
 use crate::claim::write_file;

@@ -8,7 +8,8 @@ use std::path::Path;
 
 use fingervision_gel::{PressCache, Scene, Simulation};
 use fingervision_image::{Image, Pixels};
-use fingervision_sink::{SimulatedFrame, SimulationFolder, SimulationPreview, SinkError};
+use fingervision_simulation::{SimulatedFrame, SimulationFolder, SimulationPreview};
+use fingervision_sink::SinkError;
 use fingervision_touch::Profile;
 
 fn board(width: usize, height: usize, colour: bool) -> Simulation {

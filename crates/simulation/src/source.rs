@@ -5,16 +5,25 @@ use std::path::Path;
 
 use fingervision_gel::{EarlyEnd, PressCache, Progress, Scene, SceneError, Simulation};
 use fingervision_image::Frame;
-
-use crate::{FrameFormat, Options, Source, SourceError};
+use fingervision_source::{FrameFormat, Options, Source, SourceError};
 
 const PREFIX: &str = "sim:";
 
-/// The simulated press at a location, solved without a word in between; none if the location asks for something else.
-pub(crate) fn open(location: &Path, options: Options) -> Result<Option<Box<dyn Source>>, SourceError> {
-    let Some(location) = SimulatedLocation::of(location)? else { return Ok(None) };
+/// Opens a simulated scene, `sim:SCENE`, or whatever [`fingervision_source::open`] does.
+///
+/// A scene is solved first, which may take minutes; [`SimulatedSource::open`] tells how far it is.
+///
+/// # Errors
+///
+/// [`SourceError::Rate`] if the options make no sense, [`SourceError::Simulated`] if the scene cannot be, as
+/// [`SimulatedLocation::of`], and as [`fingervision_source::open`].
+pub fn open(location: impl AsRef<Path>, options: &Options) -> Result<Box<dyn Source>, SourceError> {
+    options.validate()?;
+    let Some(scene) = SimulatedLocation::of(location.as_ref())? else {
+        return fingervision_source::open(location, options);
+    };
     let progress: Progress = &mut |_| ControlFlow::Continue(());
-    Ok(Some(Box::new(SimulatedSource::open(&location, &options, &PressCache::standard(), progress)?)))
+    Ok(Box::new(SimulatedSource::open(&scene, options, &PressCache::standard(), progress)?))
 }
 
 /// A simulated press that is asked for by a location.
@@ -231,5 +240,8 @@ mod tests {
         let error = location("sim:leter").scene().unwrap_err();
         assert!(error.to_string().starts_with("sim:leter: no scene leter"), "{error}");
         assert_eq!(error.hint().unwrap(), "did you mean letter?");
+        let error = open("sim:press", &Options::default()).err().unwrap();
+        assert_eq!(error.to_string(), "sim:press: no scene press: it is neither a file nor a ready-made scene");
+        assert!(error.hint().is_some());
     }
 }

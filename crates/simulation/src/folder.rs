@@ -4,14 +4,11 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use fingervision_gel::{Scene, Truth};
-use fingervision_image::Pixels;
-use fingervision_touch::{ImageSection, Profile};
+use fingervision_gel::Scene;
+use fingervision_sink::{ArrayWriter, FolderKind, FolderLock, Rows, SinkError, write_file, write_pixels};
 
-use crate::claim::{FolderKind, FolderLock, write_file};
-use crate::picture::write_pixels;
-use crate::rows::Rows;
-use crate::{ArrayWriter, SinkError};
+use crate::frame::SimulatedFrame;
+use crate::profile::simulated_profile;
 
 const FRAMES: &str = "frames";
 
@@ -65,21 +62,6 @@ pub struct SimulationFolder {
     visible: ArrayWriter<u8>,
     forces: Rows,
     lock: FolderLock,
-}
-
-/// One frame of a simulated press.
-#[derive(Debug, Clone, Copy)]
-pub struct SimulatedFrame<'a> {
-    /// How deep the indenter is pressed in, mm.
-    pub depth_mm: f64,
-    /// What the camera sees; absent where only the truth is wanted.
-    pub pixels: Option<&'a Pixels>,
-    /// What that shows.
-    pub truth: &'a Truth,
-    /// Force of the indenter on the gel, N.
-    pub force_n: [f64; 3],
-    /// Torque on the gel about z through the centre of contact, N mm.
-    pub torque_z_nmm: f64,
 }
 
 impl SimulationFolder {
@@ -176,15 +158,6 @@ impl SimulationFolder {
         let pixels = frame.pixels.ok_or(SinkError::FieldAbsent { field: "image", sequence: self.count })?;
         write_pixels(pixels, &self.path.join(FRAMES).join(format!("{:06}.png", self.count)))
     }
-}
-
-/// The simulated sensor as the tracker knows it: camera and gel.
-#[must_use]
-pub fn simulated_profile(scene: &Scene) -> Profile {
-    let name = format!("simulated: {}", scene.name);
-    // Images of another size are then refused.
-    let image = ImageSection { region_of_interest: [0, 0, scene.render.width, scene.render.height] };
-    Profile { name, image: Some(image), camera: Some(scene.camera()), gel: Some(scene.gel), ..Profile::default() }
 }
 
 fn write_force(row: &mut String, number: u64, frame: &SimulatedFrame) -> std::fmt::Result {

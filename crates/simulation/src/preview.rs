@@ -12,9 +12,9 @@ use fingervision_plot::{
     Area, Canvas, FramePlot, HeatScale, LEAST_FLOW_PX, Outline, Panel, Rgb, draw_colour_bar, draw_invalid_key,
     draw_outline_key, draw_wheel_key, flow_colours, heat_map, number, resized, round_up,
 };
+use fingervision_sink::{SinkError, write_png};
 
-use super::write_png;
-use crate::{SimulatedFrame, SinkError};
+use crate::frame::SimulatedFrame;
 
 /// Frames in the strip below the panels, and what parts them, px.
 const STRIP: usize = 8;
