@@ -58,6 +58,17 @@ struct Seen {
     distance_mm: f64,
 }
 
+impl CameraParams {
+    /// Checks that every value is possible and that the camera stands on its side of the surface.
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError`] naming the first value that is not possible.
+    pub fn validate(&self) -> Result<(), CameraError> {
+        Camera::new(self).map(|_| ())
+    }
+}
+
 impl Camera {
     /// A camera with these parameters.
     ///

@@ -21,12 +21,14 @@
 
 mod avi;
 mod compression;
+mod decoder;
 mod error;
 mod fault;
 mod folder;
 mod format;
 mod h264;
 mod jpeg;
+mod motion_jpeg;
 mod mp4;
 mod natural;
 mod numbering;

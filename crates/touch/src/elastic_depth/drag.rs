@@ -10,7 +10,7 @@ use fingervision_elastic::BlockOperator;
 use super::coarse::Coarse;
 use super::contact::ContactFinder;
 use super::motion::{Motion, ramp};
-use super::surface::{Seen, Surface};
+use super::surface::{Seen, Surface, WithoutDrag};
 use super::traction::{Limits, Tractions};
 
 /// Motion along the surface over depth, root mean squares: below the first number nothing is set apart, above the second all of
@@ -54,9 +54,9 @@ impl Drag {
         self.is_found = false;
     }
 
-    /// What the camera would tell of the cells without drag, and their displacement by drag alone, mm, where there is any.
-    pub(super) fn found(&self) -> Option<(&[Seen], &[[f32; 3]])> {
-        self.is_found.then_some((self.seen.as_slice(), self.dragged_mm.as_slice()))
+    /// The surface without drag, where there is any.
+    pub(super) fn found(&self) -> Option<WithoutDrag<'_>> {
+        self.is_found.then_some(WithoutDrag { seen: &self.seen, dragged_mm: &self.dragged_mm })
     }
 
     /// Takes the whole motion for a press until drag is looked for.

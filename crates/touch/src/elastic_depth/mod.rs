@@ -161,10 +161,10 @@ impl ElasticDepth {
         if let Some(drag) = self.drag.as_mut().filter(|_| self.is_exact) {
             drag.forget();
         }
-        self.contact.find(&self.surface, self.drag.as_ref());
+        self.contact.find(&self.surface, self.drag.as_ref().and_then(Drag::found));
         let is_dragged = self.drag.as_mut().is_some_and(|drag| drag.find(&self.surface, &self.contact));
         if is_dragged && self.is_exact {
-            self.contact.find_depth(&self.surface, self.drag.as_ref());
+            self.contact.find_depth(&self.surface, self.drag.as_ref().and_then(Drag::found));
         }
     }
 
