@@ -78,7 +78,7 @@ impl Camera {
     /// is.
     pub fn new(params: &CameraParams) -> Result<Self, CameraError> {
         params.check_values()?;
-        let rotation = rotation::from_vector(params.rotation_rad);
+        let rotation = rotation::rotation_matrix(params.rotation_rad);
         let from_gel = rotation.map(|[x, y, z]| [x, y, -z]);
         let position_mm = rotation::apply_transposed(&from_gel, params.translation_mm).map(|value| -value);
         let allowed = "an angle below that at which the camera sees the gel from underneath";
