@@ -22,8 +22,8 @@ mod tracker;
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams};
 pub use depth_law::{DepthLaw, DepthLine, DepthMap, PerspectiveGain, perspective_slopes_mm};
 pub use elastic_depth::{
-    Cells, ElasticDepth, ElasticFields, ElasticMode, ElasticParams, LEARNED_FROM, Limits, MOST_UNEXPLAINED, Seen,
-    Strain, TractionGrid, Tractions,
+    Around, Cells, CoarseGrid, ElasticDepth, ElasticFields, ElasticMode, ElasticParams, LEARNED_FROM, Limits,
+    MOST_UNEXPLAINED, Seen, Strain, TractionGrid, Tractions,
 };
 pub use error::TrackError;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};

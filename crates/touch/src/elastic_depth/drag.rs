@@ -7,7 +7,7 @@
 
 use fingervision_elastic::BlockOperator;
 
-use super::coarse::Coarse;
+use super::coarse::CoarseGrid;
 use super::contact::ContactFinder;
 use super::motion::{Motion, ramp};
 use super::surface::{Seen, Surface, WithoutDrag};
@@ -20,7 +20,7 @@ const PARTIAL: [f64; 2] = [0.15, 0.3];
 /// Sets drag apart in every frame.
 #[derive(Debug)]
 pub(super) struct Drag {
-    coarse: Coarse,
+    coarse: CoarseGrid,
     limits: Limits,
     tractions: Tractions,
     touches: Vec<bool>,
@@ -35,7 +35,7 @@ pub(super) struct Drag {
 
 impl Drag {
     /// None yet, on a surface of so many cells; `operator` is the gel's compliance on the grid of `coarse`.
-    pub(super) fn new(cells: usize, coarse: Coarse, operator: BlockOperator, limits: Limits) -> Self {
+    pub(super) fn new(cells: usize, coarse: CoarseGrid, operator: BlockOperator, limits: Limits) -> Self {
         Self {
             limits,
             tractions: Tractions::new(operator),

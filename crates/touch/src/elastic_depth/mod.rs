@@ -29,6 +29,7 @@ mod stiffening;
 mod surface;
 mod traction;
 
+pub use coarse::{Around, CoarseGrid};
 pub use fields::{ElasticFields, TractionGrid};
 pub use network::LEARNED_FROM;
 pub use params::{ElasticMode, ElasticParams};
@@ -36,7 +37,6 @@ pub use stiffening::Strain;
 pub use surface::Seen;
 pub use traction::{Limits, Tractions};
 
-use coarse::Coarse;
 use contact::ContactFinder;
 use drag::Drag;
 use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
@@ -124,7 +124,7 @@ impl ElasticDepth {
             ElasticMode::Live => (1, LIVE),
             ElasticMode::Exact => (1, EXACT),
         };
-        let coarse = Coarse::new(surface.grid, part);
+        let coarse = CoarseGrid::new(surface.grid, part);
         let operator = BlockOperator::new(gel, coarse.grid)?;
         let drag = contact.is_learned().then(|| operator.on_grid(coarse.grid)).transpose()?;
         let drag = drag.map(|operator| Drag::new(surface.grid.len(), coarse, operator, limits));
