@@ -1,6 +1,6 @@
 //! `cargo xtask check`: all that can be said without running a test.
 
-use crate::{layers, lengths, workspace};
+use crate::{circles, layers, lengths, workspace};
 use anyhow::{Context, Result, ensure};
 use std::io::Write;
 use std::process::Command;
@@ -8,6 +8,7 @@ use std::process::Command;
 pub(crate) fn run(out: &mut impl Write) -> Result<()> {
     lengths::run(out)?;
     layers::run(out)?;
+    circles::run(out)?;
     cargo(&["fmt", "--all", "--check"], out)?;
     cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], out)?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], out)

@@ -10,7 +10,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// What a crate of the workspace may name in its dependencies, with the prefix `fingervision-` left off.
-const LAYERS: [(&str, &[&str]); 14] = [
+const LAYERS: [(&str, &[&str]); 16] = [
     ("image", &[]),
     ("settings", &[]),
     ("optics", &[]),
@@ -18,14 +18,34 @@ const LAYERS: [(&str, &[&str]); 14] = [
     ("flow", &["image"]),
     ("gel", &["image", "optics", "elastic", "settings"]),
     ("touch", &["image", "flow", "optics", "elastic", "settings"]),
-    ("source", &["image", "gel"]),
-    // A simulated press is written like a run: the same arrays, tables and pictures.
-    ("sink", &["touch", "image", "flow", "gel"]),
+    ("source", &["image"]),
+    ("plot", &["image", "flow"]),
+    ("sink", &["touch", "image", "flow", "plot"]),
+    // A simulated press is read like a recording and written like a run: the same arrays, tables and pictures.
+    ("simulation", &["gel", "touch", "image", "flow", "plot", "source", "sink"]),
     // The crate that a program names: names alone, from the others.
-    ("fingervision", &["image", "flow", "optics", "elastic", "settings", "gel", "touch", "source", "sink"]),
-    ("calibrate", &["touch", "sink", "elastic", "flow", "optics", "settings", "image"]),
-    ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "sink"]),
-    ("cli", &["image", "optics", "elastic", "flow", "gel", "touch", "calibrate", "source", "sink", "evaluate"]),
+    (
+        "fingervision",
+        &["image", "flow", "optics", "elastic", "settings", "gel", "touch", "source", "plot", "sink", "simulation"],
+    ),
+    ("calibrate", &["touch", "plot", "elastic", "flow", "optics", "settings", "image"]),
+    ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "plot", "sink", "simulation"]),
+    (
+        "cli",
+        &[
+            "image",
+            "optics",
+            "elastic",
+            "flow",
+            "gel",
+            "touch",
+            "calibrate",
+            "source",
+            "sink",
+            "simulation",
+            "evaluate",
+        ],
+    ),
     ("xtask", &["evaluate"]),
 ];
 
@@ -36,7 +56,7 @@ const FOR_TESTS: [(Option<&str>, &str); 2] = [(None, "gel"), (Some("fingervision
 const HEAVY: [(&str, &[&str]); 20] = [
     ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
-    ("image", &["source", "sink", "evaluate"]),
+    ("image", &["source", "plot", "sink", "evaluate"]),
     ("indicatif", &["cli"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel"]),
@@ -50,8 +70,8 @@ const HEAVY: [(&str, &[&str]); 20] = [
     ("serde_json", &["cli", "xtask"]),
     ("svg", &["gel"]),
     ("tiff", &["source"]),
-    ("tiny-skia", &["sink"]),
-    ("ttf-parser", &["gel", "sink"]),
+    ("tiny-skia", &["plot"]),
+    ("ttf-parser", &["gel", "plot"]),
     ("zune-core", &["source"]),
     ("zune-jpeg", &["source"]),
 ];

@@ -1,7 +1,8 @@
-//! Chores of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask check`.
+//! Chores of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask circles`, `cargo xtask check`.
 
 mod accuracy;
 mod check;
+mod circles;
 mod layers;
 mod lengths;
 
@@ -23,7 +24,9 @@ enum Name {
     Accuracy(accuracy::Args),
     /// Check that crates depend only on what lies below them.
     Layers,
-    /// Check format, lints, documentation, layers and file lengths.
+    /// Check that files side by side do not import each other in a circle.
+    Circles,
+    /// Check format, lints, documentation, layers, circles and file lengths.
     Check,
 }
 
@@ -31,6 +34,7 @@ fn main() -> ExitCode {
     let outcome = match Chore::parse().name {
         Name::Accuracy(args) => accuracy::run(&args, &mut std::io::stdout().lock()),
         Name::Layers => layers::run(&mut std::io::stdout().lock()),
+        Name::Circles => circles::run(&mut std::io::stdout().lock()),
         Name::Check => check::run(&mut std::io::stdout().lock()),
     };
     match outcome {

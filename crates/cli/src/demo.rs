@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use fingervision_evaluate::run::{Errors, FrameReport, Options, Report};
 use fingervision_gel::{PressCache, Scene};
+use fingervision_simulation::open;
 use fingervision_sink::Precision;
-use fingervision_source::open;
 use fingervision_touch::Profile;
 use serde::Serialize;
 

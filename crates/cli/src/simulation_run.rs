@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use fingervision_gel::{EarlyEnd, MotionKind, Origin, PressCache, Scene, Simulation};
-use fingervision_sink::{SimulatedFrame, SimulationFolder, SimulationPreview};
+use fingervision_simulation::{SimulatedFrame, SimulationFolder, SimulationPreview};
 use serde::Serialize;
 
 use crate::failure::Failure;

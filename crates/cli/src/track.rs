@@ -5,8 +5,9 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use fingervision_gel::PressCache;
-use fingervision_sink::{Field, Precision, simulated_profile};
-use fingervision_source::{Options, SimulatedLocation, SimulatedSource, Source, open};
+use fingervision_simulation::{SimulatedLocation, SimulatedSource, open, simulated_profile};
+use fingervision_sink::{Field, Precision};
+use fingervision_source::{Options, Source};
 use fingervision_touch::Profile;
 
 use crate::failure::Failure;

@@ -14,8 +14,5 @@ mod solver;
 pub use block::{BlockError, GelBlock, Law};
 pub use contact::{ContactLaw, Pose, Relief, ReliefPoint, SurfaceState};
 pub use fem::{BlockMesh, graded_lines};
-pub use layer::{
-    BlockOperator, ContactParams, Layer, LayerContact, LayerError, LayerOperator, LayerPress, SurfaceGrid,
-    WaveCompliance,
-};
+pub use layer::{BlockOperator, Layer, LayerError, LayerOperator, SurfaceGrid, WaveCompliance};
 pub use press::{GoOn, MeshParams, Press, PressError, PressSetup, Resolution, StepReport, SweptRegion, swept_region};

@@ -53,7 +53,9 @@
 pub use fingervision_image::{Frame, Image, ImageError, Pixels, Rect};
 
 // Frames in.
-pub use fingervision_source::{FrameFormat, Options, Source, SourceError, open};
+#[cfg(not(feature = "simulate"))]
+pub use fingervision_source::open;
+pub use fingervision_source::{FrameFormat, Options, Source, SourceError};
 
 // From a frame to a reading.
 pub use fingervision_touch::{Fields, Flag, Flags, Reading, TrackError, Tracker, TractionGrid};
@@ -75,9 +77,10 @@ pub use fingervision_flow::{
 };
 
 // Readings out.
+pub use fingervision_plot::flow_colours;
 pub use fingervision_sink::{
     Field, Overlay, Precision, Preview, PreviewOptions, RunFolder, RunOptions, RunSummary, Sink, SinkError,
-    flow_colours, write_pixels, write_png,
+    write_pixels, write_png,
 };
 
 #[cfg(feature = "simulate")]
@@ -88,8 +91,9 @@ mod simulate {
         Origin, Pattern, PressCache, Progress, ReadyMade, RenderParams, Scene, SceneError, SceneMotion, Simulation,
         SolvedPress, Truth,
     };
-    pub use fingervision_sink::{SimulatedFrame, SimulationFolder, simulated_profile};
-    pub use fingervision_source::{SimulatedLocation, SimulatedSource};
+    pub use fingervision_simulation::{
+        SimulatedFrame, SimulatedLocation, SimulatedSource, SimulationFolder, open, simulated_profile,
+    };
 }
 
 #[cfg(feature = "simulate")]

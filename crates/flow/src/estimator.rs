@@ -3,7 +3,7 @@
 use crate::affine::patches::{self, AffinePatches, AffineReference};
 use crate::round_trip::{invert_into, round_trip_error_into};
 use crate::search::{self, InverseSearch, SearchReference};
-use crate::{FlowError, FlowField, FlowParams, Picture, Preset};
+use crate::{Estimate, FlowError, FlowField, FlowParams, Picture, Preset};
 use fearless_simd::Level;
 use fingervision_image::Image;
 
@@ -45,52 +45,6 @@ pub enum Start<'a> {
     Search(Option<&'a FlowField>),
     /// From a flow that is a few px off at most, such as that of the frame before.
     Flow(&'a FlowField),
-}
-
-/// A flow and what it is worth. Made once and written for every frame.
-#[derive(Debug, Clone)]
-pub struct Estimate {
-    /// Displacement of every reference pixel, px. Where it is not valid it is what the surroundings suggest.
-    pub flow: FlowField,
-    /// Predicted standard deviation of the displacement (both components together), px; infinite where the patch
-    /// failed or the point has left the image.
-    pub deviation: Image<f32>,
-    /// 1 where the flow is a measurement, else 0.
-    pub valid: Image<u8>,
-    /// Part of the textured patches that match, 0 to 1; 0 where no patch has texture. Patches that left the image do not
-    /// count unless they are the majority.
-    pub matched: f32,
-    /// Root mean square of what the matching patches leave unexplained, grey levels a channel; not a number where none
-    /// matches.
-    pub residual_levels: f32,
-    /// Part of its variance that half of the textured patches leave unexplained at least, 0 to 1: what noise, blur or
-    /// another picture put into most of the image. What a contact hides does not count.
-    pub unexplained: f32,
-}
-
-impl Estimate {
-    /// An estimate at rest over pictures of this size, nowhere valid.
-    #[must_use]
-    pub fn new(width: usize, height: usize) -> Self {
-        Self {
-            flow: FlowField::zero(width, height),
-            deviation: Image::filled(width, height, f32::INFINITY),
-            valid: Image::filled(width, height, 0),
-            matched: 0.0,
-            residual_levels: 0.0,
-            unexplained: 0.0,
-        }
-    }
-
-    /// Takes the values of `other`, without allocating where the sizes agree.
-    pub fn copy_from(&mut self, other: &Self) {
-        self.flow.copy_from(&other.flow);
-        self.deviation.copy_from(&other.deviation);
-        self.valid.copy_from(&other.valid);
-        self.matched = other.matched;
-        self.residual_levels = other.residual_levels;
-        self.unexplained = other.unexplained;
-    }
 }
 
 /// Estimates flow between pictures of one size. It owns its scratch: an estimate allocates nothing.

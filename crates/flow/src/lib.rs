@@ -39,6 +39,7 @@
 
 mod affine;
 mod error;
+mod estimate;
 mod estimator;
 mod field;
 mod params;
@@ -47,7 +48,8 @@ mod round_trip;
 mod search;
 
 pub use error::FlowError;
-pub use estimator::{Estimate, FlowEstimator, Reference, Start};
+pub use estimate::Estimate;
+pub use estimator::{FlowEstimator, Reference, Start};
 pub use field::FlowField;
 pub use params::{AffineParams, FlowParams, Preset, ValidityParams};
 pub use picture::Picture;

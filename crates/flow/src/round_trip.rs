@@ -1,7 +1,7 @@
 //! There and back again: the forward–backward check of a flow.
 
 use crate::FlowField;
-use fingervision_image::Image;
+use fingervision_image::{Between, Image};
 
 /// Writes the flow that undoes `flow`: `inverse(y) = −flow(y + inverse(y))`, by so many fixed-point passes.
 ///
@@ -38,16 +38,8 @@ pub fn round_trip_error_into(forward: &FlowField, backward: &FlowField, error: &
 
 /// The flow between pixels: bilinear, clamped to the image.
 fn sample(flow: &FlowField, x: f32, y: f32) -> (f32, f32) {
-    let (width, height) = flow.size();
-    let (x, y) = (x.clamp(0.0, (width - 1) as f32), y.clamp(0.0, (height - 1) as f32));
-    let (left, top) = ((x as usize).min(width - 2), (y as usize).min(height - 2));
-    let (fx, fy) = (x - left as f32, y - top as f32);
-    let at = |plane: &Image<f32>| {
-        let across = |row: &[f32]| row[left] + fx * (row[left + 1] - row[left]);
-        let (above, below) = (across(plane.row(top)), across(plane.row(top + 1)));
-        above + fy * (below - above)
-    };
-    (at(&flow.u), at(&flow.v))
+    let place = Between::clamped((x, y), flow.size());
+    (place.sample(&flow.u), place.sample(&flow.v))
 }
 
 #[cfg(test)]

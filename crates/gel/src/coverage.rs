@@ -4,7 +4,7 @@
 //! one polygon a cell; the pixel is the mean of the cells' colours weighted by the polygons' areas. Nothing is sampled.
 //! The sides are straight, so a curved motion errs by the bulge of a curve one pixel long.
 
-use crate::pattern::Cells;
+use crate::cells::Cells;
 use crate::polygon::{Point, cut, signed_area};
 use fingervision_image::Image;
 

@@ -42,6 +42,7 @@
 //! ```
 
 mod blur;
+mod cells;
 mod coverage;
 mod error;
 mod indenter;

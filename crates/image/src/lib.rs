@@ -6,14 +6,18 @@
 //! Grey levels are `f32` on the 8-bit scale, 0 to 255, whatever the frame's own depth: a 16-bit value `v` reads
 //! `v / 257`.
 
+mod between;
 mod colour;
 mod error;
 mod frame;
 mod grid;
 mod pyramid;
+mod rect;
 
+pub use between::Between;
 pub use colour::{LUMA_WEIGHTS, grey_into, rgbx_into};
 pub use error::ImageError;
 pub use frame::{Frame, Pixels};
-pub use grid::{Image, Rect};
+pub use grid::Image;
 pub use pyramid::{Pyramid, average_into, halve_into};
+pub use rect::Rect;

@@ -58,6 +58,17 @@ struct Seen {
     distance_mm: f64,
 }
 
+impl CameraParams {
+    /// Checks that every value is possible and that the camera stands on its side of the surface.
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError`] naming the first value that is not possible.
+    pub fn validate(&self) -> Result<(), CameraError> {
+        Camera::new(self).map(|_| ())
+    }
+}
+
 impl Camera {
     /// A camera with these parameters.
     ///
@@ -67,7 +78,7 @@ impl Camera {
     /// is.
     pub fn new(params: &CameraParams) -> Result<Self, CameraError> {
         params.check_values()?;
-        let rotation = rotation::from_vector(params.rotation_rad);
+        let rotation = rotation::rotation_matrix(params.rotation_rad);
         let from_gel = rotation.map(|[x, y, z]| [x, y, -z]);
         let position_mm = rotation::apply_transposed(&from_gel, params.translation_mm).map(|value| -value);
         let allowed = "an angle below that at which the camera sees the gel from underneath";

@@ -54,3 +54,4 @@ mod tests;
 
 pub use camera::{Camera, ParameterJacobian, Projection, Ray};
 pub use params::{CameraError, CameraParams, Distortion, Radial};
+pub use rotation::rotation_matrix;

@@ -73,15 +73,6 @@ pub struct CameraError {
 }
 
 impl CameraParams {
-    /// Checks that every value is possible and that the camera stands on its side of the surface.
-    ///
-    /// # Errors
-    ///
-    /// [`CameraError`] naming the first value that is not possible.
-    pub fn validate(&self) -> Result<(), CameraError> {
-        crate::Camera::new(self).map(|_| ())
-    }
-
     /// Checks each value on its own.
     pub(crate) fn check_values(&self) -> Result<(), CameraError> {
         let focal = self.focal_length_px;

@@ -1,5 +1,6 @@
 //! Rotations given by a vector, and 3×3 matrices as arrays of rows.
 
+/// Rows.
 pub(crate) type Matrix = [[f64; 3]; 3];
 
 /// Below this angle, rad, the series of `(θ − sin θ) / θ³` is exact to rounding where the formula cancels.
@@ -7,7 +8,8 @@ const SMALL_ANGLE_RAD: f64 = 0.1;
 
 /// The rotation about `vector` by its length, rad: Rodrigues' formula
 /// `R = I + sin θ / θ [v] + (1 − cos θ) / θ² [v]²`, with `[v] q = v × q`.
-pub(crate) fn from_vector(vector: [f64; 3]) -> Matrix {
+#[must_use]
+pub fn rotation_matrix(vector: [f64; 3]) -> Matrix {
     let (sine, versine, _) = coefficients(vector);
     series(vector, sine, versine)
 }

@@ -95,7 +95,11 @@ fn remove(path: &Path) -> Result<(), SinkError> {
 }
 
 /// Writes a whole small file onto the disk.
-pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), SinkError> {
+///
+/// # Errors
+///
+/// [`SinkError::Write`] if the disk refuses it.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), SinkError> {
     let write = || {
         let mut file = fs::File::create(path)?;
         file.write_all(bytes)?;

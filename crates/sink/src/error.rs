@@ -74,7 +74,7 @@ impl SinkError {
     }
 
     /// Names the file in what the operating system said.
-    pub(crate) fn writing(path: &Path) -> impl FnOnce(io::Error) -> Self {
+    pub fn writing(path: &Path) -> impl FnOnce(io::Error) -> Self {
         move |error| Self::Write { path: path.to_path_buf(), error }
     }
 }

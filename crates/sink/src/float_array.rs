@@ -5,28 +5,7 @@ use std::path::Path;
 use half::f16;
 
 use crate::arrays::{ArrayWriter, Element};
-use crate::{RunOptions, SinkError};
-
-/// How numbers with a fraction are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Precision {
-    /// 4 bytes, as the tracker has them.
-    #[default]
-    Float32,
-    /// 2 bytes with 11 significant bits: off by up to 1 part in 2048, so 0.004 px for a flow of 8 to 16 px.
-    Float16,
-}
-
-impl Precision {
-    /// Bytes of a number.
-    #[must_use]
-    pub fn bytes(self) -> usize {
-        match self {
-            Self::Float32 => size_of::<f32>(),
-            Self::Float16 => size_of::<f16>(),
-        }
-    }
-}
+use crate::{Precision, RunOptions, SinkError};
 
 /// A pixel that can be written in half of the bytes.
 pub(crate) trait Narrow: Element {

@@ -1,37 +1,29 @@
 //! Readings out: arrays, a table and pictures.
 //!
 //! A [`Sink`] is handed every reading of a run. [`RunFolder`] streams them into files that can be read at any moment;
-//! [`Preview`] keeps the strongest frame and draws it as one picture, [`Overlay`] makes a video of all. [`Comparison`] sets estimated fields beside true
-//! ones. `SimulationFolder` (feature `simulate`) takes a simulated press with its truth. The pieces of these pictures, [`flow_colours`] and [`heat_map`], stand on their own.
+//! [`Preview`] keeps the strongest frame and draws it as one picture, [`Overlay`] makes a video of all.
 
 mod arrays;
 mod avi;
 mod claim;
 mod error;
+mod field;
 mod float_array;
 mod picture;
 mod rows;
 mod run_fields;
 mod run_folder;
-#[cfg(feature = "simulate")]
-mod simulation_folder;
+mod run_options;
 mod sink;
 mod table;
 
 pub use arrays::{ArrayWriter, Element};
-pub use claim::{FolderKind, FolderLock};
+pub use claim::{FolderKind, FolderLock, write_file};
 pub use error::SinkError;
-pub use float_array::Precision;
-#[cfg(feature = "simulate")]
-pub use picture::SimulationPreview;
-pub use picture::{
-    ColourMap, Comparison, Curve, CurvePanel, CurvePlots, FramePlot, HeatPanel, HeatPanels, HeatScale, INVALID_COLOUR,
-    Overlay, Pair, Preview, PreviewOptions, StraightLine, colour_wheel, flow_colours, heat_map, png, write_pixels,
-    write_png,
-};
-pub use run_fields::Field;
-pub use run_folder::{RunFolder, RunOptions, RunSummary};
-#[cfg(feature = "simulate")]
-pub use simulation_folder::{SimulatedFrame, SimulationFolder, simulated_profile};
+pub use field::Field;
+pub use picture::{Overlay, Preview, PreviewOptions, png, write_pixels, write_png};
+pub use rows::Rows;
+pub use run_folder::{RunFolder, RunSummary};
+pub use run_options::{Precision, RunOptions};
 pub use sink::Sink;
 pub use table::{COLUMNS, Table};

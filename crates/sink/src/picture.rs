@@ -1,54 +1,24 @@
 //! Pictures: people look before they read.
 
-mod axes;
-mod canvas;
-mod colour_map;
-mod comparison;
 mod course;
-mod curves;
-mod flow_colours;
-mod heat_map;
-mod heat_panels;
-mod lines;
-mod outline;
 mod overlay;
 mod page;
 mod panels;
 mod preview;
-#[cfg(feature = "simulate")]
-mod simulation;
 mod strongest;
-mod text;
-mod ticks;
-mod time_plot;
-mod trend;
 
 use std::path::Path;
 
 use fingervision_image::{Image, Pixels};
+use fingervision_plot::Rgb;
 use image::codecs::png::PngEncoder;
 use image::{ColorType, ImageEncoder};
 
-pub use colour_map::ColourMap;
-pub use comparison::{Comparison, Pair};
-pub use curves::{Curve, CurvePanel, CurvePlots, StraightLine};
-pub use flow_colours::{colour_wheel, flow_colours};
-pub use heat_map::{HeatScale, heat_map};
-pub use heat_panels::{HeatPanel, HeatPanels};
-pub use lines::FramePlot;
 pub use overlay::Overlay;
 pub use preview::{Preview, PreviewOptions};
-#[cfg(feature = "simulate")]
-pub use simulation::SimulationPreview;
 
 use crate::SinkError;
 use crate::claim::write_file;
-
-/// Red, green and blue, 0 to 255.
-type Rgb = [u8; 3];
-
-/// Stands for "not valid" in every picture: a grey that no colour scale holds.
-pub const INVALID_COLOUR: Rgb = [158; 3];
 
 /// Writes an image as PNG.
 ///

@@ -9,7 +9,7 @@ use crate::SinkError;
 /// A file of rows. Each reaches the file at once; one that does not fit the disk is cut off again, so no half number is
 /// left.
 #[derive(Debug)]
-pub(crate) struct Rows {
+pub struct Rows {
     path: PathBuf,
     file: File,
     row: String,
@@ -22,7 +22,7 @@ impl Rows {
     /// # Errors
     ///
     /// [`SinkError::Write`] if the file cannot be written.
-    pub(crate) fn create(path: &Path, columns: &[&str]) -> Result<Self, SinkError> {
+    pub fn create(path: &Path, columns: &[&str]) -> Result<Self, SinkError> {
         let file = File::create(path).map_err(SinkError::writing(path))?;
         let mut rows = Self { path: path.to_path_buf(), file, row: columns.join(","), len: 0 };
         rows.append()?;
@@ -34,7 +34,7 @@ impl Rows {
     /// # Errors
     ///
     /// [`SinkError::Write`] if the file cannot take it.
-    pub(crate) fn write(&mut self, write: impl FnOnce(&mut String) -> std::fmt::Result) -> Result<(), SinkError> {
+    pub fn write(&mut self, write: impl FnOnce(&mut String) -> std::fmt::Result) -> Result<(), SinkError> {
         self.row.clear();
         // Writing to a String cannot fail.
         let _ = write(&mut self.row);
@@ -46,12 +46,13 @@ impl Rows {
     /// # Errors
     ///
     /// [`SinkError::Write`] if the disk refuses it.
-    pub(crate) fn finish(self) -> Result<(), SinkError> {
+    pub fn finish(self) -> Result<(), SinkError> {
         self.file.sync_all().map_err(SinkError::writing(&self.path))
     }
 
     /// Bytes of the file.
-    pub(crate) fn len_bytes(&self) -> u64 {
+    #[must_use]
+    pub fn len_bytes(&self) -> u64 {
         self.len
     }
 

@@ -7,7 +7,7 @@ use fingervision_touch::Reading;
 
 use crate::claim::{FolderKind, FolderLock, write_file};
 use crate::run_fields::RunFields;
-use crate::{Field, Precision, Sink, SinkError, Table};
+use crate::{RunOptions, Sink, SinkError, Table};
 
 /// What a run consists of; `run.toml` says how it was made.
 const RUN: FolderKind = FolderKind {
@@ -33,21 +33,6 @@ const RUN: FolderKind = FolderKind {
     images: None,
     folders: &["evaluation"],
 };
-
-/// What a run keeps and where it may write.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RunOptions {
-    /// Columns and rows of every field, px.
-    pub size: (usize, usize),
-    /// Columns and rows of the grid of tractions, if [`Field::Traction`] is kept.
-    pub traction_size: Option<(usize, usize)>,
-    /// How numbers with a fraction are written.
-    pub precision: Precision,
-    /// The fields to keep; `valid.npy` (uint8, 1 where the fields hold) is always kept.
-    pub fields: Vec<Field>,
-    /// Whether a previous run in the folder may be replaced.
-    pub overwrite: bool,
-}
 
 /// What a finished run consists of.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -3,9 +3,9 @@
 //! One sample is one picture. It is flushed out of the decoder at once, so that a picture is never taken for its
 //! neighbour; the order in which pictures are shown is the caller's, from the container's times.
 
+use crate::decoder::Decoder;
 use crate::fault::{Fault, guarded};
 use crate::track::Colour;
-use crate::video::Decoder;
 use crate::yuv::YuvToRgb;
 use fingervision_image::Pixels;
 use rust_h264::decoder::{Decoder as Bitstream, Frame};

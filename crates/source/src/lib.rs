@@ -1,6 +1,6 @@
 //! Frames in: whatever takes the pictures, every command reads it through [`Source`].
 //!
-//! [`open`] looks at what lies at a path and picks the reader. Three kinds are read:
+//! [`open`] looks at what lies at a path and picks the reader. Two kinds are read:
 //!
 //! - A **folder of images**: PNG, JPEG, TIFF and BMP, one frame a file, in natural order (`frame2` before `frame10`).
 //!   Grey and colour, 8 and 16 bit, are kept as they are stored; floating-point TIFF must lie in 0 to 1 and becomes
@@ -9,8 +9,6 @@
 //!   sequence numbers too.
 //! - A **video file**: H.264 in MP4 or MOV, and motion JPEG in AVI, MP4 or MOV. Frames come in the order in which they
 //!   are shown, at the presentation time that the file carries; a jump in time leaves a gap in their sequence numbers.
-//! - A **simulated scene** (feature `simulate`), `sim:SCENE`: see `SimulatedLocation`. It is solved when it is opened, or found in the cache
-//!   of solved presses; then frames are drawn one at a time.
 //!
 //! Luma and chroma become RGB by the matrix and range that the video names; where it names none, by BT.601 in limited
 //! range. Bytes damaged within a compressed H.264 frame may go unnoticed: the format has no checksums.
@@ -23,20 +21,20 @@
 
 mod avi;
 mod compression;
+mod decoder;
 mod error;
 mod fault;
 mod folder;
 mod format;
 mod h264;
 mod jpeg;
+mod motion_jpeg;
 mod mp4;
 mod natural;
 mod numbering;
 mod open;
 mod picture;
 mod regular;
-#[cfg(feature = "simulate")]
-mod simulated;
 mod source;
 mod track;
 mod video;
@@ -45,6 +43,4 @@ mod yuv;
 pub use error::SourceError;
 pub use format::FrameFormat;
 pub use open::open;
-#[cfg(feature = "simulate")]
-pub use simulated::{SimulatedLocation, SimulatedSource};
 pub use source::{Options, Source};

@@ -10,25 +10,19 @@ use std::path::Path;
 /// How many bytes tell what a file is.
 const SIGNATURE_LEN: u64 = 64;
 
-/// Opens a folder of images or a video file, by content and not by name, or a simulated scene, `sim:SCENE`.
+/// Opens a folder of images or a video file, by content and not by name.
 ///
-/// The first frame is read at once, so that a source that opens has a size. A simulated scene is solved first, which may
-/// take minutes; `SimulatedSource::open` tells how far it is.
+/// The first frame is read at once, so that a source that opens has a size.
 ///
 /// # Errors
 ///
 /// [`SourceError::NotFound`] and [`SourceError::Io`] if nothing can be read there, [`SourceError::NotRead`] if it is
 /// something else than a folder or a known video, [`SourceError::TooFewFrames`] if there are fewer than two frames,
 /// [`SourceError::Container`] if a video's index is damaged, [`SourceError::Rate`] if the options make no sense,
-/// [`SourceError::Simulated`] if a scene cannot be, and
-/// whatever [`Source::next_frame`] reports for the first frame.
+/// and whatever [`Source::next_frame`] reports for the first frame.
 pub fn open(location: impl AsRef<Path>, options: &Options) -> Result<Box<dyn Source>, SourceError> {
     let path = location.as_ref();
     options.validate()?;
-    #[cfg(feature = "simulate")]
-    if let Some(source) = crate::simulated::open(path, *options)? {
-        return Ok(source);
-    }
     if let Some(what) = promised(path) {
         return Err(SourceError::not_read_yet(path, what));
     }

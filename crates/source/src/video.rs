@@ -3,12 +3,14 @@
 //! With B-frames a sample may be shown later than its successors in the file. The container's times give the order, so
 //! a decoded frame waits only until all that are shown before it have been handed out.
 
+use crate::decoder::Decoder;
 use crate::fault::Fault;
 use crate::h264::H264;
-use crate::jpeg::{MotionJpeg, has_two_fields};
+use crate::jpeg::has_two_fields;
+use crate::motion_jpeg::MotionJpeg;
 use crate::track::{Codec, Sample, Shown, Track};
 use crate::{FrameFormat, Source, SourceError, numbering};
-use fingervision_image::{Frame, Pixels};
+use fingervision_image::Frame;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -16,14 +18,6 @@ use std::path::{Path, PathBuf};
 
 /// H.264 lets at most this many frames wait for an earlier one.
 const MAX_WAITING: usize = 16;
-
-/// Turns one sample into one picture; samples come in decoding order.
-pub(crate) trait Decoder: Send {
-    fn decode(&mut self, sample: &[u8]) -> Result<Pixels, String>;
-
-    /// Whether a sample can be decoded without those before it.
-    fn is_key(&self, sample: &[u8]) -> bool;
-}
 
 /// Reads the frames of a video file in presentation order.
 pub(crate) struct VideoSource {

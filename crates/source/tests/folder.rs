@@ -271,7 +271,6 @@ fn what_is_no_source_is_refused_with_a_hint() {
         (text, "notes.txt: this kind of file is not read"),
         (recording, "recording.mcap: a recording is not read"),
         ("/dev/video0".into(), "/dev/video0: a camera is not read"),
-        ("sim:press".into(), "sim:press: no scene press: it is neither a file nor a ready-made scene"),
         (folder.path().join("missing"), "missing: no such file or folder"),
     ];
     for (path, message) in cases {

@@ -34,7 +34,9 @@ use fearless_simd_macros::simd;
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
-pub use params::{DensityMethod, DensityParams, ParameterError};
+pub use params::{DensityMethod, DensityParams};
+
+use crate::ParameterError;
 
 use fast::SplineSum;
 use spacing::Spacings;

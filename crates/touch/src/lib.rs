@@ -13,19 +13,21 @@ mod depth_law;
 mod elastic_depth;
 mod error;
 mod guided_filter;
+mod parameter_error;
 mod profile;
 mod reading;
 mod references;
 mod tracker;
 
-pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams, ParameterError};
+pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams};
 pub use depth_law::{DepthLaw, DepthLine, DepthMap, PerspectiveGain, perspective_slopes_mm};
 pub use elastic_depth::{
-    Cells, ElasticDepth, ElasticFields, ElasticMode, ElasticParams, LEARNED_FROM, Limits, MOST_UNEXPLAINED, Seen,
-    Strain, TractionGrid, Tractions,
+    Around, Cells, CoarseGrid, ElasticDepth, ElasticFields, ElasticMode, ElasticParams, LEARNED_FROM, Limits,
+    MOST_UNEXPLAINED, Seen, Strain, TractionGrid, Tractions,
 };
 pub use error::TrackError;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
+pub use parameter_error::ParameterError;
 pub use profile::{DepthMethod, DepthSection, ImageSection, Profile, ProfileError, ProfileReview, Remark, Weight};
 pub use reading::{Flag, Flags, Reading};
 pub use references::{Policy, ReferenceParams};

@@ -5,11 +5,10 @@ use std::mem::swap;
 use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture, Reference, Start};
 use fingervision_image::{Frame, Rect};
 
+use super::Slide;
+use super::error::{BoardError, LEAST_IMAGES};
 use super::steps::{check_slide, median, usual_step};
-use super::{BoardError, Slide};
 
-/// Fewer images show too few steps to tell a wrong one from the others.
-pub const LEAST_IMAGES: usize = 6;
 /// Nodes of the grid either way, as published.
 pub const GRID: usize = 100;
 /// Texture must cover this part of an image, and this part of the texture must be found again.

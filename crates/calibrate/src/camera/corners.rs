@@ -5,13 +5,10 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Matrix3, Owned, Rotation3, Vector3};
 use serde::Serialize;
 
+use super::Residuals;
+use super::corner_error::{CornerError, LEAST_CORNERS, LEAST_POSES};
 use super::unknowns::{Unknowns, camera_params, row_by_unknowns};
-use super::{CornerError, Residuals};
 
-/// Fewer poses do not tell all of a lens.
-pub(super) const LEAST_POSES: usize = 3;
-/// Fewer corners do not tell a pose and bear witness.
-pub(super) const LEAST_CORNERS: usize = 6;
 /// Focal length, principal point and distortion stand first, then six numbers for each pose.
 const LENS: usize = 7;
 const POSE: usize = 6;

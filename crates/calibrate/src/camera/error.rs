@@ -2,7 +2,8 @@ use fingervision_flow::FlowError;
 use fingervision_image::ImageError;
 use thiserror::Error;
 
-use super::LEAST_IMAGES;
+/// Fewer images show too few steps to tell a wrong one from the others.
+pub const LEAST_IMAGES: usize = 6;
 
 /// Why a recording of a board gives no camera.
 #[derive(Debug, Clone, PartialEq, Error)]

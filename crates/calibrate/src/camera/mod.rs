@@ -1,6 +1,7 @@
 //! The camera, from a patterned board that slides in known steps.
 
 mod board;
+mod corner_error;
 mod corner_file;
 mod corners;
 mod error;
@@ -17,10 +18,11 @@ mod steps;
 mod text;
 mod unknowns;
 
-pub use board::{BoardFlow, BoardTracker, GRID, LEAST_IMAGES, Node};
-pub use corner_file::{CornerError, read_corners};
+pub use board::{BoardFlow, BoardTracker, GRID, Node};
+pub use corner_error::CornerError;
+pub use corner_file::read_corners;
 pub use corners::{Corner, CornerFit, fit_corners};
-pub use error::BoardError;
+pub use error::{BoardError, LEAST_IMAGES};
 pub use fit::{CameraFit, FitOptions, ResidualTable, Start, fit_camera};
 pub use model::{BoardFlowJacobian, board_flow, board_flow_with_jacobian};
 pub use observability::{BlindDirection, Estimate, Knowledge};

@@ -1,12 +1,11 @@
 //! What a calibration of the camera came to, for people and for programs.
 
-use fingervision_image::Image;
 use fingervision_optics::CameraParams;
 use serde::Serialize;
 
 use super::observability::Knowledge;
 use super::prior::Priors;
-use super::{BoardError, BoardFlow, CameraFit, Prior, ResidualTable, Unknown, picture};
+use super::{BoardError, BoardFlow, CameraFit, Prior, ResidualMap, ResidualTable, Unknown};
 
 /// A camera that leaves more than this of a step's flow, px, is not the one that took the images: a good recording leaves a
 /// hundredth.
@@ -116,8 +115,7 @@ impl CameraReport {
     }
 
     /// The residuals of every slide over the picture, before and after.
-    #[must_use]
-    pub fn draw(&self) -> Image<[u8; 3]> {
-        picture::draw(self, &self.fit.maps)
+    pub(super) fn maps(&self) -> &[ResidualMap] {
+        &self.fit.maps
     }
 }

@@ -2,7 +2,8 @@ use std::path::PathBuf;
 
 use fingervision_touch::TrackError;
 
-use super::table::DEPTH_FILE;
+/// The table that a person writes beside the images.
+pub(super) const DEPTH_FILE: &str = "depth.csv";
 
 /// What keeps a depth law from being fitted.
 #[derive(Debug, thiserror::Error)]

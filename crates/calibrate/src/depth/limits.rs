@@ -1,11 +1,11 @@
-//! What the depths of a press can be, and what a law that is fitted to presses can be.
+//! What the depths of a press can be.
 //!
-//! A table in another unit, with another sign or in another order still gives a line. These limits are wide: they let every
+//! A table in another unit or with another sign still gives a line. These limits are wide: they let every
 //! sensor through that a camera looks at, and stop what no sensor is.
 
-use fingervision_touch::{DepthLaw, Profile};
+use fingervision_touch::Profile;
 
-use super::{DepthFit, DepthFitError, FittedLaw};
+use super::DepthFitError;
 
 /// The first depth of a press may differ from zero by this part of its largest: what a hand-set zero is worth.
 const REST: f64 = 0.02;
@@ -13,15 +13,6 @@ const REST: f64 = 0.02;
 const DEEPEST_MM: f64 = 50.0;
 /// A press that is shallower moves the pattern by less than noise, mm.
 const SHALLOWEST_MM: f64 = 0.02;
-/// A press whose feature follows its depth less than this does not show that depth, dimensionless. Simulated presses have
-/// 0.8 and more, sliding faces included.
-const LEAST_CORRELATION: f64 = 0.6;
-/// Error on presses left out over the deepest depth. A law that knows nothing has 0.6.
-const MOST_ERROR: f64 = 0.5;
-/// Gains over that of perspective alone: simulated sensors have 0.5 to 2.
-const GAINS: [f64; 2] = [0.05, 20.0];
-/// Slopes where no camera says what to expect, mm: half the distance to the camera by perspective alone.
-const SLOPES_MM: [f64; 2] = [0.1, 1000.0];
 
 /// Refuses depths that are none of a press on this sensor.
 pub(crate) fn check_depths(press: &str, depths_mm: &[f64], profile: &Profile) -> Result<(), DepthFitError> {
@@ -54,40 +45,6 @@ fn deepest(profile: &Profile) -> (f64, &'static str) {
     let camera = profile.camera.map(|camera| (camera.translation_mm[2], "the distance to the camera"));
     let limits = [Some((DEEPEST_MM, "more than any gel")), gel, camera].into_iter().flatten();
     limits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((DEEPEST_MM, "more than any gel"))
-}
-
-impl DepthFit {
-    /// Refuses a law of this fit that no sensor has, or that does not give the depths of the presses.
-    ///
-    /// # Errors
-    ///
-    /// [`DepthFitError::Unordered`], [`DepthFitError::Impossible`] or [`DepthFitError::Useless`].
-    pub fn check(&self, law: &FittedLaw, profile: &Profile) -> Result<(), DepthFitError> {
-        if let Some(press) = self.presses.iter().find(|press| press.line.correlation < LEAST_CORRELATION) {
-            let correlation = press.line.correlation;
-            return Err(DepthFitError::Unordered { press: press.curve.name.clone(), correlation });
-        }
-        // What the line through the origin is over what perspective alone would make of the same presses.
-        let gain = self.perspective.map(|perspective| perspective.slope);
-        if let Some(gain) = gain.filter(|gain| !(GAINS[0]..=GAINS[1]).contains(gain)) {
-            let expected_mm = profile.camera.map_or(f64::NAN, |camera| 0.5 * camera.translation_mm[2]);
-            return Err(DepthFitError::Impossible { slope_mm: self.origin.slope, expected_mm, factor: gain });
-        }
-        if let DepthLaw::Line(line) = law.law
-            && !(SLOPES_MM[0]..=SLOPES_MM[1]).contains(&line.slope_mm)
-        {
-            let expected_mm = line.slope_mm.clamp(SLOPES_MM[0], SLOPES_MM[1]);
-            let factor = line.slope_mm / expected_mm;
-            return Err(DepthFitError::Impossible { slope_mm: line.slope_mm, expected_mm, factor });
-        }
-        let depths = self.presses.iter().flat_map(|press| &press.curve.points).map(|point| point.depth_mm);
-        let deepest_mm = depths.fold(0.0, f64::max);
-        let error_mm = law.left_out_error_mm.unwrap_or(law.error_mm);
-        if error_mm > MOST_ERROR * deepest_mm {
-            return Err(DepthFitError::Useless { error_mm, deepest_mm });
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]

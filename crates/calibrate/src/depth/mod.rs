@@ -11,6 +11,7 @@
 mod curve;
 mod error;
 mod fit;
+mod law_check;
 mod limits;
 mod maximum;
 mod picture;

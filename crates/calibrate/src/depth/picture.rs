@@ -3,7 +3,7 @@
 //! [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
 
 use fingervision_image::Image;
-use fingervision_sink::{Curve, CurvePanel, CurvePlots, StraightLine};
+use fingervision_plot::{Curve, CurvePanel, CurvePlots, StraightLine};
 
 use super::{DepthFit, Place};
 

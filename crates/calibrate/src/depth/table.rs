@@ -3,10 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::DepthFitError;
+use super::error::{DEPTH_FILE, DepthFitError};
 
-/// The table that a person writes beside the images.
-pub(super) const DEPTH_FILE: &str = "depth.csv";
 /// The table that a simulation writes.
 const TRUTH_FILE: &str = "truth/force.csv";
 const DEPTH: &str = "depth_mm";

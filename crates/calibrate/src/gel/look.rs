@@ -1,7 +1,7 @@
 //! One frame of a press, cell by cell: what touches the gel, and what the camera tells of the surface around it.
 
 use fingervision_elastic::{GelBlock, SurfaceGrid};
-use fingervision_touch::{Cells, Seen};
+use fingervision_touch::{Cells, CoarseGrid, Seen};
 
 /// How far from contact the surface is compared with linear elasticity, in thicknesses: nearer, strain is too large.
 const AWAY: f64 = 0.5;
@@ -126,29 +126,21 @@ struct Halved {
 
 impl Halved {
     fn of(cells: &Cells<'_>) -> Self {
-        let SurfaceGrid { columns, rows, cell_mm } = cells.grid;
-        if !columns.is_multiple_of(2) || !rows.is_multiple_of(2) {
-            let (seen, touches, depth_mm) = (cells.seen.to_vec(), cells.touches.to_vec(), cells.depth_mm.to_vec());
-            return Self { grid: cells.grid, seen, touches, depth_mm };
-        }
-        let grid = SurfaceGrid { columns: columns / 2, rows: rows / 2, cell_mm: 2.0 * cell_mm };
-        let four = |cell: usize| {
-            let first = 2 * (cell / grid.columns) * columns + 2 * (cell % grid.columns);
-            [first, first + 1, first + columns, first + columns + 1]
-        };
-        let mean = |cell: usize, value: &dyn Fn(usize) -> f32| four(cell).map(value).iter().sum::<f32>() / 4.0;
-        let all = || 0..grid.len();
-        let seen = all().map(|cell| Seen {
-            apparent_mm: [0, 1].map(|axis| mean(cell, &|at| cells.seen[at].apparent_mm[axis])),
-            slope: [0, 1].map(|axis| mean(cell, &|at| cells.seen[at].slope[axis])),
-            trust: mean(cell, &|at| cells.seen[at].trust),
-            deviation_mm: mean(cell, &|at| cells.seen[at].deviation_mm),
+        let SurfaceGrid { columns, rows, .. } = cells.grid;
+        let part = if columns.is_multiple_of(2) && rows.is_multiple_of(2) { 2 } else { 1 };
+        let coarse = CoarseGrid::new(cells.grid, part);
+        let seen = coarse.around().map(|around| Seen {
+            apparent_mm: [0, 1].map(|axis| around.mean(|cell| cells.seen[cell].apparent_mm[axis])),
+            slope: [0, 1].map(|axis| around.mean(|cell| cells.seen[cell].slope[axis])),
+            trust: around.mean(|cell| cells.seen[cell].trust),
+            deviation_mm: around.mean(|cell| cells.seen[cell].deviation_mm),
         });
+        let touched = |cell: usize| f32::from(u8::from(cells.touches[cell]));
         Self {
             seen: seen.collect(),
-            touches: all().map(|cell| four(cell).iter().filter(|&&at| cells.touches[at]).count() >= 2).collect(),
-            depth_mm: all().map(|cell| mean(cell, &|at| cells.depth_mm[at])).collect(),
-            grid,
+            touches: coarse.around().map(|around| around.mean(touched) >= 0.5).collect(),
+            depth_mm: coarse.around().map(|around| around.mean(|cell| cells.depth_mm[cell])).collect(),
+            grid: coarse.grid,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The residual over Poisson's ratio and thickness, and measured against predicted forces.
 
 use fingervision_image::Image;
-use fingervision_sink::{Curve, CurvePanel, CurvePlots, HeatPanel, HeatPanels, HeatScale, StraightLine};
+use fingervision_plot::{Curve, CurvePanel, CurvePlots, HeatPanel, HeatPanels, HeatScale, StraightLine};
 
 use super::{GelReport, ResidualGrid};
 

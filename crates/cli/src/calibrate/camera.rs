@@ -12,8 +12,9 @@ use fingervision_calibrate::camera::{
 use fingervision_calibrate::update_profile;
 use fingervision_image::Rect;
 use fingervision_optics::{Camera, Radial};
+use fingervision_simulation::open;
 use fingervision_sink::write_png;
-use fingervision_source::{Options, open};
+use fingervision_source::Options;
 use fingervision_touch::Profile;
 use serde::Serialize;
 

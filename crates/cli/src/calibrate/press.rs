@@ -8,7 +8,8 @@ use fingervision_elastic::GelBlock;
 use fingervision_gel::{PressCache, ReadyMade};
 use fingervision_image::Frame;
 use fingervision_optics::{Camera, CameraParams};
-use fingervision_source::{Options, SimulatedLocation, SimulatedSource, Source, open};
+use fingervision_simulation::{SimulatedLocation, SimulatedSource, open};
+use fingervision_source::{Options, Source};
 use fingervision_touch::Profile;
 
 use crate::failure::Failure;

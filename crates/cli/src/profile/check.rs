@@ -4,7 +4,8 @@ use std::fmt;
 use std::io::Write;
 use std::path::PathBuf;
 
-use fingervision_source::{Options, open};
+use fingervision_simulation::open;
+use fingervision_source::Options;
 use fingervision_touch::{Profile, ProfileReview, Weight};
 use serde::Serialize;
 

@@ -1,17 +1,17 @@
-//! A rigid body pressed into a layer.
+//! A rigid body pressed into a layer: what the elements and the block are compared with in tests.
 
 use super::{Layer, LayerError, LayerOperator, SurfaceGrid};
 
 /// When a solve ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ContactParams {
+pub(crate) struct ContactParams {
     /// The residual displacement in contact, relative to the wanted one (both as root mean squares), below which
     /// conjugate gradients end, dimensionless.
-    pub tolerance: f64,
+    pub(crate) tolerance: f64,
     /// The most iterations for one contact region.
-    pub most_iterations: usize,
+    pub(crate) most_iterations: usize,
     /// The most contact regions tried by a frictionless press.
-    pub most_regions: usize,
+    pub(crate) most_regions: usize,
 }
 
 impl Default for ContactParams {
@@ -22,27 +22,27 @@ impl Default for ContactParams {
 
 /// The outcome of a press. Fields are row by row, one entry a cell.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LayerPress {
+pub(crate) struct LayerPress {
     /// Traction of the body on the gel, `MPa`.
-    pub traction_mpa: Vec<[f64; 3]>,
+    pub(crate) traction_mpa: Vec<[f64; 3]>,
     /// Displacement of each cell's centre, mm.
-    pub displacement_mm: Vec<[f64; 3]>,
+    pub(crate) displacement_mm: Vec<[f64; 3]>,
     /// Whether a cell touches.
-    pub in_contact: Vec<bool>,
+    pub(crate) in_contact: Vec<bool>,
     /// Force of the body on the gel, N.
-    pub force_n: [f64; 3],
+    pub(crate) force_n: [f64; 3],
     /// Iterations of conjugate gradients over all regions.
-    pub iterations: usize,
+    pub(crate) iterations: usize,
     /// Contact regions tried; 1 where the region was given.
-    pub regions: usize,
+    pub(crate) regions: usize,
     /// Whether residual and region settled.
-    pub has_converged: bool,
+    pub(crate) has_converged: bool,
 }
 
 /// Presses rigid bodies into a layer: finds the tractions on a contact region for given displacements there, zero
 /// elsewhere, by conjugate gradients preconditioned with the stiffness of waves.
 #[derive(Debug)]
-pub struct LayerContact {
+pub(crate) struct LayerContact {
     operator: LayerOperator,
     residual: Vec<[f64; 3]>,
     preconditioned: Vec<[f64; 3]>,
@@ -65,7 +65,7 @@ impl LayerContact {
     /// # Errors
     ///
     /// As [`LayerOperator::new`].
-    pub fn new(layer: &Layer, grid: SurfaceGrid) -> Result<Self, LayerError> {
+    pub(crate) fn new(layer: &Layer, grid: SurfaceGrid) -> Result<Self, LayerError> {
         let zero = vec![[0.0; 3]; grid.len()];
         Ok(Self {
             operator: LayerOperator::new(layer, grid)?,
@@ -78,7 +78,7 @@ impl LayerContact {
 
     /// The grid.
     #[must_use]
-    pub fn grid(&self) -> SurfaceGrid {
+    pub(crate) fn grid(&self) -> SurfaceGrid {
         self.operator.grid()
     }
 
@@ -92,7 +92,7 @@ impl LayerContact {
     /// # Panics
     ///
     /// If there is not one wanted depth a cell, or one is no number or infinite.
-    pub fn press_frictionless(&mut self, wanted_depth_mm: &[f64], params: &ContactParams) -> LayerPress {
+    pub(crate) fn press_frictionless(&mut self, wanted_depth_mm: &[f64], params: &ContactParams) -> LayerPress {
         assert_eq!(wanted_depth_mm.len(), self.grid().len(), "one wanted depth a cell");
         assert!(wanted_depth_mm.iter().all(|depth| *depth < f64::INFINITY), "a wanted depth is finite");
         let wanted: Vec<_> = wanted_depth_mm.iter().map(|&depth| [0.0, 0.0, depth]).collect();
@@ -114,7 +114,12 @@ impl LayerContact {
     /// # Panics
     ///
     /// If there is not one entry a cell.
-    pub fn press_stuck(&mut self, region: &[bool], displacement_mm: &[[f64; 3]], params: &ContactParams) -> LayerPress {
+    pub(crate) fn press_stuck(
+        &mut self,
+        region: &[bool],
+        displacement_mm: &[[f64; 3]],
+        params: &ContactParams,
+    ) -> LayerPress {
         assert_eq!((region.len(), displacement_mm.len()), (self.grid().len(), self.grid().len()), "one entry a cell");
         let mut press = self.begin(region.to_vec());
         press.regions = 1;

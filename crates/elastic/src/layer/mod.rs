@@ -22,11 +22,11 @@
 //! half-space of Boussinesq and Cerruti (Johnson §3.2, §3.6): `1 − ν`, `1 − ν`, `(1 − 2ν) / 2` and 1 on the right.
 //!
 //! [`Layer`] gives these at a wavenumber. [`LayerOperator`] applies them to tractions on a grid of cells, each cell's
-//! traction uniform, with displacements at the cells' centres. [`LayerContact`] finds the tractions that press a rigid
-//! body into the layer. [`BlockOperator`] adds what the free sides of a block change. Nothing here is nonlinear: beyond
+//! traction uniform, with displacements at the cells' centres. [`BlockOperator`] adds what the free sides of a block change. Nothing here is nonlinear: beyond
 //! some ten per cent of strain the elements are the truth.
 
 mod compliance;
+#[cfg(test)]
 mod contact;
 mod grid;
 mod half_space;
@@ -39,7 +39,8 @@ mod tests;
 mod transform;
 
 pub use compliance::{Layer, LayerError, WaveCompliance};
-pub use contact::{ContactParams, LayerContact, LayerPress};
+#[cfg(test)]
+pub(crate) use contact::{ContactParams, LayerContact, LayerPress};
 pub use grid::SurfaceGrid;
 pub use operator::LayerOperator;
 pub use sides::BlockOperator;

@@ -1,7 +1,8 @@
 //! Presses whose outcome is known.
 
 use super::{Press, PressError, PressSetup};
-use crate::{BlockMesh, ContactLaw, ContactParams, GelBlock, Law, Layer, LayerContact, Pose, Relief, ReliefPoint};
+use crate::layer::{ContactParams, LayerContact};
+use crate::{BlockMesh, ContactLaw, GelBlock, Law, Layer, Pose, Relief, ReliefPoint};
 use crate::{SurfaceGrid, graded_lines};
 
 const GEL: GelBlock =

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::{Benchmark, Extent, Method, Variation};
+use super::{Extent, Method, Variation};
 use crate::experiment::{DepthScore, ElasticScore};
 
 /// One method's errors on a case.
@@ -107,7 +107,7 @@ pub struct BenchmarkReport {
 }
 
 impl BenchmarkReport {
-    pub(super) fn new(benchmark: &Benchmark, outcomes: Vec<Result<CaseReport, String>>) -> Self {
+    pub(super) fn new(extent: Extent, told: &[(String, String)], outcomes: Vec<Result<CaseReport, String>>) -> Self {
         let (mut cases, mut unsolved) = (Vec::new(), Vec::new());
         for outcome in outcomes {
             match outcome {
@@ -129,7 +129,7 @@ impl BenchmarkReport {
         let means = variations
             .iter()
             .flat_map(|variation| methods.iter().filter_map(|method| MethodMeans::of(method, variation.name, &cases)));
-        let (extent, told) = (benchmark.extent, benchmark.assignments.to_vec());
+        let told = told.to_vec();
         Self { extent, means: means.collect(), variations, cases, told, unsolved }
     }
 
@@ -227,7 +227,6 @@ impl fmt::Display for BenchmarkReport {
 
 #[cfg(test)]
 mod tests {
-    use fingervision_gel::PressCache;
 
     use super::*;
 
@@ -263,11 +262,8 @@ mod tests {
         };
         let cases = [case("a".into(), Some(0.5)), case("b".into(), Some(1.5)), case("c".into(), None)];
         let told = [("elastic.learned".into(), "false".into())];
-        let cache = PressCache::OFF;
-        let benchmark =
-            Benchmark { extent: Extent::Quick, cases: Vec::new(), assignments: &told, entries: &[], cache: &cache };
         let outcomes = cases.into_iter().map(Ok).chain([Err("d: frame 3 did not converge".into())]);
-        let report = BenchmarkReport::new(&benchmark, outcomes.collect());
+        let report = BenchmarkReport::new(Extent::Quick, &told, outcomes.collect());
         let text = report.to_string();
         assert!(text.contains("told elastic.learned = false") && text.contains("not solved: d: frame 3"), "{text}");
         assert_eq!(report.methods(), ["nothing", "mine"]);

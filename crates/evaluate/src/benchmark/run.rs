@@ -60,7 +60,7 @@ pub fn run(
         Ok(report)
     };
     let cases = benchmark.cases.par_iter().map(report).collect::<Result<Vec<_>, ExperimentError>>()?;
-    Ok(BenchmarkReport::new(benchmark, cases))
+    Ok(BenchmarkReport::new(benchmark.extent, benchmark.assignments, cases))
 }
 
 fn go_on(flow: ControlFlow<()>) -> Result<(), ExperimentError> {

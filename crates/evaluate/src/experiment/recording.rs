@@ -3,7 +3,7 @@
 use fingervision_gel::{PressCache, Scene, Simulation, Truth};
 use fingervision_image::{Frame, Pixels};
 use fingervision_optics::Camera;
-use fingervision_sink::simulated_profile;
+use fingervision_simulation::simulated_profile;
 use fingervision_touch::{Fields, Profile};
 use std::ops::ControlFlow;
 

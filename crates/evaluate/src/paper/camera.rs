@@ -4,7 +4,7 @@ use fingervision_calibrate::camera::{BoardTracker, CameraFit, FitOptions, Priors
 use fingervision_gel::Scene;
 use fingervision_image::{Image, Rect};
 use fingervision_optics::Camera;
-use fingervision_sink::HeatScale;
+use fingervision_plot::HeatScale;
 use serde::Serialize;
 
 use super::{Lab, pictures, published};
@@ -93,7 +93,7 @@ fn section(table: &TableOne, fit: &CameraFit) -> Result<Section, ExperimentError
             Image::from_fn(values.width(), values.height(), |x, y| u8::from(values.at(x, y).is_finite()))
         };
         let shown = [(&map.before_px, "before"), (&map.after_px, "after")]
-            .map(|(values, name)| (fingervision_sink::heat_map(values, &mask(values), scale), name));
+            .map(|(values, name)| (fingervision_plot::heat_map(values, &mask(values), scale), name));
         let caption = |name| format!("Residual {name}, {}", pictures::bar_caption(scale, "px"));
         section.gallery(2, shown.iter().map(|(map, name)| (map, caption(name))))?;
     }

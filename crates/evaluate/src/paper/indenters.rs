@@ -5,7 +5,7 @@ use fingervision_calibrate::depth::{DepthFit, DepthFitError, Method};
 use fingervision_flow::FlowField;
 use fingervision_gel::Scene;
 use fingervision_image::Image;
-use fingervision_sink::HeatScale;
+use fingervision_plot::HeatScale;
 use serde::Serialize;
 
 use super::law::Fits;

@@ -3,7 +3,7 @@
 use fingervision_flow::FlowField;
 use fingervision_gel::{Motion, Scene, Simulation};
 use fingervision_image::{Image, Pixels};
-use fingervision_sink::HeatScale;
+use fingervision_plot::HeatScale;
 use fingervision_touch::{DensityEstimator, DensityField, DensityParams};
 use std::ops::ControlFlow;
 

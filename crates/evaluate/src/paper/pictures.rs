@@ -1,7 +1,7 @@
 //! Small maps for galleries.
 
 use fingervision_image::Image;
-use fingervision_sink::{HeatScale, heat_map};
+use fingervision_plot::{HeatScale, heat_map};
 
 type Rgb = [u8; 3];
 

@@ -3,7 +3,7 @@
 use fingervision_flow::FlowField;
 use fingervision_gel::Scene;
 use fingervision_image::Image;
-use fingervision_sink::HeatScale;
+use fingervision_plot::HeatScale;
 use fingervision_touch::Policy;
 use rayon::prelude::*;
 use serde::Serialize;

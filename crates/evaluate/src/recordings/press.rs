@@ -1,10 +1,10 @@
 //! What the recorded press shows when the whole tracker follows it.
 
-use super::punyo::{FRAMES, Punyo, sample};
+use super::punyo::{FRAMES, Punyo};
 use crate::matcher::Matcher;
 use crate::{Asked, EvaluateError, Table};
 use fingervision_flow::{Estimate, FlowField, FlowParams, Preset};
-use fingervision_image::{Frame, Image};
+use fingervision_image::{Between, Frame, Image};
 use fingervision_touch::{Fields, Flag, Profile, Reading, Tracker};
 use std::ops::RangeInclusive;
 
@@ -22,6 +22,20 @@ const PRESS: RangeInclusive<usize> = 57..=113;
 const EVERY: usize = 3;
 /// Two flows that are this far apart cannot both be right, px.
 const APART_PX: f32 = 1.0;
+
+impl Punyo<'_> {
+    /// What must hold of single pairs and of the tracked press.
+    ///
+    /// # Errors
+    ///
+    /// [`EvaluateError::File`] if a file is missing or cannot be read.
+    pub fn measure(&self) -> Result<Table, EvaluateError> {
+        let (pairs, press) = rayon::join(|| self.measure_pairs(), || PressEvidence::measure(self));
+        let (mut table, press) = (pairs?, press?);
+        press.append_to(&mut table);
+        Ok(table)
+    }
+}
 
 /// What a tracked press shows, over the membrane.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,7 +130,8 @@ impl PressEvidence {
         let distances = Image::from_fn(width, height, |x, y| distance_mm(distances.at(x, y)));
         let depth = |x: usize, y: usize| {
             let (u, v) = (flow.u.at(x, y), flow.v.at(x, y));
-            let now = sample(&distances, x as f32 + u, y as f32 + v).unwrap_or(f32::NAN);
+            let place = Between::inside((x as f32 + u, y as f32 + v), distances.size());
+            let now = place.map_or(f32::NAN, |place| place.sample(&distances));
             f64::from(at_rest.at(x, y) - now)
         };
         let by_flow = Blob::above_half(punyo, |x, y| f64::from(flow.u.at(x, y).hypot(flow.v.at(x, y))));

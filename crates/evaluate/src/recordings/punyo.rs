@@ -3,12 +3,11 @@
 //! 150 grey frames of 640×480 px at 30 a second: at rest up to 60, pressed from 62 to 110, at rest again from 115. Depth
 //! images and forces lie beside them. Everything is measured inside the membrane's mask.
 
-use super::press::PressEvidence;
 use super::{Recordings, files};
 use crate::matcher::Matcher;
 use crate::{Asked, EvaluateError, Table, mean};
 use fingervision_flow::{FlowField, FlowParams, Preset};
-use fingervision_image::{Image, Pixels};
+use fingervision_image::{Between, Image, Pixels};
 use rayon::prelude::*;
 
 /// Frames of the recording.
@@ -66,18 +65,6 @@ impl<'a> Punyo<'a> {
         mean(self.membrane().map(|(x, y)| flow.u.at(x, y).hypot(flow.v.at(x, y))))
     }
 
-    /// What must hold of single pairs and of the tracked press.
-    ///
-    /// # Errors
-    ///
-    /// [`EvaluateError::File`] if a file is missing or cannot be read.
-    pub fn measure(&self) -> Result<Table, EvaluateError> {
-        let (pairs, press) = rayon::join(|| self.measure_pairs(), || PressEvidence::measure(self));
-        let (mut table, press) = (pairs?, press?);
-        press.append_to(&mut table);
-        Ok(table)
-    }
-
     /// What must hold of single pairs: flow at rest, after the press, and there and back, each searched from nowhere.
     ///
     /// # Errors
@@ -120,8 +107,8 @@ impl<'a> Punyo<'a> {
             let back = &matcher.find(first)?.flow;
             let misses = self.membrane().filter_map(|(x, y)| {
                 let (u, v) = (there.u.at(x, y), there.v.at(x, y));
-                let (x, y) = (x as f32 + u, y as f32 + v);
-                Some((u + sample(&back.u, x, y)?).hypot(v + sample(&back.v, x, y)?))
+                let place = Between::inside((x as f32 + u, y as f32 + v), back.size())?;
+                Some((u + place.sample(&back.u)).hypot(v + place.sample(&back.v)))
             });
             Ok(mean(misses))
         };
@@ -131,18 +118,6 @@ impl<'a> Punyo<'a> {
 
 fn matcher(reference: &Pixels, preset: Preset) -> Result<Matcher, EvaluateError> {
     Matcher::new(reference, &FlowParams { preset, ..FlowParams::default() })
-}
-
-/// Bilinear value at a point; none outside the image.
-pub(super) fn sample(image: &Image<f32>, x: f32, y: f32) -> Option<f32> {
-    let (width, height) = image.size();
-    let is_inside = x >= 0.0 && y >= 0.0 && x <= (width - 1) as f32 && y <= (height - 1) as f32;
-    is_inside.then(|| {
-        let (left, top) = ((x as usize).min(width - 2), (y as usize).min(height - 2));
-        let (right_part, lower_part) = (x - left as f32, y - top as f32);
-        let across = |y: usize| image.at(left, y) + right_part * (image.at(left + 1, y) - image.at(left, y));
-        across(top) + lower_part * (across(top + 1) - across(top))
-    })
 }
 
 fn force_lengths_n(recordings: &Recordings) -> Result<Vec<f64>, EvaluateError> {

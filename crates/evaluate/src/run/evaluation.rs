@@ -9,7 +9,7 @@ use super::force;
 use super::inputs::Inputs;
 use super::picture::Shown;
 use super::report::{FieldErrors, FrameReport, Report};
-use super::{BORDER_MM, RunError};
+use super::{BORDER_MM, Options, RunError};
 
 /// A depth or flow counts as the largest if it is not below it by more than this part: of a press that is held, the
 /// last frame is shown.
@@ -18,13 +18,6 @@ const AS_DEEP: f64 = 1e-3;
 /// Where the gel moves by this much or more, px, a right flow goes with the true one by this correlation or more.
 const LEAST_MOTION_PX: f64 = 1.0;
 const LEAST_CORRELATION: f64 = 0.9;
-
-/// How a run and its truth are brought together.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Options {
-    /// Compare the first frames, those that all files hold, where files count different numbers of them.
-    pub common_frames: bool,
-}
 
 /// A comparison under way.
 #[derive(Debug)]

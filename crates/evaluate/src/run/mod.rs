@@ -59,6 +59,7 @@ mod inputs;
 mod judgement;
 mod last_frame;
 mod numbers;
+mod options;
 mod origin;
 mod picture;
 mod report;
@@ -69,9 +70,10 @@ mod text;
 pub(crate) use border::BorderBand;
 pub(crate) use correlation::Correlation;
 pub use error::RunError;
-pub use evaluation::{Evaluation, Options, Outcome};
+pub use evaluation::{Evaluation, Outcome};
 pub(crate) use force::{LEAST_ARM_MM, LEAST_SHEAR};
 pub(crate) use last_frame::LastFrame;
+pub use options::Options;
 pub use report::{
     Components, Errors, FieldErrors, ForceErrors, ForceReport, FrameReport, LoadErrors, PixelCounts, Region, Regions,
     Report,

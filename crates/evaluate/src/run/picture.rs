@@ -2,7 +2,7 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
-use fingervision_sink::{Comparison, FramePlot, Pair};
+use fingervision_plot::{Comparison, FramePlot, Pair};
 
 use super::compare::Comparer;
 use super::inputs::Inputs;

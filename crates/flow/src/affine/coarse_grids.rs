@@ -17,10 +17,10 @@
 //! ```
 
 use super::bonds::Stiffness;
-use super::coupling::invert;
 use super::grid::PatchGrid;
 use super::nodes::{Planes, UNKNOWNS};
-use super::template::{PACKED, packed};
+use super::symmetric::invert;
+use super::symmetric::{PACKED, packed};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 

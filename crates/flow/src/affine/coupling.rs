@@ -17,7 +17,7 @@ use super::bonds::{Bonds, Stiffness};
 use super::coarse_grids::{CoarseBlocks, CoarseGrids};
 use super::grid::{LANES, PatchGrid};
 use super::nodes::{NodeField, Planes, UNKNOWNS};
-use super::template::{PACKED, packed};
+use super::symmetric::{PACKED, packed};
 use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
@@ -258,25 +258,4 @@ fn dot<S: Simd>(simd: S, x: &Planes, y: &Planes) -> f32 {
         }
     }
     sum.reduce_sum()
-}
-
-/// Inverse of a symmetric positive definite matrix, by Gauss–Jordan without pivoting.
-pub(crate) fn invert(mut matrix: [[f64; UNKNOWNS]; UNKNOWNS]) -> [[f64; UNKNOWNS]; UNKNOWNS] {
-    let mut inverse: [[f64; UNKNOWNS]; UNKNOWNS] =
-        std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
-    for pivot in 0..UNKNOWNS {
-        let scale = 1.0 / matrix[pivot][pivot];
-        for k in 0..UNKNOWNS {
-            matrix[pivot][k] *= scale;
-            inverse[pivot][k] *= scale;
-        }
-        for row in (0..UNKNOWNS).filter(|&row| row != pivot) {
-            let factor = matrix[row][pivot];
-            for k in 0..UNKNOWNS {
-                matrix[row][k] -= factor * matrix[pivot][k];
-                inverse[row][k] -= factor * inverse[pivot][k];
-            }
-        }
-    }
-    inverse
 }

@@ -9,7 +9,8 @@
 use super::grid::{PatchGrid, STRIDE};
 use super::nodes::{NodeField, UNKNOWNS};
 use super::refinement::Refinement;
-use super::template::{PACKED, Template, packed};
+use super::symmetric::packed;
+use super::template::Template;
 use crate::{Estimate, ValidityParams};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
@@ -26,28 +27,6 @@ const ROUGH_STEP: f32 = 0.2;
 const SETTLED_PX: f32 = 0.1;
 /// Part of the template's contrast that a patch shows at least: with less it has nothing in common with the picture.
 const LEAST_CONTRAST: f32 = 0.4;
-
-/// Variance of both components of every node's displacement from its own patch, px², for noise of the given scale.
-pub(crate) fn own_variance(
-    grid: PatchGrid,
-    normal: &[Vec<f32>; PACKED],
-    scale: f32,
-    slope_stiffness: f32,
-    variance: &mut [f32],
-) {
-    for node in 0..grid.nodes() {
-        let mut block = [[0.0; UNKNOWNS]; UNKNOWNS];
-        for (i, row) in block.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                *entry = f64::from(scale * normal[packed(i, j)][node]);
-            }
-            row[i] += if i % 3 == 0 { 1e-9 } else { f64::from(slope_stiffness) };
-        }
-        let inverse = super::coupling::invert(block);
-        let trace = inverse[0][0] + inverse[3][3];
-        variance[node] = if trace.is_finite() && trace > 0.0 { trace as f32 } else { f32::MAX };
-    }
-}
 
 /// Lowers each node's variance to what a neighbour knows and the way from it costs: two passes over the grid.
 pub(crate) fn spread_variance(grid: PatchGrid, steps: &[f32], variance: &mut [f32]) {

@@ -7,9 +7,9 @@
 use super::bonds::Stiffness;
 use super::coupling::{Coupling, System};
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
-use super::judge::own_variance;
 use super::moments::{Band, Window, sum_columns, sum_rows, sum_rows_twice};
 use super::nodes::{Expander, NodeField, UNKNOWNS};
+use super::own_variance::own_variance;
 use super::template::Template;
 use super::texel::{Taps, Texel, products};
 use crate::FlowField;

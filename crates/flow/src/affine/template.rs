@@ -4,19 +4,11 @@ use super::coarse_grids::CoarseBlocks;
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows};
 use super::nodes::UNKNOWNS;
+use super::symmetric::{PACKED, packed};
 use super::texel::{MID_LEVEL, TemplateBlock, Texel};
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 use fingervision_image::Image;
-
-/// Entries of a symmetric matrix over a node's unknowns.
-pub(crate) const PACKED: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
-
-/// Place of entry `(i, j)` of a symmetric matrix in packed storage.
-pub(crate) const fn packed(i: usize, j: usize) -> usize {
-    let (low, high) = if i < j { (i, j) } else { (j, i) };
-    high * (high + 1) / 2 + low
-}
 
 /// A reference picture made ready for matching.
 #[derive(Debug, Clone)]

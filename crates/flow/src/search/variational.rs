@@ -11,7 +11,7 @@
 
 use super::patches::differentiate;
 use crate::FlowField;
-use fingervision_image::Image;
+use fingervision_image::{Between, Image};
 use serde::{Deserialize, Serialize};
 
 /// Parameters of the variational refinement.
@@ -235,17 +235,10 @@ fn robust_slope(s: f32) -> f32 {
 
 /// Writes `current(x + flow(x))` by bilinear sampling, clamped to the border.
 pub(crate) fn warp_back(current: &Image<f32>, flow: &FlowField, warped: &mut Image<f32>) {
-    let (width, height) = current.size();
-    for y in 0..height {
+    for y in 0..current.height() {
         let displacements = flow.u.row(y).iter().zip(flow.v.row(y));
         for (x, (warped, (u, v))) in warped.row_mut(y).iter_mut().zip(displacements).enumerate() {
-            let px = (x as f32 + u).clamp(0.0, (width - 1) as f32);
-            let py = (y as f32 + v).clamp(0.0, (height - 1) as f32);
-            let (left, top) = ((px as usize).min(width - 2), (py as usize).min(height - 2));
-            let (fx, fy) = (px - left as f32, py - top as f32);
-            let (above, below) = (&current.row(top)[left..][..2], &current.row(top + 1)[left..][..2]);
-            let across = |row: &[f32]| row[0] + fx * (row[1] - row[0]);
-            *warped = across(above) + fy * (across(below) - across(above));
+            *warped = Between::clamped((x as f32 + u, y as f32 + v), current.size()).sample(current);
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Which values an indenter can have.
 
 use std::fmt::Debug;
-use std::path::Path;
 
 use fingervision_elastic::GelBlock;
 use fingervision_settings::SettingsError;
@@ -109,18 +108,6 @@ impl IndenterShape {
 /// Points in words, a long list as their number.
 fn listed(points: &[[f64; 2]]) -> String {
     if points.len() > 8 { format!("{} points", points.len()) } else { format!("{points:?}") }
-}
-
-/// Checks that a mesh is large enough to be sampled and not absurdly large.
-pub(super) fn mesh_size(file: &Path, half_extent_mm: [f64; 2]) -> Result<(), IndenterError> {
-    let [x, y] = half_extent_mm.map(|half| 2.0 * half);
-    if (0.2..=1000.0).contains(&x) && (0.2..=1000.0).contains(&y) {
-        return Ok(());
-    }
-    let why = format!(
-        "it is {x} by {y} mm wide and would have to be 0.2 to 1000 mm; indenter.scale is the file's unit in mm"
-    );
-    Err(IndenterError::NoMesh { file: file.to_owned(), why })
 }
 
 fn check(holds: bool, key: &str, value: &impl Debug, allowed: &str) -> Result<(), IndenterError> {

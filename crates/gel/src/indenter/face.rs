@@ -1,5 +1,6 @@
 //! Flat faces: which points they hold, and how far others lie from them.
 
+use super::nearest::Nearest;
 use super::outline::Outline;
 
 /// A flat face.
@@ -11,16 +12,6 @@ pub(super) enum Face {
     Discs { radius_mm: f64, centres_mm: Vec<[f64; 2]> },
     /// What lies between two circles about the origin.
     Ring { inner_radius_mm: f64, outer_radius_mm: f64 },
-}
-
-/// The way from the nearest point of a face to a point outside.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Nearest {
-    pub(super) distance_mm: f64,
-    /// Unit vector: the gradient of the distance.
-    pub(super) away: [f64; 2],
-    /// Second derivative of the distance across that direction, 1/mm; along it there is none.
-    pub(super) bend_per_mm: f64,
 }
 
 impl Face {

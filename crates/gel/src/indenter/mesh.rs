@@ -157,3 +157,14 @@ fn check_closed(triangles: &[[[f64; 3]; 3]], file: &Path) -> Result<(), Indenter
         place: [0, 1, 2].map(|axis| p[axis].midpoint(q[axis])),
     })
 }
+/// Checks that a mesh is large enough to be sampled and not absurdly large.
+pub(super) fn check_size(file: &Path, half_extent_mm: [f64; 2]) -> Result<(), IndenterError> {
+    let [x, y] = half_extent_mm.map(|half| 2.0 * half);
+    if (0.2..=1000.0).contains(&x) && (0.2..=1000.0).contains(&y) {
+        return Ok(());
+    }
+    let why = format!(
+        "it is {x} by {y} mm wide and would have to be 0.2 to 1000 mm; indenter.scale is the file's unit in mm"
+    );
+    Err(IndenterError::NoMesh { file: file.to_owned(), why })
+}

@@ -19,6 +19,7 @@ mod height_field;
 mod height_map;
 mod letter;
 mod mesh;
+mod nearest;
 mod outline;
 mod profile;
 mod relief;

@@ -1,7 +1,7 @@
 //! Flat faces bounded by straight edges, with holes, and how far a point lies from them.
 
-use super::face::Nearest;
-use super::segments::{Segment, SegmentGrid};
+use super::nearest::Nearest;
+use super::segments::{Segment, SegmentGrid, is_wound};
 
 /// Loops with more edges than this are searched through a grid.
 const FEW_EDGES: usize = 24;
@@ -60,11 +60,6 @@ impl Outline {
 fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = Segment> {
     let ends = corners.iter().skip(1).chain(corners.first());
     corners.iter().zip(ends).map(|(&from, &to)| Segment::new(from, to))
-}
-
-/// Whether closed loops of edges wind around a point: Sunday's count of signed crossings with the ray towards +x.
-pub(super) fn is_wound(edges: &[Segment], point: [f64; 2]) -> bool {
-    edges.iter().map(|edge| edge.winding(point)).sum::<i32>() != 0
 }
 
 fn nearest_of<'a>(edges: impl Iterator<Item = &'a Segment>, point: [f64; 2]) -> Option<Nearest> {

@@ -2,8 +2,9 @@
 
 use fingervision_elastic::{Relief, ReliefPoint};
 
-use super::face::{Face, Nearest};
+use super::face::Face;
 use super::height_field::HeightField;
+use super::nearest::Nearest;
 use super::profile::{Fall, Profile};
 
 /// How much of the body [`Relief::half_extent_mm`] holds, mm behind the foremost point.

@@ -1,7 +1,5 @@
 //! Straight edges, and a grid that finds those near a point.
 
-use super::outline::is_wound;
-
 /// Cells along a side of the grid.
 const CELLS: usize = 64;
 /// How far the grid reaches beyond the edges, mm.
@@ -50,6 +48,11 @@ impl Segment {
         let (foot, _) = self.foot(point);
         (point[0] - foot[0]).hypot(point[1] - foot[1])
     }
+}
+
+/// Whether closed loops of edges wind around a point: Sunday's count of signed crossings with the ray towards +x.
+pub(super) fn is_wound(edges: &[Segment], point: [f64; 2]) -> bool {
+    edges.iter().map(|edge| edge.winding(point)).sum::<i32>() != 0
 }
 
 /// For each cell of a grid, every edge that is the nearest to some point of the cell.

@@ -9,7 +9,7 @@ use super::face::Face;
 use super::grid::HeightGrid;
 use super::height_field::HeightField;
 use super::height_map::HeightMap;
-use super::mesh::Mesh;
+use super::mesh::{Mesh, check_size};
 use super::outline::Outline;
 use super::profile::Profile;
 use super::{IndenterError, IndenterRelief, letter};
@@ -163,7 +163,7 @@ impl Indenter {
             IndenterShape::Stl { file, scale } => {
                 let file = folder.join(file);
                 let mesh = Mesh::read(&file, *scale)?;
-                super::check::mesh_size(&file, mesh.half_extent_mm())?;
+                check_size(&file, mesh.half_extent_mm())?;
                 return Ok(self.field(mesh.half_extent_mm(), |grid| mesh.over(grid)));
             }
             IndenterShape::Circle { radius_mm } => Face::Discs { radius_mm: *radius_mm, centres_mm: vec![[0.0; 2]] },

@@ -4,8 +4,9 @@
 //! that every cell edge shows (Du, Zhang, Zhang, Wang 2021, doi 10.1109/LRA.2021.3061306). The pattern repeats like a
 //! torus, its seam included in the rule: it has no border.
 
-use super::texture::{Cells, wrapped};
+use super::texture::wrapped;
 use crate::GelError;
+use crate::cells::Cells;
 use fingervision_image::Image;
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64Mcg;

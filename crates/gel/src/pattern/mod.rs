@@ -14,6 +14,5 @@ pub use colour::{ColourPattern, NEIGHBOUR_DISTANCE};
 pub use description::{Motif, Pattern};
 pub use error::PatternError;
 pub use print::{Paper, Print};
-pub(crate) use texture::Cells;
 pub use texture::Texture;
 pub use trackability::{Coupling, Trackability, View, trackability};

@@ -1,5 +1,6 @@
 //! A pattern as the renderer takes it: a tiling raster of coloured cells that lies on the gel.
 
+use crate::cells::Cells;
 use fingervision_image::Image;
 
 /// Rectangular cells of one colour each, repeated like a torus, that cover the gel's undeformed surface.
@@ -57,12 +58,6 @@ impl Texture {
         let (columns, rows) = self.cells.size();
         self.cells.at(wrapped(column, columns), wrapped(row, rows))
     }
-}
-
-/// A plane of cells of one colour each.
-pub(crate) trait Cells {
-    /// Red, green and blue of a cell, in grey levels.
-    fn at(&self, column: i64, row: i64) -> [f32; 3];
 }
 
 impl Cells for Texture {

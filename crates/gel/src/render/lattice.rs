@@ -1,6 +1,6 @@
 //! The lattice of part corners over the image, and which of them a patch may cover.
 
-use super::surface::Node;
+use super::node::Node;
 use crate::blur::SUB_PIXELS;
 use fingervision_optics::Camera;
 use std::ops::Range;

@@ -8,6 +8,7 @@ mod error;
 mod frame;
 mod lattice;
 mod light;
+mod node;
 mod noise;
 mod params;
 mod parts;
@@ -16,6 +17,7 @@ mod patches;
 mod raster;
 mod samples;
 mod sensor;
+mod sight;
 mod surface;
 #[cfg(test)]
 mod tests;

@@ -5,11 +5,10 @@
 //! cut and the rest is background. Where the surface may hide itself, corners need not belong together: there the part
 //! is the mean of many rays.
 
-use super::cells::{CellTable, Place};
+use super::cells::Place;
 use super::lattice::Lattice;
-use super::patches::Patches;
-use super::raster::Planes;
 use super::samples::{Samples, Scene};
+use super::sight::Sight;
 use crate::polygon::{Point, cut, signed_area};
 use fearless_simd::{Simd, f32x4, prelude::*};
 use fearless_simd_macros::simd;
@@ -35,15 +34,6 @@ pub(crate) struct PartRows {
     polygon: Vec<Point>,
     beyond: Vec<Point>,
     kept: Vec<Point>,
-}
-
-/// What is needed to colour parts.
-pub(crate) struct Sight<'a> {
-    pub(crate) lattice: Lattice,
-    pub(crate) planes: &'a Planes,
-    pub(crate) cells: &'a CellTable,
-    pub(crate) patches: &'a Patches,
-    pub(crate) background: [f32; 3],
 }
 
 impl PartRows {

@@ -9,7 +9,7 @@
 //! whose four corners face the camera does so everywhere and meets a ray once at most. Where the surface folds back, a
 //! patch does not.
 
-use super::surface::{Node, cross};
+use super::node::{Node, cross};
 
 /// How far beyond its border a patch still counts, as a share of its width: no ray slips between two patches.
 pub(crate) const SLACK: f64 = 1e-4;

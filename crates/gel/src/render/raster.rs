@@ -189,7 +189,7 @@ fn cross<S: Simd>(p: [f32x8<S>; 2], q: [f32x8<S>; 2]) -> f32x8<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::surface::Node;
+    use crate::render::node::Node;
     use fearless_simd::{Level, dispatch};
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64Mcg;

@@ -2,8 +2,8 @@
 
 use super::cells::Place;
 use super::lattice::{LANES, Lattice, Rays};
-use super::parts::Sight;
 use super::raster::{Seen, Target};
+use super::sight::Sight;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use fearless_simd_macros::simd;
 

@@ -5,6 +5,7 @@
 
 use super::RenderError;
 use super::light::Light;
+use super::node::{Node, cross};
 use super::patch::Patch;
 use fingervision_elastic::SurfaceState;
 use fingervision_optics::Camera;
@@ -17,18 +18,6 @@ const WIDEST_MM: f64 = 1.0;
 
 /// Most lines that divide the surface along an axis, on top of the state's own.
 const MOST_DIVISIONS: f64 = 1024.0;
-
-/// A point of the surface as the camera sees it.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Node {
-    /// From the camera's centre, mm: along x, along y and down, against z. So what the camera looks at has a positive
-    /// last value.
-    pub(crate) place: [f64; 3],
-    /// Where it appears, px; NaN where the camera does not see it.
-    pub(crate) px: [f64; 2],
-    /// Gain of the light.
-    pub(crate) gain: f64,
-}
 
 /// A line of the divided grid.
 #[derive(Debug, Clone, Copy)]
@@ -253,8 +242,4 @@ pub(crate) fn check(state: &SurfaceState) -> Result<(), RenderError> {
 
 fn difference(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -1,9 +1,7 @@
 //! How a run went: the numbers of each reading over time, in bounded memory.
 
+use fingervision_plot::{Rgb, TimePlot, TimePlots, Trend};
 use fingervision_touch::{Flag, Reading};
-
-use super::Rgb;
-use super::trend::{Step, Trend};
 
 /// Told apart by every kind of sight. Okabe and Ito, "Color Universal Design", 2008.
 const BLUE: Rgb = [0, 114, 178];
@@ -20,16 +18,6 @@ pub(super) struct Course {
     depth_mm: Trend,
     normal_n: Trend,
     shear_n: Trend,
-}
-
-/// Lines that share a pair of axes.
-pub(super) struct Plot<'a> {
-    /// What is drawn, with its unit.
-    pub(super) heading: &'static str,
-    /// The number at the upper edge at least.
-    pub(super) least_top: f32,
-    /// Name, colour and numbers; a plot of one line needs no name.
-    pub(super) lines: Vec<(&'static str, Rgb, &'a [Step])>,
 }
 
 impl Course {
@@ -58,14 +46,9 @@ impl Course {
         self.flow_px.start_s()
     }
 
-    /// The time of the last step since the first frame, s.
-    pub(super) fn last_s(&self) -> f64 {
-        self.flow_px.steps().last().map_or(0.0, |step| step.time_s)
-    }
-
     /// A plot for each quantity that is known, the flow first.
-    pub(super) fn plots(&self) -> Vec<Plot<'_>> {
-        let plot = |heading, least_top, lines| Plot { heading, least_top, lines };
+    pub(super) fn plots(&self) -> TimePlots<'_> {
+        let plot = |heading, least_top, lines| TimePlot { heading, least_top, lines };
         let flow = vec![("", BLUE, self.flow_px.steps())];
         let depth = vec![("", BLUE, self.depth_mm.steps())];
         let force = vec![("normal", BLUE, self.normal_n.steps()), ("shear", ORANGE, self.shear_n.steps())];
@@ -75,12 +58,13 @@ impl Course {
             plot("Force, N", LEAST_FORCE_N, force),
         ];
         let is_known =
-            |plot: &Plot| plot.lines.iter().any(|(_, _, steps)| steps.iter().any(|step| step.peak.is_finite()));
+            |plot: &TimePlot| plot.lines.iter().any(|(_, _, steps)| steps.iter().any(|step| step.peak.is_finite()));
         let mut place = 0;
         plots.retain(|plot| {
             place += 1;
             place == 1 || is_known(plot)
         });
-        plots
+        let last_s = self.flow_px.steps().last().map_or(0.0, |step| step.time_s);
+        TimePlots { plots, frames: self.frames(), last_s }
     }
 }

@@ -3,20 +3,16 @@
 use std::path::Path;
 
 use fingervision_image::{Frame, Image, Rect};
+use fingervision_plot::page::{BACKGROUND, BODY, GAP, HEADING, MARGIN, WARNING_INK};
+use fingervision_plot::{Anchor, Area, Canvas, Outline, Panel, Rgb, Style, number, round_up};
 use fingervision_touch::{Flag, Reading};
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
 
-use super::canvas::{Area, Canvas, as_buffer};
 use super::course::Course;
-use super::outline::Outline;
-use super::page::{BACKGROUND, BODY, GAP, HEADING, MARGIN, WARNING_INK};
-use super::panels::{Panel, draw_heat_up_to};
+use super::panels::draw_heat_up_to;
 use super::preview::PreviewOptions;
 use super::strongest::{Quantity, Strength, Strongest};
-use super::text::Anchor;
-use super::ticks::{number, round_up};
-use super::{Rgb, time_plot};
 use crate::avi::AviWriter;
 use crate::{Sink, SinkError};
 
@@ -100,7 +96,7 @@ impl Overlay {
         draw_heat_up_to(&mut canvas, self.layout.panel(1), &self.shown, self.limit);
         let top = camera.legend.bottom() + 12.0;
         let plots = Area { x: MARGIN, y: top, width: width - 2.0 * MARGIN, height: PLOT_HEIGHT };
-        time_plot::draw(&mut canvas, plots, &self.course, None);
+        self.course.plots().draw(&mut canvas, plots, None);
         canvas.into_image()
     }
 
@@ -109,7 +105,7 @@ impl Overlay {
         let time_s = shown.capture_time_s - self.course.start_s();
         canvas.text(&format!("Frame {} at {time_s:.2} s", shown.sequence), (MARGIN, 40.0), HEADING);
         if shown.flags.iter().next().is_some() {
-            let style = super::text::Style { colour: WARNING_INK, anchor: Anchor::Right, ..BODY };
+            let style = Style { colour: WARNING_INK, anchor: Anchor::Right, ..BODY };
             canvas.text(&format!("{}", shown.flags), (self.layout.width - MARGIN, 40.0), style);
         }
     }
@@ -163,11 +159,11 @@ impl Sink for Overlay {
         self.colour = Image::from_fn(region.width, region.height, |x, y| {
             frame.pixels.levels(region.x + x, region.y + y).map(|level| level.clamp(0.0, 255.0) as u8)
         });
-        let picture = as_buffer(&self.draw());
+        let picture = self.draw();
         self.jpeg.clear();
-        let (width, height) = picture.dimensions();
+        let (width, height) = picture.size();
         JpegEncoder::new_with_quality(&mut self.jpeg, QUALITY)
-            .encode(&picture, width, height, ExtendedColorType::Rgb8)
+            .encode(picture.values().as_flattened(), width as u32, height as u32, ExtendedColorType::Rgb8)
             .map_err(|error| SinkError::writing(Path::new("a frame of the overlay"))(std::io::Error::other(error)))?;
         let spans = self.course.frames().saturating_sub(1).max(1) as f64;
         self.to.write(&self.jpeg, (reading.capture_time_s - self.course.start_s()) / spans)

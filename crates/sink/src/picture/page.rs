@@ -1,38 +1,16 @@
 //! Lays out the preview: title, three panels with their legends, the plots over time.
 
 use fingervision_image::Image;
+use fingervision_plot::page::{
+    BACKGROUND, BODY, COLUMN, GAP, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIGHT, NOTE, PANEL_TOP, TITLE, WARNING_INK, WIDTH,
+};
+use fingervision_plot::{Anchor, Area, Canvas, Panel, Rgb, Style, number};
 
-use super::Rgb;
-use super::canvas::{Area, Canvas};
 use super::course::Course;
-use super::panels::{Panel, draw_arrows, draw_flow, draw_heat};
+use super::panels::{draw_arrows, draw_flow, draw_heat};
 use super::strongest::Strongest;
-use super::text::{Anchor, Style};
-use super::ticks::number;
-use super::time_plot;
 
-/// Width of the picture, px.
-pub(super) const WIDTH: f32 = 1600.0;
-pub(super) const MARGIN: f32 = 40.0;
-/// Between panels, px.
-pub(super) const GAP: f32 = 40.0;
-/// Width of a panel and its legend, px.
-pub(super) const COLUMN: f32 = (WIDTH - 2.0 * MARGIN - 2.0 * GAP) / 3.0;
-/// A tall image is shown narrower than its column, px.
-pub(super) const MAX_PANEL_HEIGHT: f32 = 600.0;
-pub(super) const PANEL_TOP: f32 = 152.0;
-pub(super) const LEGEND_HEIGHT: f32 = 124.0;
 const TIME_PLOT_HEIGHT: f32 = 216.0;
-
-pub(super) const BACKGROUND: Rgb = [255; 3];
-const INK: Rgb = [32, 33, 36];
-const FAINT_INK: Rgb = [95, 99, 104];
-pub(super) const WARNING_INK: Rgb = [179, 38, 30];
-
-pub(super) const TITLE: Style = Style { size: 28.0, is_bold: true, colour: INK, anchor: Anchor::Left };
-pub(super) const HEADING: Style = Style { size: 18.0, ..TITLE };
-pub(super) const BODY: Style = Style { size: 16.0, is_bold: false, colour: INK, anchor: Anchor::Left };
-pub(super) const NOTE: Style = Style { colour: FAINT_INK, ..BODY };
 
 /// The picture of one frame of a run.
 pub(super) fn draw(strongest: &Strongest, course: &Course, mm_per_px: Option<f32>) -> Image<Rgb> {
@@ -53,7 +31,7 @@ pub(super) fn draw(strongest: &Strongest, course: &Course, mm_per_px: Option<f32
     draw_flow(&mut canvas, panel(1.0), strongest);
     draw_heat(&mut canvas, panel(2.0), strongest);
     let area = Area { x: MARGIN, y: time_plot_top, width: WIDTH - 2.0 * MARGIN, height: TIME_PLOT_HEIGHT };
-    time_plot::draw(&mut canvas, area, course, Some(strongest.frame));
+    course.plots().draw(&mut canvas, area, Some(strongest.frame));
     canvas.into_image()
 }
 

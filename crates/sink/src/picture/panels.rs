@@ -1,54 +1,18 @@
 //! The three panels of a preview, each with its heading above and its legend below.
 
 use fingervision_image::Image;
+use fingervision_plot::page::{BODY, NOTE};
+use fingervision_plot::{
+    Area, Canvas, HeatScale, LEAST_FLOW_PX, Outline, Panel, Point, RULE, Rgb, draw_colour_bar, draw_invalid_key,
+    draw_outline_key, draw_wheel_key, flow_colours, heat_map, plain, round_up, step_below,
+};
 
-use super::canvas::{Area, Canvas, Point, resized};
-use super::outline::{self, Outline};
-use super::page::{BACKGROUND, BODY, HEADING, NOTE};
 use super::strongest::{Quantity, Strongest};
-use super::text::Anchor;
-use super::ticks::{plain, round_up, step_below, ticks};
-use super::{HeatScale, INVALID_COLOUR, Rgb, colour_wheel, flow_colours, heat_map};
 
 const ARROW: Rgb = [255, 193, 7];
 const HALO: Rgb = [20, 20, 20];
-pub(super) const RULE: Rgb = [60, 64, 67];
-const FRAME: Rgb = [200; 3];
 /// Between the tails of arrows, px on the picture.
 const ARROW_PITCH: f32 = 22.0;
-/// Flow that is shown at least at full colour or length, px: noise shall not look like touch.
-pub(super) const LEAST_FLOW_PX: f32 = 0.1;
-/// From one line of text to the next, px.
-const LINE: f32 = 24.0;
-
-/// Where a panel stands.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Panel {
-    pub(super) image: Area,
-    pub(super) legend: Area,
-    /// Px on the picture per px of the field.
-    pub(super) scale: f32,
-}
-
-impl Panel {
-    pub(super) fn put(self, canvas: &mut Canvas, heading: &str, image: &Image<Rgb>) {
-        canvas.text(heading, (self.image.x, self.image.y - 14.0), HEADING);
-        let Area { x, y, width, height } = self.image;
-        // A thin frame: a still field is as white as the page.
-        canvas.rectangle(Area { x: x - 1.0, y: y - 1.0, width: width + 2.0, height: height + 2.0 }, FRAME);
-        canvas.copy(image, x as usize, y as usize);
-    }
-
-    /// The image at the panel's size.
-    pub(super) fn fit(self, image: &Image<Rgb>) -> Image<Rgb> {
-        resized(image, self.image.width as usize, self.image.height as usize)
-    }
-
-    /// The baseline of a line of text in the legend, counted from 0.
-    pub(super) fn line(self, number: f32) -> f32 {
-        self.legend.y + 16.0 + LINE * number
-    }
-}
 
 /// The camera image with arrows, a scale bar and an arrow of known length.
 pub(super) fn draw_arrows(canvas: &mut Canvas, panel: Panel, shown: &Strongest, mm_per_px: Option<f32>) {
@@ -134,26 +98,6 @@ pub(super) fn draw_flow(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
     draw_invalid_key(canvas, (text, panel.line(3.2)), "not valid");
 }
 
-/// The colour wheel and what it means; returns where its text starts.
-pub(super) fn draw_wheel_key(canvas: &mut Canvas, panel: Panel, radius_px: f32) -> f32 {
-    let Area { x, y, .. } = panel.legend;
-    let diameter = 112.0;
-    canvas.copy(&colour_wheel(diameter as usize, BACKGROUND), x as usize, y as usize);
-    let (centre, rim) = (x + diameter / 2.0, x + diameter);
-    let middle = y + diameter / 2.0;
-    canvas.line(&[(centre, middle), (rim + 10.0, middle)], 1.5, RULE);
-    canvas.disc((centre, middle), 2.5, RULE);
-    let radius = format!("{} px", plain(radius_px));
-    canvas.text(&radius, (rim + 16.0, middle + 6.0), BODY);
-
-    let text = rim + 16.0 + BODY.width(&radius) + 28.0;
-    let lines = ["Hue: direction of motion", "Strength of colour: length", "Darker: beyond the wheel"];
-    for (number, line) in [0.0, 1.0, 2.0].into_iter().zip(lines) {
-        canvas.text(line, (text, panel.line(number)), NOTE);
-    }
-    text
-}
-
 /// Depth, density feature or flow length, and its colour bar.
 pub(super) fn draw_heat(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
     draw_heat_up_to(canvas, panel, shown, round_up(shown.typical_value()));
@@ -176,27 +120,7 @@ pub(super) fn draw_heat_up_to(canvas: &mut Canvas, panel: Panel, shown: &Stronge
     if let Some(contact) = &shown.contact {
         Outline::of(contact).draw(canvas, panel);
         let key = (panel.legend.x + 150.0, panel.line(3.4));
-        let text = outline::draw_key(canvas, key);
+        let text = draw_outline_key(canvas, key);
         canvas.text("contact", (text, key.1), NOTE);
     }
-}
-
-pub(super) fn draw_colour_bar(canvas: &mut Canvas, bar: Area, scale: HeatScale) {
-    let (last, range) = (bar.width - 1.0, scale.high - scale.low);
-    let value = |x: usize| scale.low + range * x as f32 / last;
-    let colours = Image::from_fn(bar.width as usize, bar.height as usize, |x, _| scale.colour(value(x)));
-    canvas.copy(&colours, bar.x as usize, bar.y as usize);
-    for (value, label) in ticks(scale.low, scale.high, 6) {
-        let x = bar.x + 0.5 + (value - scale.low) / range * last;
-        canvas.line(&[(x, bar.bottom()), (x, bar.bottom() + 5.0)], 1.0, RULE);
-        // Labels at the ends stay within the column.
-        let half = BODY.width(&label) / 2.0;
-        let x = x.clamp(bar.x + half, bar.right() - half);
-        canvas.text(&label, (x, bar.bottom() + 22.0), BODY.anchored(Anchor::Centre));
-    }
-}
-
-pub(super) fn draw_invalid_key(canvas: &mut Canvas, (x, y): Point, text: &str) {
-    canvas.rectangle(Area { x, y: y - 13.0, width: 22.0, height: 15.0 }, INVALID_COLOUR);
-    canvas.text(text, (x + 32.0, y), NOTE);
 }

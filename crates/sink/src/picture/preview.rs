@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use fingervision_image::{Frame, Image, Rect};
+use fingervision_plot::Rgb;
 use fingervision_touch::Reading;
 
 use super::course::Course;
 use super::page;
 use super::strongest::{Strength, Strongest};
-use super::{Rgb, write_png};
+use super::write_png;
 use crate::{Sink, SinkError};
 
 /// What a preview knows about the sensor.

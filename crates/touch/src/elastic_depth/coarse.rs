@@ -4,16 +4,18 @@ use fingervision_elastic::SurfaceGrid;
 
 /// A grid over that of the surface: the same cells, or such of twice their side. The two grids share their centre.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Coarse {
+pub struct CoarseGrid {
     surface: SurfaceGrid,
     /// Cells of the surface along the side of a cell, 1 or 2.
     part: usize,
-    pub(super) grid: SurfaceGrid,
+    /// The grid itself.
+    pub grid: SurfaceGrid,
 }
 
-impl Coarse {
+impl CoarseGrid {
     /// Cells of `part` by `part` cells of the surface; where their number is odd the outer ones on both sides reach beyond it.
-    pub(super) fn new(surface: SurfaceGrid, part: usize) -> Self {
+    #[must_use]
+    pub fn new(surface: SurfaceGrid, part: usize) -> Self {
         let SurfaceGrid { columns, rows, cell_mm } = surface;
         let grid =
             SurfaceGrid { columns: columns.div_ceil(part), rows: rows.div_ceil(part), cell_mm: part as f64 * cell_mm };
@@ -22,7 +24,7 @@ impl Coarse {
 
     /// The surface's cells around the centre of each cell: four, two of them twice, or one four times. Its centre is the mean of
     /// theirs.
-    pub(super) fn around(self) -> impl Iterator<Item = Around> {
+    pub fn around(self) -> impl Iterator<Item = Around> {
         let Self { surface, part, grid } = self;
         (0..grid.len()).map(move |cell| {
             let [left, right] = beside(cell % grid.columns, part, surface.columns);
@@ -62,11 +64,12 @@ impl Coarse {
 
 /// Cells of the surface around a centre.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Around([usize; 4]);
+pub struct Around([usize; 4]);
 
 impl Around {
     /// The mean of what is known of the cells; of four times the same that one's to the bit.
-    pub(super) fn mean(self, of: impl Fn(usize) -> f32) -> f32 {
+    #[must_use]
+    pub fn mean(self, of: impl Fn(usize) -> f32) -> f32 {
         let [a, b, c, d] = self.0.map(of);
         0.25 * ((a + b) + (c + d))
     }
@@ -92,7 +95,7 @@ mod tests {
     fn centres_lie_amid_the_cells_around_them() {
         for (part, columns, rows) in [(1, 7, 8), (1, 8, 7), (2, 7, 8), (2, 8, 7)] {
             let surface = surface(columns, rows);
-            let coarse = Coarse::new(surface, part);
+            let coarse = CoarseGrid::new(surface, part);
             let centres: Vec<_> = surface.centres_mm().collect();
             for (around, centre) in coarse.around().zip(coarse.grid.centres_mm()) {
                 let mean = [0, 1].map(|axis| around.mean(|cell| centres[cell][axis] as f32));
@@ -106,7 +109,7 @@ mod tests {
     fn what_is_linear_comes_to_the_surface_as_it_is() {
         for (part, columns, rows) in [(1, 7, 8), (2, 7, 8), (2, 9, 5)] {
             let surface = surface(columns, rows);
-            let coarse = Coarse::new(surface, part);
+            let coarse = CoarseGrid::new(surface, part);
             let plane = |[x, y]: [f64; 2]| [1.0 + x as f32, y as f32, (x - 2.0 * y) as f32];
             let values: Vec<_> = coarse.grid.centres_mm().map(plane).collect();
             let mut target = vec![[f32::NAN; 3]; surface.len()];

@@ -3,11 +3,10 @@
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 
 use super::coarse::Around;
-use super::drag::Drag;
 use super::face_search::{self, FaceLimits, Room};
 use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Way};
 use super::rigid::{self, StuckFace};
-use super::surface::{self, Seen, Surface};
+use super::surface::{self, Seen, Surface, WithoutDrag};
 use super::thresholds::THRESHOLDS;
 use super::{CELLS, ElasticMode, ElasticParams};
 
@@ -116,7 +115,7 @@ impl ContactFinder {
     }
 
     /// Finds contact and its depth in what the surface shows, with what is known of its drag set apart.
-    pub(super) fn find(&mut self, surface: &Surface, drag: Option<&Drag>) {
+    pub(super) fn find(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
         self.take_noise(surface);
         if self.network.is_some() {
             self.look(surface, drag);
@@ -141,7 +140,7 @@ impl ContactFinder {
     }
 
     /// Finds the depth anew, with drag set apart; contact, which the whole motion tells better, stays.
-    pub(super) fn find_depth(&mut self, surface: &Surface, drag: Option<&Drag>) {
+    pub(super) fn find_depth(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
         self.look(surface, drag);
         self.take_depth(drag);
         self.hold_to_face(surface);
@@ -220,10 +219,10 @@ impl ContactFinder {
     }
 
     /// Asks the network: the mean over the ways in which it looks.
-    fn look(&mut self, surface: &Surface, drag: Option<&Drag>) {
+    fn look(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
         let Some(network) = &mut self.network else { return };
         let SurfaceGrid { columns, rows, .. } = surface.grid;
-        let seen = drag.and_then(Drag::found).map_or(surface.seen.as_slice(), |(seen, _)| seen);
+        let seen = drag.map_or(surface.seen.as_slice(), |drag| drag.seen);
         self.told.fill([0.0; OUTPUTS]);
         for &way in &self.ways {
             let input = |column: usize, row: usize| {
@@ -251,12 +250,12 @@ impl ContactFinder {
         }
     }
 
-    fn take_depth(&mut self, drag: Option<&Drag>) {
+    fn take_depth(&mut self, drag: Option<WithoutDrag<'_>>) {
         for (cell, &[depth_mm, _, error]) in self.told.iter().enumerate() {
             self.depth_mm[cell] = depth_mm / self.scale;
             self.told_deviation_mm[cell] = DEVIATION * error.exp() / self.scale;
         }
-        if let Some((_, dragged_mm)) = drag.and_then(Drag::found) {
+        if let Some(WithoutDrag { dragged_mm, .. }) = drag {
             for (depth_mm, dragged_mm) in self.depth_mm.iter_mut().zip(dragged_mm) {
                 *depth_mm += dragged_mm[2];
             }

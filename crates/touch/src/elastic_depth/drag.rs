@@ -7,10 +7,10 @@
 
 use fingervision_elastic::BlockOperator;
 
-use super::coarse::Coarse;
+use super::coarse::CoarseGrid;
 use super::contact::ContactFinder;
 use super::motion::{Motion, ramp};
-use super::surface::{Seen, Surface};
+use super::surface::{Seen, Surface, WithoutDrag};
 use super::traction::{Limits, Tractions};
 
 /// Motion along the surface over depth, root mean squares: below the first number nothing is set apart, above the second all of
@@ -20,7 +20,7 @@ const PARTIAL: [f64; 2] = [0.15, 0.3];
 /// Sets drag apart in every frame.
 #[derive(Debug)]
 pub(super) struct Drag {
-    coarse: Coarse,
+    coarse: CoarseGrid,
     limits: Limits,
     tractions: Tractions,
     touches: Vec<bool>,
@@ -35,7 +35,7 @@ pub(super) struct Drag {
 
 impl Drag {
     /// None yet, on a surface of so many cells; `operator` is the gel's compliance on the grid of `coarse`.
-    pub(super) fn new(cells: usize, coarse: Coarse, operator: BlockOperator, limits: Limits) -> Self {
+    pub(super) fn new(cells: usize, coarse: CoarseGrid, operator: BlockOperator, limits: Limits) -> Self {
         Self {
             limits,
             tractions: Tractions::new(operator),
@@ -54,9 +54,9 @@ impl Drag {
         self.is_found = false;
     }
 
-    /// What the camera would tell of the cells without drag, and their displacement by drag alone, mm, where there is any.
-    pub(super) fn found(&self) -> Option<(&[Seen], &[[f32; 3]])> {
-        self.is_found.then_some((self.seen.as_slice(), self.dragged_mm.as_slice()))
+    /// The surface without drag, where there is any.
+    pub(super) fn found(&self) -> Option<WithoutDrag<'_>> {
+        self.is_found.then_some(WithoutDrag { seen: &self.seen, dragged_mm: &self.dragged_mm })
     }
 
     /// Takes the whole motion for a press until drag is looked for.

@@ -3,7 +3,7 @@
 
 use fingervision_elastic::{BlockOperator, SurfaceGrid};
 
-use super::coarse::Coarse;
+use super::coarse::CoarseGrid;
 use super::contact::ContactFinder;
 use super::nearest::{Place, distance, nearest_into};
 use super::stiffening::Strain;
@@ -14,7 +14,7 @@ use super::traction::{Limits, Tractions};
 /// Holds the gel where it is touched.
 #[derive(Debug)]
 pub(super) struct HeldGel {
-    coarse: Coarse,
+    coarse: CoarseGrid,
     limits: Limits,
     tractions: Tractions,
     seen: Vec<Seen>,
@@ -26,7 +26,7 @@ pub(super) struct HeldGel {
 
 impl HeldGel {
     /// A gel at rest; `operator` is its compliance on the grid of `coarse`.
-    pub(super) fn new(coarse: Coarse, operator: BlockOperator, limits: Limits) -> Self {
+    pub(super) fn new(coarse: CoarseGrid, operator: BlockOperator, limits: Limits) -> Self {
         let cells = coarse.grid.len();
         Self {
             coarse,

@@ -30,6 +30,7 @@ mod surface;
 mod thresholds;
 mod traction;
 
+pub use coarse::{Around, CoarseGrid};
 pub use fields::{ElasticFields, TractionGrid};
 pub use network::LEARNED_FROM;
 pub use params::{ElasticMode, ElasticParams};
@@ -37,7 +38,6 @@ pub use stiffening::Strain;
 pub use surface::Seen;
 pub use traction::{Limits, Tractions};
 
-use coarse::Coarse;
 use contact::ContactFinder;
 use drag::Drag;
 use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
@@ -118,7 +118,7 @@ impl ElasticDepth {
             ElasticMode::Live => (1, LIVE),
             ElasticMode::Exact => (1, EXACT),
         };
-        let coarse = Coarse::new(surface.grid, part);
+        let coarse = CoarseGrid::new(surface.grid, part);
         let operator = BlockOperator::new(gel, coarse.grid)?;
         let drag = contact.is_learned().then(|| operator.on_grid(coarse.grid)).transpose()?;
         let drag = drag.map(|operator| Drag::new(surface.grid.len(), coarse, operator, limits));
@@ -155,10 +155,10 @@ impl ElasticDepth {
         if let Some(drag) = self.drag.as_mut().filter(|_| self.is_exact) {
             drag.forget();
         }
-        self.contact.find(&self.surface, self.drag.as_ref());
+        self.contact.find(&self.surface, self.drag.as_ref().and_then(Drag::found));
         let is_dragged = self.drag.as_mut().is_some_and(|drag| drag.find(&self.surface, &self.contact));
         if is_dragged && self.is_exact {
-            self.contact.find_depth(&self.surface, self.drag.as_ref());
+            self.contact.find_depth(&self.surface, self.drag.as_ref().and_then(Drag::found));
         }
     }
 

@@ -10,6 +10,8 @@
 //! is fitted by Gauss–Newton with Tukey's weights [Huber1981]. What matches to the noise of the flow is held by the face:
 //! free gel strains by far more.
 
+use fingervision_optics::rotation_matrix;
+
 use super::surface::Surface;
 
 /// A rigid motion of gel space.
@@ -51,7 +53,7 @@ impl RigidMotion {
     }
 
     fn turned(&self, step: [f64; 6]) -> Self {
-        let turn = from_vector([step[0], step[1], step[2]]);
+        let turn = rotation_matrix([step[0], step[1], step[2]]);
         let product = |i: usize, j: usize| (0..3).map(|k| turn[i][k] * self.rotation[k][j]).sum();
         Self {
             rotation: std::array::from_fn(|i| std::array::from_fn(|j| product(i, j))),
@@ -174,16 +176,4 @@ fn solve(mut matrix: [[f64; 6]; 6], mut right: [f64; 6]) -> Option<[f64; 6]> {
         right[i] = (right[i] - (i + 1..6).map(|k| matrix[k][i] * right[k]).sum::<f64>()) / matrix[i][i];
     }
     Some(right)
-}
-
-/// The rotation of a vector: its direction is the axis, its length the angle (Rodrigues).
-fn from_vector([x, y, z]: [f64; 3]) -> [[f64; 3]; 3] {
-    let angle = (x * x + y * y + z * z).sqrt();
-    let (first, second) =
-        if angle < 1e-9 { (1.0, 0.5) } else { (angle.sin() / angle, (1.0 - angle.cos()) / (angle * angle)) };
-    let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
-    let square = |i: usize, j: usize| (0..3).map(|k| cross[i][k] * cross[k][j]).sum::<f64>();
-    std::array::from_fn(|i| {
-        std::array::from_fn(|j| f64::from(u8::from(i == j)) + first * cross[i][j] + second * square(i, j))
-    })
 }

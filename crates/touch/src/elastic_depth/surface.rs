@@ -98,6 +98,15 @@ pub struct Seen {
     pub deviation_mm: f32,
 }
 
+/// The surface as it would be without drag, and what drag does to it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct WithoutDrag<'a> {
+    /// What the camera would tell of the cells.
+    pub(super) seen: &'a [Seen],
+    /// Displacement of the cells by drag alone, mm.
+    pub(super) dragged_mm: &'a [[f32; 3]],
+}
+
 impl Seen {
     /// U = b − a d: the displacement along the surface, mm, of a cell that is so deep, mm.
     #[must_use]

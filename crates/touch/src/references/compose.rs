@@ -1,7 +1,7 @@
 //! Composition of flows over an intermediate reference.
 
 use fingervision_flow::Estimate;
-use fingervision_image::Image;
+use fingervision_image::Between;
 
 /// Writes the flow from the first reference: `flow(x) = a(x) + b(x + a(x))`.
 ///
@@ -12,14 +12,15 @@ pub(crate) fn compose_into(a: &Estimate, b: &Estimate, out: &mut Estimate) {
     for y in 0..height {
         for x in 0..width {
             let (u, v) = (a.flow.u.at(x, y), a.flow.v.at(x, y));
-            let place = Place::at(x as f32 + u, y as f32 + v, width, height);
+            let point = (x as f32 + u, y as f32 + v);
+            let (place, inside) = (Between::clamped(point, (width, height)), Between::inside(point, (width, height)));
             out.flow.u.row_mut(y)[x] = u + place.sample(&b.flow.u);
             out.flow.v.row_mut(y)[x] = v + place.sample(&b.flow.v);
             let (nearest_x, nearest_y) = place.nearest();
             let (first, second) = (a.deviation.at(x, y), b.deviation.at(nearest_x, nearest_y));
-            let is_valid = place.is_inside && a.valid.at(x, y) == 1 && b.valid.at(nearest_x, nearest_y) == 1;
+            let is_valid = inside.is_some() && a.valid.at(x, y) == 1 && b.valid.at(nearest_x, nearest_y) == 1;
             out.valid.row_mut(y)[x] = u8::from(is_valid);
-            out.deviation.row_mut(y)[x] = if place.is_inside { first.hypot(second) } else { f32::INFINITY };
+            out.deviation.row_mut(y)[x] = if inside.is_some() { first.hypot(second) } else { f32::INFINITY };
         }
     }
     out.matched = b.matched;
@@ -27,39 +28,11 @@ pub(crate) fn compose_into(a: &Estimate, b: &Estimate, out: &mut Estimate) {
     out.unexplained = b.unexplained;
 }
 
-/// A place between pixels, clamped to the image.
-struct Place {
-    left: usize,
-    top: usize,
-    fx: f32,
-    fy: f32,
-    is_inside: bool,
-}
-
-impl Place {
-    fn at(x: f32, y: f32, width: usize, height: usize) -> Self {
-        let (right, bottom) = ((width - 1) as f32, (height - 1) as f32);
-        let is_inside = x >= 0.0 && y >= 0.0 && x <= right && y <= bottom;
-        let (x, y) = (x.clamp(0.0, right), y.clamp(0.0, bottom));
-        let (left, top) = ((x as usize).min(width - 2), (y as usize).min(height - 2));
-        Self { left, top, fx: x - left as f32, fy: y - top as f32, is_inside }
-    }
-
-    fn sample(&self, plane: &Image<f32>) -> f32 {
-        let across = |row: &[f32]| row[self.left] + self.fx * (row[self.left + 1] - row[self.left]);
-        let (above, below) = (across(plane.row(self.top)), across(plane.row(self.top + 1)));
-        above + self.fy * (below - above)
-    }
-
-    fn nearest(&self) -> (usize, usize) {
-        (self.left + usize::from(self.fx >= 0.5), self.top + usize::from(self.fy >= 0.5))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use fingervision_flow::FlowField;
+    use fingervision_image::Image;
 
     /// Writes the plain sum of two flows, as if both belonged to the same points: for comparison only.
     fn add_into(a: &FlowField, b: &FlowField, out: &mut FlowField) {

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use fingervision_calibrate::check::{BoardCheck, Check, Fault, PressCheck, RecordingCheck, StillCheck, What};
 use fingervision_calibrate::depth::PressFolder;
 use fingervision_image::Frame;
-use fingervision_source::{Options, SourceError, open};
+use fingervision_simulation::open;
+use fingervision_source::{Options, SourceError};
 use fingervision_touch::Profile;
 use serde::Serialize;
 

@@ -3,7 +3,7 @@
 //! A glyph is drawn on a grid of 5 columns and 9 rows: the baseline is row 2, small letters reach row 6, digits and
 //! ascenders row 8, descenders row 0.
 
-use super::page::Stroke;
+use super::stroke::Stroke;
 
 /// Grid units from one character to the next.
 const ADVANCE: f64 = 6.0;

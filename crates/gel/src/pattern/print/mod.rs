@@ -9,6 +9,7 @@ mod page;
 mod paper;
 mod pdf;
 mod png;
+mod stroke;
 mod svg;
 
 use fingervision_image::Image;

@@ -5,6 +5,7 @@ use fingervision_image::Image;
 
 use super::lettering;
 use super::paper::Paper;
+use super::stroke::Stroke;
 use crate::pattern::disc::Disc;
 use crate::pattern::error::PatternError;
 
@@ -26,13 +27,6 @@ const SCALE_BAR_BELOW_MM: f64 = 11.0;
 /// Height of the digits, mm, and of a line.
 const LETTER_MM: f64 = 1.4;
 const LINE_HEIGHT_MM: f64 = 2.6;
-
-/// A chain of straight black lines with round ends and joints.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Stroke {
-    pub(super) points_mm: Vec<[f64; 2]>,
-    pub(super) width_mm: f64,
-}
 
 /// What fills the pattern.
 #[derive(Debug, Clone)]

@@ -3,7 +3,8 @@
 use fingervision_image::Image;
 use png::{BitDepth, ColorType, Encoder, PixelDimensions, Unit};
 
-use super::page::{Artwork, Page, Stroke};
+use super::page::{Artwork, Page};
+use super::stroke::Stroke;
 use crate::PatternError;
 use crate::pattern::disc::{Disc, Ground};
 

@@ -1,0 +1,71 @@
+//! Why corners give no camera.
+
+use thiserror::Error;
+
+/// Fewer poses do not tell all of a lens.
+pub(super) const LEAST_POSES: usize = 3;
+/// Fewer corners do not tell a pose and bear witness.
+pub(super) const LEAST_CORNERS: usize = 6;
+/// The first line of a file of corners.
+pub(super) const HEADER: &str = "image,x_mm,y_mm,u_px,v_px";
+
+/// Why corners give no camera.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CornerError {
+    /// The file's first line is another.
+    #[error("line 1 is not {HEADER}")]
+    NoHeader,
+    /// A line is not five numbers.
+    #[error("line {line}: \"{text}\" is not five numbers parted by commas")]
+    Line {
+        /// The line, counted from 1.
+        line: usize,
+        /// What stands there.
+        text: String,
+    },
+    /// There are too few images.
+    #[error("the corners are of {images} images: at least {LEAST_POSES} are needed")]
+    TooFewImages {
+        /// How many there are.
+        images: usize,
+    },
+    /// An image has too few corners.
+    #[error("image {image} has {corners} corners: at least {LEAST_CORNERS} are needed")]
+    TooFewCorners {
+        /// The image, counted from 0 in the order of the file.
+        image: usize,
+        /// How many there are.
+        corners: usize,
+    },
+    /// The corners of an image lie on a line.
+    #[error("the corners of an image lie on one line")]
+    NoPlane,
+    /// The board was held parallel to the image throughout.
+    #[error("the board is not tilted in any image: its corners do not tell the focal length")]
+    NoTilt,
+    /// No camera explains the corners.
+    #[error("no camera explains the corners: the best misses them by {residual_px:.1} px on average")]
+    NotConverged {
+        /// Mean distance, px.
+        residual_px: f64,
+    },
+}
+
+impl CornerError {
+    /// What to do about it.
+    #[must_use]
+    pub fn hint(&self) -> &'static str {
+        match self {
+            Self::NoHeader | Self::Line { .. } => {
+                "a row for each corner: the image's number, where the corner is on the board, mm, and in the image, px, below the line image,x_mm,y_mm,u_px,v_px"
+            }
+            Self::TooFewImages { .. } => "show the board in 5 or more poses, tilted by 15° to 40° to different sides",
+            Self::TooFewCorners { .. } | Self::NoPlane => "leave the image out, or detect all its corners",
+            Self::NoTilt => "tilt the board by 15° to 40° to different sides",
+            Self::NotConverged { .. } => {
+                "no profile was written: check the order of the corners, and that x goes right and y down on the board"
+            }
+        }
+    }
+}

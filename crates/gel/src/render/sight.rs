@@ -1,0 +1,15 @@
+//! What a picture is coloured from.
+
+use super::cells::CellTable;
+use super::lattice::Lattice;
+use super::patches::Patches;
+use super::raster::Planes;
+
+/// What is needed to colour parts.
+pub(crate) struct Sight<'a> {
+    pub(crate) lattice: Lattice,
+    pub(crate) planes: &'a Planes,
+    pub(crate) cells: &'a CellTable,
+    pub(crate) patches: &'a Patches,
+    pub(crate) background: [f32; 3],
+}

@@ -1,0 +1,7 @@
+//! What a pixel of a picture is.
+
+/// Red, green and blue, 0 to 255.
+pub type Rgb = [u8; 3];
+
+/// Stands for "not valid" in every picture: a grey that no colour scale holds.
+pub const INVALID_COLOUR: Rgb = [158; 3];
