@@ -107,7 +107,7 @@ proptest! {
         let found = composed(&a, &b);
         for (x, y) in places() {
             let expected = if found.valid.at(x, y) == 1 { first.hypot(second) } else { f32::INFINITY };
-            prop_assert_eq!(found.deviation.at(x, y), expected);
+            prop_assert_eq!(found.deviation.at(x, y).to_bits(), expected.to_bits(), "at ({}, {})", x, y);
         }
     }
 }
