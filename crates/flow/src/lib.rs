@@ -41,6 +41,8 @@ mod affine;
 mod error;
 mod estimator;
 mod field;
+#[cfg(test)]
+mod instruction_sets;
 mod params;
 mod picture;
 mod round_trip;
