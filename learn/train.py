@@ -1,4 +1,8 @@
-"""Fits the network to solved presses."""
+"""Fits the network to solved presses.
+
+The seed fixes the first weights and all that is drawn. With `--steps` a run can be repeated bit by bit on the same machine and
+version of PyTorch; with `--minutes` its length, and with it the rate of every step, depends on how fast the machine is.
+"""
 
 import argparse
 import copy
@@ -95,18 +99,28 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("presses")
     arguments.add_argument("--out", required=True)
-    arguments.add_argument("--minutes", type=float, default=60)
+    length = arguments.add_mutually_exclusive_group()
+    length.add_argument("--minutes", type=float, default=60)
+    length.add_argument("--steps", type=int, help="how many steps, instead of minutes")
+    arguments.add_argument("--seed", type=int, default=0)
     arguments.add_argument("--rate", type=float, default=2e-3)
     arguments.add_argument("--start", help="weights to begin with")
     arguments = arguments.parse_args()
+    torch.manual_seed(arguments.seed)
+    torch.use_deterministic_algorithms(True)
     train, judge = load(arguments.presses)
     network = ContactNetwork().to(memory_format=torch.channels_last)
     if arguments.start:
         network.load_state_dict(torch.load(arguments.start))
     mean = copy.deepcopy(network)  # of the weights of the last steps: what is kept
     optimizer = torch.optim.AdamW(network.parameters(), arguments.rate, weight_decay=1e-2)
-    draw, begin, step = numpy.random.default_rng(), time.time(), 0
-    while (part := (time.time() - begin) / (60 * arguments.minutes)) < 1:
+    draw, begin, step = numpy.random.default_rng(arguments.seed), time.time(), 0
+
+    def passed():
+        """Which part of the training is over."""
+        return step / arguments.steps if arguments.steps else (time.time() - begin) / (60 * arguments.minutes)
+
+    while (part := passed()) < 1:
         step += 1
         warm = min(1, step / 200)
         for group in optimizer.param_groups:

@@ -10,7 +10,9 @@ use std::io::Write;
 use std::process::Command;
 
 /// What a crate of the workspace may name in its dependencies, with the prefix `fingervision-` left off.
-const LAYERS: [(&str, &[&str]); 16] = [
+const LAYERS: [(&str, &[&str]); 17] = [
+    // Stands apart: only tests use it.
+    ("fuzz", &[]),
     ("image", &[]),
     ("settings", &[]),
     ("optics", &[]),
@@ -49,8 +51,9 @@ const LAYERS: [(&str, &[&str]); 16] = [
     ("xtask", &["evaluate"]),
 ];
 
-/// What tests and examples may use beside that: those of any crate simulated frames, those of the library the fits.
-const FOR_TESTS: [(Option<&str>, &str); 2] = [(None, "gel"), (Some("fingervision"), "calibrate")];
+/// What tests and examples may use beside that: those of any crate simulated frames and mutated files, those of the
+/// library the fits.
+const FOR_TESTS: [(Option<&str>, &str); 3] = [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
 const HEAVY: [(&str, &[&str]); 20] = [

@@ -84,6 +84,11 @@ impl FlowEstimator {
     ///
     /// [`FlowError::TooSmall`] below 32 px either way; [`FlowError::TooLarge`] above 2²⁴ px in all; [`FlowError::Parameter`] for a parameter out of range.
     pub fn new(width: usize, height: usize, params: &FlowParams) -> Result<Self, FlowError> {
+        Self::with_level(width, height, params, Level::new())
+    }
+
+    /// As [`FlowEstimator::new`], with an instruction set that the processor has.
+    pub(crate) fn with_level(width: usize, height: usize, params: &FlowParams, simd: Level) -> Result<Self, FlowError> {
         params.validate()?;
         if width.min(height) < LEAST_SIZE {
             return Err(FlowError::TooSmall { width, height, least: LEAST_SIZE });
@@ -91,7 +96,6 @@ impl FlowEstimator {
         if width.saturating_mul(height) > MOST_PIXELS {
             return Err(FlowError::TooLarge { width, height, most: MOST_PIXELS });
         }
-        let simd = Level::new();
         let mut estimator = Self {
             width,
             height,

@@ -42,6 +42,8 @@ mod error;
 mod estimate;
 mod estimator;
 mod field;
+#[cfg(test)]
+mod instruction_sets;
 mod params;
 mod picture;
 mod round_trip;

@@ -10,6 +10,9 @@
 //! is fitted by Gauss–Newton with Tukey's weights [Huber1981]. What matches to the noise of the flow is held by the face:
 //! free gel strains by far more.
 
+#[cfg(test)]
+mod tests;
+
 use fingervision_optics::rotation_matrix;
 
 use super::surface::Surface;

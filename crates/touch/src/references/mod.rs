@@ -2,6 +2,8 @@
 
 mod anchored;
 mod compose;
+#[cfg(test)]
+mod compose_properties;
 mod first_motion;
 mod params;
 mod stack;

@@ -9,10 +9,14 @@
 //! again, instruction sets differ in the last ones.
 
 mod convolution;
+#[cfg(test)]
+mod golden;
 mod plane;
 #[cfg(test)]
 mod tests;
 mod way;
+#[cfg(test)]
+mod weights_tests;
 mod whole;
 
 use fearless_simd::Level;
@@ -83,6 +87,9 @@ pub(super) const MULTIPLE: usize = 8;
 /// The least side of a grid, cells: at the coarsest resolution what a layer takes together.
 pub(super) const LEAST_SIDE: usize = convolution::CELLS * MULTIPLE;
 
+/// Most channels of a layer: what a file of weights may ask for.
+const MOST_CHANNELS: usize = 4096;
+
 /// The network with room for one grid.
 #[derive(Debug, Clone)]
 pub(super) struct ContactNetwork {
@@ -111,7 +118,7 @@ struct Layers {
 impl ContactNetwork {
     /// Room for a grid of cells, both sides multiples of [`MULTIPLE`] and at least [`LEAST_SIDE`].
     pub(super) fn new((columns, rows): (usize, usize)) -> Self {
-        let (channels, layers) = Layers::read(WEIGHTS);
+        let (channels, layers) = Layers::read(WEIGHTS).expect("the weights that are built in are whole");
         let [fine, middle, coarse] = channels;
         let plane = |part: usize, channels: usize| Plane::new((columns / part, rows / part), channels);
         let pair = |part: usize, channels: usize| [plane(part, channels), plane(part, channels)];
@@ -189,29 +196,35 @@ impl ContactNetwork {
 }
 
 impl Layers {
-    /// The three numbers of channels and the layers of a file of weights.
-    fn read(file: &[u8]) -> ([usize; 3], Self) {
-        let (words, rest) = file.as_chunks::<4>();
-        assert!(rest.is_empty(), "a file of weights is whole words");
-        let channels = [0, 1, 2].map(|i| u32::from_le_bytes(words[i]) as usize);
-        let values: Vec<f32> = words[3..].iter().map(|&word| f32::from_le_bytes(word)).collect();
+    /// The three numbers of channels and the layers of a file of weights; none where the file does not hold just these.
+    fn read(file: &[u8]) -> Option<([usize; 3], Self)> {
+        let (words, []) = file.as_chunks::<4>() else { return None };
+        let (sizes, values) = words.split_first_chunk::<3>()?;
+        let channels = sizes.map(|word| u32::from_le_bytes(word) as usize);
+        if channels.iter().any(|channels| !(1..=MOST_CHANNELS).contains(channels)) {
+            return None;
+        }
+        let values: Vec<f32> = values.iter().map(|&word| f32::from_le_bytes(word)).collect();
         let mut file = Reader(&values);
         let [fine, middle, coarse] = channels;
         let layers = Self {
-            enter: [file.layer(4 * INPUTS + CONSTANTS, fine, 3, 1), file.layer(fine, fine, 3, 1)],
-            down: [file.layer(fine, middle, 3, 2), file.layer(middle, middle, 3, 1)],
+            enter: [file.layer(4 * INPUTS + CONSTANTS, fine, 3, 1)?, file.layer(fine, fine, 3, 1)?],
+            down: [file.layer(fine, middle, 3, 2)?, file.layer(middle, middle, 3, 1)?],
             deep: [
-                file.layer(middle, coarse, 3, 2),
-                file.layer(coarse, coarse, 3, 1),
-                file.layer(coarse, coarse, 3, 1),
+                file.layer(middle, coarse, 3, 2)?,
+                file.layer(coarse, coarse, 3, 1)?,
+                file.layer(coarse, coarse, 3, 1)?,
             ],
-            whole: Whole::new(coarse, file.take(Whole::len(coarse))),
-            up: [file.layer(coarse, middle, 1, 1), file.layer(middle, middle, 3, 1), file.layer(middle, middle, 3, 1)],
-            leave: [file.layer(middle, fine, 1, 1), file.layer(fine, fine, 3, 1), file.layer(fine, fine, 3, 1)],
-            output: file.layer(fine, 4 * OUTPUTS, 1, 1),
+            whole: Whole::new(coarse, file.take(Whole::len(coarse))?),
+            up: [
+                file.layer(coarse, middle, 1, 1)?,
+                file.layer(middle, middle, 3, 1)?,
+                file.layer(middle, middle, 3, 1)?,
+            ],
+            leave: [file.layer(middle, fine, 1, 1)?, file.layer(fine, fine, 3, 1)?, file.layer(fine, fine, 3, 1)?],
+            output: file.layer(fine, 4 * OUTPUTS, 1, 1)?,
         };
-        assert!(file.0.is_empty(), "a file of weights holds the layers and nothing else");
-        (channels, layers)
+        file.0.is_empty().then_some((channels, layers))
     }
 }
 
@@ -219,14 +232,14 @@ impl Layers {
 struct Reader<'a>(&'a [f32]);
 
 impl<'a> Reader<'a> {
-    fn take(&mut self, count: usize) -> &'a [f32] {
-        let (own, others) = self.0.split_at(count);
+    fn take(&mut self, count: usize) -> Option<&'a [f32]> {
+        let (own, others) = self.0.split_at_checked(count)?;
         self.0 = others;
-        own
+        Some(own)
     }
 
-    fn layer(&mut self, inputs: usize, outputs: usize, side: usize, stride: usize) -> Convolution {
+    fn layer(&mut self, inputs: usize, outputs: usize, side: usize, stride: usize) -> Option<Convolution> {
         let shape = Shape { inputs, outputs, side, stride };
-        Convolution::new(shape, self.take(shape.len()))
+        self.take(shape.len()).map(|values| Convolution::new(shape, values))
     }
 }
