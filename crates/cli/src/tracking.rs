@@ -7,7 +7,7 @@ use std::time::Instant;
 use fingervision_image::Frame;
 use fingervision_sink::{Field, Overlay, Precision, Preview, PreviewOptions, RunFolder, RunOptions, Sink, SinkError};
 use fingervision_source::Source;
-use fingervision_touch::{DepthMethod, Fields, LEARNED_FROM, Profile, Reading, Tracker};
+use fingervision_touch::{DepthMethod, Fields, Profile, Reading, TRAINING_RANGE, Tracker};
 
 use crate::disk;
 use crate::failure::Failure;
@@ -124,22 +124,22 @@ impl Run {
             let (name, lacks) = (&self.profile.name, self.lacks_for_depth());
             self.output.note(&format!("no depth is written: the profile \"{name}\" has {lacks}"));
         }
-        if let Some(remark) = self.outside_learned() {
+        if let Some(remark) = self.outside_training() {
             self.output.note(&remark);
         }
         Ok(tracker)
     }
 
     /// What there is to say of a sensor of which nothing was learned; none without elastic depth.
-    fn outside_learned(&self) -> Option<String> {
+    fn outside_training(&self) -> Option<String> {
         if self.profile.depth_method() != DepthMethod::Elastic {
             return None;
         }
         let (camera, gel) = self.profile.elastic_sensor().ok()?;
-        self.profile.elastic.is_outside_learned(&camera, &gel).then(|| {
+        self.profile.elastic.is_outside_training(&camera, &gel).then(|| {
             let ([width, height], [_, _, distance]) = (gel.size_mm, camera.position_mm());
             format!(
-                "depth was learned on {LEARNED_FROM}; this one is {width} by {height} by {} mm, of {}, seen from {distance:.1} mm: \
+                "depth was learned on {TRAINING_RANGE}; this one is {width} by {height} by {} mm, of {}, seen from {distance:.1} mm: \
                  expect worse",
                 gel.thickness_mm, gel.poissons_ratio
             )

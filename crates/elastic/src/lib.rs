@@ -18,4 +18,6 @@ pub use layer::{
     BlockOperator, ContactParams, Layer, LayerContact, LayerError, LayerOperator, LayerPress, SurfaceGrid,
     WaveCompliance,
 };
-pub use press::{GoOn, MeshParams, Press, PressError, PressSetup, Resolution, StepReport, SweptRegion, swept_region};
+pub use press::{
+    ContinueCheck, MeshParams, Press, PressError, PressSetup, Resolution, StepReport, SweptRegion, swept_region,
+};

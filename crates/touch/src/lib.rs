@@ -21,8 +21,8 @@ mod tracker;
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams, ParameterError};
 pub use depth_law::{DepthLaw, DepthLine, DepthMap, PerspectiveGain, perspective_slopes_mm};
 pub use elastic_depth::{
-    Cells, ElasticDepth, ElasticFields, ElasticMode, ElasticParams, LEARNED_FROM, Limits, MOST_UNEXPLAINED, Seen,
-    Strain, TractionGrid, Tractions,
+    Cells, ElasticDepth, ElasticFields, ElasticMode, ElasticParams, Limits, MOST_UNEXPLAINED, Seen, Strain,
+    TRAINING_RANGE, TractionGrid, Tractions,
 };
 pub use error::TrackError;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};

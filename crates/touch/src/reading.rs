@@ -113,7 +113,7 @@ pub enum Flag {
     GelMisfit,
     /// Nothing like this gel before this camera was learned from: depth, contact and force are as good as elasticity alone
     /// makes them, or worse than their deviation says.
-    OutsideLearned,
+    OutsideTraining,
     /// The flow holds in less than a tenth of contact, as where it moves too fast to be followed, or strains too much: depth
     /// there rests on what is around it.
     ContactUntracked,
@@ -139,7 +139,7 @@ impl Flag {
         Self::BeyondLinear,
         Self::ContactCut,
         Self::GelMisfit,
-        Self::OutsideLearned,
+        Self::OutsideTraining,
         Self::ContactUntracked,
         Self::OutOfFocus,
         Self::ImageMismatch,
@@ -159,7 +159,7 @@ impl Flag {
             Self::BeyondLinear => "beyond-linear",
             Self::ContactCut => "contact-cut",
             Self::GelMisfit => "gel-misfit",
-            Self::OutsideLearned => "outside-learned",
+            Self::OutsideTraining => "outside-training",
             Self::ContactUntracked => "contact-untracked",
             Self::OutOfFocus => "out-of-focus",
             Self::ImageMismatch => "image-mismatch",

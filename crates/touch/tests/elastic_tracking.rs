@@ -159,9 +159,9 @@ fn a_gel_that_nothing_was_learned_from_is_flagged_once_it_moves() {
     let mut tracker = press.tracker();
     assert_eq!(press.show(0, &mut tracker).flags.to_string(), "");
     let reading = press.show_all(&mut tracker);
-    assert!(reading.flags.has(Flag::OutsideLearned), "{}", reading.flags);
-    press.profile.elastic.learned = false;
+    assert!(reading.flags.has(Flag::OutsideTraining), "{}", reading.flags);
+    press.profile.elastic.network = false;
     let mut tracker = press.tracker();
     let reading = press.show_all(&mut tracker);
-    assert!(!reading.flags.has(Flag::OutsideLearned), "it was not asked for: {}", reading.flags);
+    assert!(!reading.flags.has(Flag::OutsideTraining), "it was not asked for: {}", reading.flags);
 }

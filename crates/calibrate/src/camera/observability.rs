@@ -23,7 +23,7 @@ pub struct Estimate {
     /// Its standard uncertainty, priors included; absent where the value is a definition.
     pub uncertainty: Option<f64>,
     /// The part of the prior's variance that the slides took away, 0 to 1: near 0 the value is the prior's.
-    pub learned: Option<f64>,
+    pub determined: Option<f64>,
 }
 
 /// A combination of unknowns that the slides do not determine: all change together and the flow stays as it is.
@@ -97,8 +97,8 @@ fn estimates(unknowns: &Unknowns, information: &UnknownsMatrix, priors: &Priors)
     let estimate = |(index, unknown): (usize, Unknown)| {
         let place = PLACES.iter().position(|&shown| shown == index);
         let uncertainty = place.and_then(|place| Some(inverse?[(place, place)].max(0.0).sqrt() * scale[place]));
-        let learned = uncertainty.map(|uncertainty| (1.0 - (uncertainty * weights[index]).powi(2)).max(0.0));
-        Estimate { name: unknown.name(), value: unknowns[index], uncertainty, learned }
+        let determined = uncertainty.map(|uncertainty| (1.0 - (uncertainty * weights[index]).powi(2)).max(0.0));
+        Estimate { name: unknown.name(), value: unknowns[index], uncertainty, determined }
     };
     Unknown::ALL.into_iter().enumerate().map(estimate).collect()
 }

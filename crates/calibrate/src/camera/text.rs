@@ -9,7 +9,7 @@ use super::residuals::Residuals;
 use super::unknowns::{Unknown, unknowns_of};
 
 /// Above this the slides took so little of the prior's variance away that the value is the prior's.
-const LEARNED: f64 = 0.5;
+const DETERMINED: f64 = 0.5;
 
 impl fmt::Display for CameraReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -56,7 +56,7 @@ impl CameraReport {
 
     fn write_estimates(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "\nunknown                  value   uncertainty   prior")?;
-        for Estimate { name, value, uncertainty, learned } in &self.knowledge.estimates {
+        for Estimate { name, value, uncertainty, determined } in &self.knowledge.estimates {
             let prior = self.priors.iter().find(|(known, _)| known == name);
             let prior = prior.map_or_else(
                 || "none".into(),
@@ -71,7 +71,7 @@ impl CameraReport {
                 writeln!(f, "{name:<18} {value:>11.5}             -   {source}")?;
                 continue;
             };
-            let is_prior = learned.is_some_and(|learned| learned < LEARNED);
+            let is_prior = determined.is_some_and(|determined| determined < DETERMINED);
             let remark = if is_prior { ", which it stands on: the slides hardly tell" } else { "" };
             writeln!(f, "{name:<18} {value:>11.5} {uncertainty:>13.5}   {prior}{remark}")?;
         }

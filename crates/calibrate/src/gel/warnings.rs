@@ -36,7 +36,7 @@ pub(super) fn of_presses(
 
 /// What a gel before a camera says by itself.
 pub(super) fn of_sensor(camera: &Camera, gel: &GelBlock, params: ElasticParams) -> Option<String> {
-    params.is_outside_learned(camera, gel).then(|| {
+    params.is_outside_training(camera, gel).then(|| {
         "nothing like this gel before this camera was learned from: depth and contact are as good as elasticity alone \
          makes them, and the gel is fitted to them"
             .into()

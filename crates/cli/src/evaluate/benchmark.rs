@@ -54,7 +54,7 @@ pub(super) struct BenchmarkArgs {
     /// Score another program too: FOLDER/CASE/depth.npy for each scene in cases/; may be repeated
     #[arg(long = "entry", value_name = "NAME=FOLDER", conflicts_with = "run", value_parser = entry)]
     entries: Vec<Entry>,
-    /// Tell the tracker otherwise than the sensors are, as in `elastic.learned=false`; may be repeated
+    /// Tell the tracker otherwise than the sensors are, as in `elastic.network=false`; may be repeated
     ///
     /// Any key of a profile: what a wrong one costs, or what a part of the tracker is worth.
     #[arg(long = "set", value_name = "KEY=VALUE", conflicts_with = "run", value_parser = assignment)]

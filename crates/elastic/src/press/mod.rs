@@ -30,7 +30,7 @@ use touch::Touch;
 const MOST_HALVINGS: u32 = 6;
 
 /// Is asked again and again while a step is solved, and says whether to go on.
-pub type GoOn<'a> = &'a mut (dyn FnMut() -> ControlFlow<()> + Send);
+pub type ContinueCheck<'a> = &'a mut (dyn FnMut() -> ControlFlow<()> + Send);
 
 /// What is pressed, and how it holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -149,31 +149,31 @@ impl<'a> Press<'a> {
         self.step_while(pose, &mut || ControlFlow::Continue(()))
     }
 
-    /// The same, unless it is stopped: `go_on` is asked before every Newton iteration. Stopped, the press is where it last
+    /// The same, unless it is stopped: `should_continue` is asked before every Newton iteration. Stopped, the press is where it last
     /// converged.
     ///
     /// # Errors
     ///
     /// As [`Press::step`], and [`PressError::Stopped`].
-    pub fn step_while(&mut self, pose: &Pose, go_on: GoOn) -> Result<&SurfaceState, PressError> {
+    pub fn step_while(&mut self, pose: &Pose, should_continue: ContinueCheck) -> Result<&SurfaceState, PressError> {
         if !pose.is_finite() {
             return Err(PressError::Pose { pose: *pose });
         }
         // Inside the pool, a task costs little.
-        let advanced = rayon::scope(|_| self.advance(pose, go_on));
+        let advanced = rayon::scope(|_| self.advance(pose, should_continue));
         self.write_state();
         advanced?;
         Ok(&self.state)
     }
 
-    fn advance(&mut self, pose: &Pose, go_on: GoOn) -> Result<(), PressError> {
+    fn advance(&mut self, pose: &Pose, should_continue: ContinueCheck) -> Result<(), PressError> {
         self.report = StepReport::default();
         let (from, mut reached, mut halvings) = (self.pose, 0.0, 0_u32);
         while reached < 1.0 {
             let share = 0.5_f64.powi(halvings.cast_signed());
             let target = if reached + share >= 1.0 { *pose } else { from.towards(pose, reached + share) };
             self.report.parts += 1;
-            if self.equilibrate(&target, go_on)? {
+            if self.equilibrate(&target, should_continue)? {
                 reached += share;
                 // What was hard may be over.
                 halvings = halvings.saturating_sub(1);

@@ -3,7 +3,7 @@
 use super::constraint::{Constraint, add_stiffness, apply_drag, constrain, project};
 use super::frame::{Frame, dot};
 use super::touch::{Node, Touch};
-use super::{Advance, GoOn, Press, PressError, StepReport};
+use super::{Advance, ContinueCheck, Press, PressError, StepReport};
 use crate::Pose;
 use crate::solver::{Field, Grid, Outcome, Stop};
 
@@ -55,11 +55,11 @@ impl Press<'_> {
     ///
     /// # Errors
     ///
-    /// [`PressError::Stopped`] where `go_on` says so.
-    pub(super) fn equilibrate(&mut self, pose: &Pose, go_on: GoOn) -> Result<bool, PressError> {
+    /// [`PressError::Stopped`] where `should_continue` says so.
+    pub(super) fn equilibrate(&mut self, pose: &Pose, should_continue: ContinueCheck) -> Result<bool, PressError> {
         let rest = (self.displacement.clone(), self.forces.clone(), self.touches.clone(), self.assembled);
         self.predict(pose);
-        let found = self.iterate(pose, &rest.0, go_on);
+        let found = self.iterate(pose, &rest.0, should_continue);
         if found == Ok(true) {
             let change = self.displacement.iter().zip(&rest.0).map(|(now, then)| [0, 1, 2].map(|c| now[c] - then[c]));
             self.last = Some(Advance { poses: [self.pose, *pose], displacement: change.collect() });
@@ -86,11 +86,11 @@ impl Press<'_> {
         }
     }
 
-    fn iterate(&mut self, pose: &Pose, rest: &[[f64; 3]], go_on: GoOn) -> Result<bool, PressError> {
+    fn iterate(&mut self, pose: &Pose, rest: &[[f64; 3]], should_continue: ContinueCheck) -> Result<bool, PressError> {
         let frames = [self.frame(&self.pose), self.frame(pose)];
         let mut changes = vec![0_u8; self.touches.len()];
         for iteration in 0..MOST_ITERATIONS {
-            if go_on().is_break() {
+            if should_continue().is_break() {
                 return Err(PressError::Stopped);
             }
             // The set at the last rest carries the first iteration, if there is one.

@@ -262,14 +262,14 @@ mod tests {
                 .collect(),
         };
         let cases = [case("a".into(), Some(0.5)), case("b".into(), Some(1.5)), case("c".into(), None)];
-        let told = [("elastic.learned".into(), "false".into())];
+        let told = [("elastic.network".into(), "false".into())];
         let cache = PressCache::OFF;
         let benchmark =
             Benchmark { extent: Extent::Quick, cases: Vec::new(), assignments: &told, entries: &[], cache: &cache };
         let outcomes = cases.into_iter().map(Ok).chain([Err("d: frame 3 did not converge".into())]);
         let report = BenchmarkReport::new(&benchmark, outcomes.collect());
         let text = report.to_string();
-        assert!(text.contains("told elastic.learned = false") && text.contains("not solved: d: frame 3"), "{text}");
+        assert!(text.contains("told elastic.network = false") && text.contains("not solved: d: frame 3"), "{text}");
         assert_eq!(report.methods(), ["nothing", "mine"]);
         let mine = &report.means[1];
         assert_eq!((mine.cases, mine.everywhere_mm, mine.worst_inside_mm), (2, 1.0, 3.0));

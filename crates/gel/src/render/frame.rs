@@ -4,7 +4,7 @@ use super::cells::CellTable;
 use super::lattice::{Lattice, Rays, bulge_px};
 use super::light::{Light, vignette};
 use super::noise;
-use super::parts::{PartRows, Sight};
+use super::parts::{ColourInputs, PartRows};
 use super::patches::Patches;
 use super::raster::{Planes, Target};
 use super::samples::{Samples, Scene};
@@ -210,12 +210,12 @@ impl FrameRenderer {
         let Self { cells, parts, sensor, levels, vignette, samples, lattice, .. } = self;
         let Some(cells) = cells else { return };
         let (planes, patches, background) = (&self.planes, &self.patches, self.background);
-        let sight = Sight { lattice: *lattice, planes, cells, patches, background };
+        let inputs = ColourInputs { lattice: *lattice, planes, cells, patches, background };
         let scene = Scene { targets: &self.targets, rays: &self.rays };
         let width = levels.width();
-        parts.begin(simd, &sight);
+        parts.begin(simd, &inputs);
         for row in 0..lattice.rows - 1 {
-            parts.next(simd, &sight, (samples, &scene), row, sensor.row_mut(row));
+            parts.next(simd, &inputs, (samples, &scene), row, sensor.row_mut(row));
             let Some(pixel_row) = sensor.completed(row) else { continue };
             let gains = &vignette[pixel_row * width..][..width];
             let levels = levels.row_mut(pixel_row);

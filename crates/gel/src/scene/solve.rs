@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use fingervision_elastic::{ContactLaw, GelBlock, GoOn, Law, MeshParams, Pose, Press, PressError, PressSetup, Relief};
+use fingervision_elastic::{
+    ContactLaw, ContinueCheck, GelBlock, Law, MeshParams, Pose, Press, PressError, PressSetup, Relief,
+};
 use fingervision_elastic::{SurfaceState, swept_region};
 use serde::Serialize;
 
@@ -106,7 +108,7 @@ impl Scene {
         let mesh = self.mesh.mesh(&self.gel, &swept_region(relief, centre_mm, poses));
         let mut press = Press::new(&setup, mesh, relief, centre_mm)?;
         let rest = press.surface().clone();
-        Ok(follow(rest, poses, progress, |pose, go_on| press.step_while(pose, go_on).cloned()))
+        Ok(follow(rest, poses, progress, |pose, should_continue| press.step_while(pose, should_continue).cloned()))
     }
 
     fn press_key(&self, poses: &[Pose]) -> Result<PressKey, SceneError> {
@@ -132,7 +134,7 @@ fn follow(
     rest: SurfaceState,
     poses: &[Pose],
     progress: Progress,
-    mut step: impl FnMut(&Pose, GoOn) -> Result<SurfaceState, PressError>,
+    mut step: impl FnMut(&Pose, ContinueCheck) -> Result<SurfaceState, PressError>,
 ) -> Course {
     let mut states = vec![rest];
     for pose in poses.iter().skip(1) {

@@ -4,8 +4,8 @@ use fingervision_elastic::{GelBlock, SurfaceGrid};
 
 use super::coarse::Around;
 use super::drag::Drag;
-use super::face_search::{self, Room};
-use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Way};
+use super::face_search::{self, Scratch};
+use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Symmetry};
 use super::rigid::{self, StuckFace};
 use super::surface::{self, Seen, Surface};
 use super::{CELLS, ElasticMode, ElasticParams};
@@ -46,14 +46,14 @@ const MOST_POINTS: usize = 600;
 pub(super) struct ContactFinder {
     /// What was learned, unless it is not to be used.
     network: Option<ContactNetwork>,
-    room: Room,
+    face_scratch: Scratch,
     /// The size of the network's grid: the surface's, filled up to a multiple of what the network needs.
     padded: (usize, usize),
     constants: [f32; CONSTANTS],
-    /// In which ways the network looks.
-    ways: Vec<Way>,
-    /// What it tells of the cells.
-    told: Vec<[f32; OUTPUTS]>,
+    /// Mirror images and quarter turns in which the network is evaluated.
+    symmetries: Vec<Symmetry>,
+    /// Its estimates for the cells.
+    estimated: Vec<[f32; OUTPUTS]>,
     /// From mm to the mm of training.
     scale: f32,
     /// What a point of the gel may differ from a stuck face's motion, mm: at least, and in the last frame.
@@ -70,7 +70,7 @@ pub(super) struct ContactFinder {
     /// Depth of each cell, mm.
     pub(super) depth_mm: Vec<f32>,
     /// Error of that depth as it was learned, mm, one standard deviation.
-    told_deviation_mm: Vec<f32>,
+    network_deviation_mm: Vec<f32>,
     /// Whether a cell moves with a face that the gel sticks to.
     on_face: Vec<bool>,
     /// Standard deviation of the depth of that face, mm.
@@ -90,13 +90,13 @@ impl ContactFinder {
         let sensor = Sensor::new(gel, surface.distance_mm());
         let constants = network::constants(sensor.poissons_ratio, sensor.thickness_mm);
         Self {
-            network: (params.learned && sensor.is_told_of()).then(|| ContactNetwork::new(padded)),
-            ways: match params.mode {
-                ElasticMode::Exact => Way::all(padded),
-                ElasticMode::Live => vec![Way::PLAIN],
+            network: (params.network && sensor.network_applies()).then(|| ContactNetwork::new(padded)),
+            symmetries: match params.mode {
+                ElasticMode::Exact => Symmetry::all(padded),
+                ElasticMode::Live => vec![Symmetry::PLAIN],
             },
-            told: vec![[0.0; OUTPUTS]; cells],
-            room: Room::new(cells),
+            estimated: vec![[0.0; OUTPUTS]; cells],
+            face_scratch: Scratch::new(cells),
             padded,
             constants,
             scale: scale as f32,
@@ -107,7 +107,7 @@ impl ContactFinder {
             touches: vec![false; cells],
             share: vec![0.0; cells],
             depth_mm: vec![0.0; cells],
-            told_deviation_mm: vec![0.0; cells],
+            network_deviation_mm: vec![0.0; cells],
             on_face: vec![false; cells],
             face_deviation_mm: f32::INFINITY,
             inner: Vec::with_capacity(cells),
@@ -116,8 +116,8 @@ impl ContactFinder {
         }
     }
 
-    /// Whether depth is told by what was learned.
-    pub(super) fn is_learned(&self) -> bool {
+    /// Whether depth is estimated by what was learned.
+    pub(super) fn uses_network(&self) -> bool {
         self.network.is_some()
     }
 
@@ -144,7 +144,7 @@ impl ContactFinder {
             return;
         }
         self.depth_mm.fill(0.0);
-        face_search::mark(surface, self.noise_mm, &mut self.touches, &mut self.room);
+        face_search::mark(surface, self.noise_mm, &mut self.touches, &mut self.face_scratch);
         self.hold_to_face(surface);
         // What does not move with the face has no depth of its own.
         self.touches.copy_from_slice(&self.on_face);
@@ -195,17 +195,17 @@ impl ContactFinder {
     /// Whether a face is about as deep as what was learned says, if that is used.
     fn is_likely(&self, surface: &Surface, face: &StuckFace) -> bool {
         let depths = |cell: usize| (face.motion.apply(surface.centre_mm(cell))[2], f64::from(self.depth_mm[cell]));
-        let (face_mm, learned_mm) =
+        let (face_mm, network_mm) =
             self.inner.iter().map(|&cell| depths(cell)).fold((0.0, 0.0), |sum, (a, b)| (sum.0 + a, sum.1 + b));
-        !self.is_learned() || (face_mm - learned_mm).abs() <= MOST_CHANGE * learned_mm
+        !self.uses_network() || (face_mm - network_mm).abs() <= MOST_CHANGE * network_mm
     }
 
     /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free and
     /// nothing learned tells of it.
     pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32) -> f32 {
-        match (self.on_face[cell], self.is_learned()) {
+        match (self.on_face[cell], self.uses_network()) {
             (true, _) => self.face_deviation_mm,
-            (false, true) => self.told_deviation_mm[cell].hypot(self.flow_deviation_mm),
+            (false, true) => self.network_deviation_mm[cell].hypot(self.flow_deviation_mm),
             (false, false) => 0.01 + 0.1 * around_mm.abs(),
         }
     }
@@ -220,42 +220,48 @@ impl ContactFinder {
         surface.border().any(|cell| self.touches[cell])
     }
 
-    /// Asks the network: the mean over the ways in which it looks.
+    /// Evaluates the network: the mean over all symmetries in use.
     fn look(&mut self, surface: &Surface, drag: Option<&Drag>) {
         let Some(network) = &mut self.network else { return };
         let SurfaceGrid { columns, rows, .. } = surface.grid;
         let seen = drag.and_then(Drag::found).map_or(surface.seen.as_slice(), |(seen, _)| seen);
-        self.told.fill([0.0; OUTPUTS]);
-        for &way in &self.ways {
+        self.estimated.fill([0.0; OUTPUTS]);
+        for &symmetry in &self.symmetries {
             let input = |column: usize, row: usize| {
-                way.inputs(input(surface.grid, seen, self.padded, way.place(self.padded, (column, row)), self.scale))
+                symmetry.inputs(input(
+                    surface.grid,
+                    seen,
+                    self.padded,
+                    symmetry.place(self.padded, (column, row)),
+                    self.scale,
+                ))
             };
             network.run(self.constants, input, |column, row, outputs| {
-                let (column, row) = way.place(self.padded, (column, row));
+                let (column, row) = symmetry.place(self.padded, (column, row));
                 if column < columns && row < rows {
-                    for (sum, output) in self.told[row * columns + column].iter_mut().zip(outputs) {
+                    for (sum, output) in self.estimated[row * columns + column].iter_mut().zip(outputs) {
                         *sum += output;
                     }
                 }
             });
         }
-        let per_way = 1.0 / self.ways.len() as f32;
-        self.told.as_flattened_mut().iter_mut().for_each(|sum| *sum *= per_way);
+        let per_symmetry = 1.0 / self.symmetries.len() as f32;
+        self.estimated.as_flattened_mut().iter_mut().for_each(|sum| *sum *= per_symmetry);
     }
 
     /// Contact that the network tells of, where the camera sees the gel at rest: of what lies beyond nothing is said.
     fn take_contact(&mut self, surface: &Surface) {
-        for (cell, &[depth_mm, odds, _]) in self.told.iter().enumerate() {
-            let is_told = depth_mm > 0.0 && surface.has_pixels(cell);
-            let share = if is_told { 1.0 / (1.0 + (-odds).exp()) } else { 0.0 };
+        for (cell, &[depth_mm, odds, _]) in self.estimated.iter().enumerate() {
+            let is_estimated = depth_mm > 0.0 && surface.has_pixels(cell);
+            let share = if is_estimated { 1.0 / (1.0 + (-odds).exp()) } else { 0.0 };
             (self.share[cell], self.touches[cell]) = (share, share > 0.5);
         }
     }
 
     fn take_depth(&mut self, drag: Option<&Drag>) {
-        for (cell, &[depth_mm, _, error]) in self.told.iter().enumerate() {
+        for (cell, &[depth_mm, _, error]) in self.estimated.iter().enumerate() {
             self.depth_mm[cell] = depth_mm / self.scale;
-            self.told_deviation_mm[cell] = DEVIATION * error.exp() / self.scale;
+            self.network_deviation_mm[cell] = DEVIATION * error.exp() / self.scale;
         }
         if let Some((_, dragged_mm)) = drag.and_then(Drag::found) {
             for (depth_mm, dragged_mm) in self.depth_mm.iter_mut().zip(dragged_mm) {

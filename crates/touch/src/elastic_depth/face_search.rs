@@ -21,12 +21,12 @@ const LEAST_DEPTH_MM: f64 = 0.1;
 const LEAST_CELLS: usize = 60;
 
 /// Marks the cells that move with the face; none are left marked if there is no face.
-pub(super) fn mark(surface: &Surface, tolerance_mm: f64, touches: &mut [bool], room: &mut Room) {
+pub(super) fn mark(surface: &Surface, tolerance_mm: f64, touches: &mut [bool], scratch: &mut Scratch) {
     touches.fill(false);
     let mut best: Option<(f64, StuckFace)> = None;
     for (column, row) in windows(surface.grid) {
-        collect(surface, (column, row), &mut room.cells);
-        let Some(face) = rigid::fit(surface, &room.cells, tolerance_mm, &mut room.scratch) else { continue };
+        collect(surface, (column, row), &mut scratch.cells);
+        let Some(face) = rigid::fit(surface, &scratch.cells, tolerance_mm, &mut scratch.scratch) else { continue };
         if face.residual_mm > tolerance_mm {
             continue;
         }
@@ -40,7 +40,7 @@ pub(super) fn mark(surface: &Surface, tolerance_mm: f64, touches: &mut [bool], r
     for (cell, touches) in touches.iter_mut().enumerate() {
         *touches = moves(cell);
     }
-    open(surface.grid, touches, &mut room.marks);
+    open(surface.grid, touches, &mut scratch.marks);
     if touches.iter().filter(|touches| **touches).count() < LEAST_CELLS {
         touches.fill(false);
     }
@@ -48,13 +48,13 @@ pub(super) fn mark(surface: &Surface, tolerance_mm: f64, touches: &mut [bool], r
 
 /// Scratch of a search.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Room {
+pub(super) struct Scratch {
     cells: Vec<usize>,
     scratch: Vec<f64>,
     marks: Vec<bool>,
 }
 
-impl Room {
+impl Scratch {
     pub(super) fn new(cells: usize) -> Self {
         Self {
             cells: Vec::with_capacity(WINDOW * WINDOW),

@@ -35,7 +35,7 @@ pub struct ElasticFields {
     /// Whether that is because the flow, whose deviation is small, cannot be that of this gel before this camera.
     pub is_misfit: bool,
     /// Whether the gel moves and nothing like it before this camera was learned from, though what was learned is to be used.
-    pub is_outside_learned: bool,
+    pub is_outside_training: bool,
     /// Whether the flow holds in less than a tenth of contact.
     pub is_untracked: bool,
     /// Whether the flow's deviation is more than 2.5 times that of the images which the network was trained on.
@@ -84,7 +84,7 @@ impl ElasticFields {
             is_cut: false,
             is_unexplained: false,
             is_misfit: false,
-            is_outside_learned: false,
+            is_outside_training: false,
             is_untracked: false,
             is_flow_uncertain: false,
         };
@@ -108,7 +108,7 @@ impl ElasticFields {
         self.unexplained = None;
         (self.is_beyond_linear, self.is_cut) = (false, false);
         (self.is_unexplained, self.is_misfit) = (false, false);
-        (self.is_outside_learned, self.is_untracked, self.is_flow_uncertain) = (false, false, false);
+        (self.is_outside_training, self.is_untracked, self.is_flow_uncertain) = (false, false, false);
     }
 }
 

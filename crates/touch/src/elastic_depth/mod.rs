@@ -30,7 +30,7 @@ mod surface;
 mod traction;
 
 pub use fields::{ElasticFields, TractionGrid};
-pub use network::LEARNED_FROM;
+pub use network::TRAINING_RANGE;
 pub use params::{ElasticMode, ElasticParams};
 pub use stiffening::Strain;
 pub use surface::Seen;
@@ -90,7 +90,7 @@ pub struct Cells<'a> {
 pub struct ElasticDepth {
     gel: GelBlock,
     /// Whether what was learned is to be used, but nothing like this gel before this camera was learned from.
-    is_outside_learned: bool,
+    is_outside_training: bool,
     surface: Surface,
     contact: ContactFinder,
     /// None where nothing learned tells depth.
@@ -99,7 +99,7 @@ pub struct ElasticDepth {
     is_exact: bool,
     held: HeldGel,
     /// Depth, its deviation and the share in contact of the cells, on their way to the pixels; a fourth number fills the lanes.
-    told: Vec<[f32; KNOWN]>,
+    cells: Vec<[f32; KNOWN]>,
     fields: ElasticFields,
 }
 
@@ -120,19 +120,19 @@ impl ElasticDepth {
         let contact = ContactFinder::new(&surface, gel, *params);
         let (part, limits) = match params.mode {
             // What was learned tells depth everywhere: tractions make force and drag alone, and larger cells will do.
-            ElasticMode::Live if contact.is_learned() => (2, LIVE),
+            ElasticMode::Live if contact.uses_network() => (2, LIVE),
             ElasticMode::Live => (1, LIVE),
             ElasticMode::Exact => (1, EXACT),
         };
         let coarse = Coarse::new(surface.grid, part);
         let operator = BlockOperator::new(gel, coarse.grid)?;
-        let drag = contact.is_learned().then(|| operator.on_grid(coarse.grid)).transpose()?;
+        let drag = contact.uses_network().then(|| operator.on_grid(coarse.grid)).transpose()?;
         let drag = drag.map(|operator| Drag::new(surface.grid.len(), coarse, operator, limits));
         let held = HeldGel::new(coarse, operator, limits);
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
-        let (told, is_exact) = (vec![[0.0; KNOWN]; surface.grid.len()], params.mode == ElasticMode::Exact);
-        let is_outside_learned = params.is_outside_learned(camera, gel);
-        Ok(Self { gel: *gel, is_outside_learned, contact, drag, is_exact, held, told, surface, fields })
+        let (cells, is_exact) = (vec![[0.0; KNOWN]; surface.grid.len()], params.mode == ElasticMode::Exact);
+        let is_outside_training = params.is_outside_training(camera, gel);
+        Ok(Self { gel: *gel, is_outside_training, contact, drag, is_exact, held, cells, surface, fields })
     }
 
     /// The fields of one frame, from its flow, px, the deviation of that, px, and where it holds.
@@ -168,7 +168,7 @@ impl ElasticDepth {
         }
     }
 
-    /// What the last frame told of the gel's surface, cell by cell.
+    /// The estimates of the last frame, cell by cell.
     #[must_use]
     pub fn cells(&self) -> Cells<'_> {
         let ContactFinder { touches, depth_mm, .. } = &self.contact;
@@ -222,20 +222,20 @@ impl ElasticDepth {
 
     fn write_fields(&mut self) {
         // Where nothing learned tells of the free gel, the tractions do.
-        let moved = (!self.contact.is_learned()).then(|| self.held.displacement_mm());
+        let moved = (!self.contact.uses_network()).then(|| self.held.displacement_mm());
         // Where neither what was learned nor a face tells of the press, nothing is known.
-        let is_known = self.contact.is_learned() || self.contact.has_face();
-        for (cell, told) in self.told.iter_mut().enumerate() {
+        let is_known = self.contact.uses_network() || self.contact.has_face();
+        for (cell, values) in self.cells.iter_mut().enumerate() {
             let around_mm = moved.map_or(0.0, |moved| moved[cell][2]);
-            let is_told = moved.is_none() || self.contact.touches[cell];
-            let depth = if is_told { self.contact.depth_mm[cell] } else { around_mm };
-            *told = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
+            let is_estimated = moved.is_none() || self.contact.touches[cell];
+            let depth = if is_estimated { self.contact.depth_mm[cell] } else { around_mm };
+            *values = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
         }
         let ElasticFields { depth_mm, deviation_mm, contact, .. } = &mut self.fields;
         let depths = depth_mm.values_mut().iter_mut().zip(deviation_mm.values_mut());
         let targets = depths.zip(contact.values_mut());
-        self.surface.to_pixels(&self.told, targets, |((depth_mm, deviation_mm), contact), told| {
-            let [depth, deviation, share, _] = told.unwrap_or([0.0, f32::INFINITY, 0.0, 0.0]);
+        self.surface.to_pixels(&self.cells, targets, |((depth_mm, deviation_mm), contact), values| {
+            let [depth, deviation, share, _] = values.unwrap_or([0.0, f32::INFINITY, 0.0, 0.0]);
             let deviation = if is_known { deviation } else { f32::INFINITY };
             (*depth_mm, *deviation_mm, *contact) = (depth, deviation, u8::from(share > 0.5));
         });
@@ -249,7 +249,7 @@ impl ElasticDepth {
         self.fields.is_beyond_linear = deepest_mm > LINEAR_RANGE * thickness_mm;
         self.fields.is_flow_uncertain = self.contact.is_flow_uncertain;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
-        self.fields.is_outside_learned = self.is_outside_learned;
+        self.fields.is_outside_training = self.is_outside_training;
         self.fields.is_untracked = (self.tracked() as f64) < LEAST_TRACKED * touched as f64;
         let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);

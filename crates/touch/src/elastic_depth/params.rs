@@ -14,7 +14,7 @@ pub struct ElasticParams {
     pub mode: ElasticMode,
     /// Whether contact is looked for with the help of what was learned from simulated presses; without it by the rigid
     /// motion of the face alone.
-    pub learned: bool,
+    pub network: bool,
 }
 
 /// How long a frame may take.
@@ -32,14 +32,14 @@ pub enum ElasticMode {
 impl ElasticParams {
     /// Whether what was learned is to be used, but nothing like this gel before this camera was learned from.
     #[must_use]
-    pub fn is_outside_learned(&self, camera: &Camera, gel: &GelBlock) -> bool {
+    pub fn is_outside_training(&self, camera: &Camera, gel: &GelBlock) -> bool {
         let [_, _, distance_mm] = camera.position_mm();
-        self.learned && !Sensor::new(gel, distance_mm).is_learned_from()
+        self.network && !Sensor::new(gel, distance_mm).is_in_training_range()
     }
 }
 
 impl Default for ElasticParams {
     fn default() -> Self {
-        Self { mode: ElasticMode::default(), learned: true }
+        Self { mode: ElasticMode::default(), network: true }
     }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::review::ProfileReview;
 use super::{DepthMethod, Profile};
-use crate::LEARNED_FROM;
+use crate::TRAINING_RANGE;
 
 /// Angles of view across the region that a lens has, degrees.
 const ANGLES_DEGREES: std::ops::RangeInclusive<f64> = 5.0..=150.0;
@@ -168,8 +168,8 @@ fn training_range(review: &ProfileReview) -> Option<Remark> {
     (review.is_outside_training_range == Some(true)).then(|| {
         Remark::new(
             Weight::Warning,
-            format!("gel and camera are outside the network's training range: {LEARNED_FROM}"),
-            "expect larger errors of depth than depth_deviation says; --set elastic.learned=false does without the network",
+            format!("gel and camera are outside the network's training range: {TRAINING_RANGE}"),
+            "expect larger errors of depth than depth_deviation says; --set elastic.network=false does without the network",
         )
     })
 }

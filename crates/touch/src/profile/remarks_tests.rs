@@ -83,7 +83,7 @@ fn a_region_outside_the_frame_is_a_fault() {
 
 #[test]
 fn a_sensor_outside_the_training_range_is_a_warning() {
-    expect(&[("gel.thickness_mm", "3")], Weight::Warning, "training range", "elastic.learned=false");
+    expect(&[("gel.thickness_mm", "3")], Weight::Warning, "training range", "elastic.network=false");
 }
 
 #[test]

@@ -52,7 +52,7 @@ impl Profile {
             _ => None,
         };
         let outside =
-            || self.elastic_sensor().is_ok_and(|(camera, gel)| self.elastic.is_outside_learned(&camera, &gel));
+            || self.elastic_sensor().is_ok_and(|(camera, gel)| self.elastic.is_outside_training(&camera, &gel));
         let mut review = ProfileReview {
             region_of_interest: region.map(|region| [region.x, region.y, region.width, region.height]),
             depth,
@@ -61,7 +61,7 @@ impl Profile {
             field_of_view_mm: scene.as_ref().and_then(|(region, camera)| field_of_view_mm(region, camera)),
             gel_seen: with_gel.map(|((region, camera), gel)| gel_seen(region, camera, &gel)),
             region_on_gel: with_gel.map(|((region, camera), gel)| region_on_gel(region, camera, &gel)),
-            is_outside_training_range: (is_elastic && self.elastic.learned).then(outside),
+            is_outside_training_range: (is_elastic && self.elastic.network).then(outside),
             remarks: Vec::new(),
         };
         review.remarks = remarks::all(self, &review, frame_size);

@@ -31,7 +31,7 @@ policy = "stack"
 sigma_px = 2.5
 [elastic]
 mode = "live"
-learned = false
+network = false
 "#;
 
 /// The message and the hint of what `text` is refused for.
@@ -48,7 +48,7 @@ fn every_part_is_read() {
     assert!((profile.camera.unwrap().distortion.k1 - 0.01).abs() < 1e-12);
     assert_eq!(profile.gel.unwrap().youngs_modulus_mpa, Some(0.6));
     assert_eq!((profile.depth.method, profile.depth_method()), (Some(DepthMethod::Elastic), DepthMethod::Elastic));
-    assert_eq!((profile.elastic.mode, profile.elastic.learned), (ElasticMode::Live, false));
+    assert_eq!((profile.elastic.mode, profile.elastic.network), (ElasticMode::Live, false));
     assert_eq!(profile.depth.density, Some(DepthLine { slope_mm: 15.2, intercept_mm: 0.0 }.into()));
     assert_eq!((profile.flow.finest_level, profile.references.policy), (Some(1), Policy::Stack));
     assert!((profile.mm_per_px().unwrap() - 0.0625).abs() < 1e-12);

@@ -41,7 +41,7 @@ impl ElasticStage {
             (Flag::BeyondLinear, found.is_beyond_linear),
             (Flag::ContactCut, found.is_cut),
             (Flag::GelMisfit, found.is_misfit),
-            (Flag::OutsideLearned, found.is_outside_learned),
+            (Flag::OutsideTraining, found.is_outside_training),
             (Flag::ContactUntracked, found.is_untracked),
             (Flag::UncertainFlow, found.is_flow_uncertain),
         ] {

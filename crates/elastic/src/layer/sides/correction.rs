@@ -35,9 +35,9 @@ struct Part {
     size: usize,
 }
 
-/// Room for one parity's forces and displacements.
+/// Scratch for one parity's forces and displacements.
 #[derive(Debug, Clone)]
-pub(super) struct Room([Vec<f32>; 2]);
+pub(super) struct Scratch([Vec<f32>; 2]);
 
 impl Correction {
     pub(super) fn new(block: &GelBlock, layer: &Layer) -> Self {
@@ -49,16 +49,16 @@ impl Correction {
         Self { nodes: mesh.nodes(), cell_mm: [mesh.cell_mm[0], mesh.cell_mm[1]], near, parts, simd: Level::new() }
     }
 
-    pub(super) fn room(&self) -> Room {
+    pub(super) fn scratch(&self) -> Scratch {
         let largest = self.parts.iter().map(|part| part.size).max().unwrap_or(0);
-        Room([(); 2].map(|()| vec![0.0; largest]))
+        Scratch([(); 2].map(|()| vec![0.0; largest]))
     }
 
     /// Displacements times the shear modulus, of all nodes row by row, `(x, y, z)` each.
-    pub(super) fn displacement_into(&self, forces: &[f32], displacement: &mut [f32], room: &mut Room) {
+    pub(super) fn displacement_into(&self, forces: &[f32], displacement: &mut [f32], scratch: &mut Scratch) {
         displacement.fill(0.0);
         for part in &self.parts {
-            dispatch!(self.simd, _ => part.add(forces, displacement, room));
+            dispatch!(self.simd, _ => part.add(forces, displacement, scratch));
         }
     }
 }
@@ -85,7 +85,7 @@ impl Part {
     }
 
     #[inline(always)]
-    fn add(&self, forces: &[f32], displacement: &mut [f32], Room([from, to]): &mut Room) {
+    fn add(&self, forces: &[f32], displacement: &mut [f32], Scratch([from, to]): &mut Scratch) {
         let size = self.size;
         let (from, to) = (&mut from[..size], &mut to[..size]);
         from.fill(0.0);

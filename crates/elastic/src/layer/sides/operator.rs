@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fearless_simd::{Level, dispatch};
 use rustfft::num_complex::Complex32;
 
-use super::correction::{Correction, Room};
+use super::correction::{Correction, Scratch};
 use super::lattice::Lattice;
 use crate::GelBlock;
 use crate::layer::operator::Symbols;
@@ -35,7 +35,7 @@ pub struct BlockOperator {
     spectra: [Vec<Complex32>; 3],
     forces: Vec<f32>,
     moved: Vec<f32>,
-    room: Room,
+    scratch: Scratch,
     simd: Level,
 }
 
@@ -76,7 +76,7 @@ impl BlockOperator {
             transform,
             forces: nodal(),
             moved: nodal(),
-            room: correction.room(),
+            scratch: correction.scratch(),
             correction,
             simd: Level::new(),
         })
@@ -97,7 +97,7 @@ impl BlockOperator {
     pub fn displacement_into(&mut self, traction: &[[f32; 3]], displacement_mm: &mut [[f32; 3]]) {
         self.convolve(Kernel::Compliance, traction, displacement_mm);
         self.lattice.forces_into(traction, &mut self.forces);
-        self.correction.displacement_into(&self.forces, &mut self.moved, &mut self.room);
+        self.correction.displacement_into(&self.forces, &mut self.moved, &mut self.scratch);
         self.lattice.add_displacement(&self.moved, displacement_mm);
     }
 

@@ -12,7 +12,7 @@ pub(super) const CELLS: usize = 6;
 
 /// What becomes of a layer's sum.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Then<'a> {
+pub(super) enum Activation<'a> {
     /// Nothing.
     Keep,
     /// Negative values become zero.
@@ -54,13 +54,13 @@ impl Convolution {
     }
 
     /// Applies the layer. `to` has a cell for every `stride`-th of `from`.
-    pub(super) fn apply(&self, level: Level, from: &Plane, to: &mut Plane, then: Then<'_>) {
+    pub(super) fn apply(&self, level: Level, from: &Plane, to: &mut Plane, then: Activation<'_>) {
         debug_assert_eq!((from.channels, to.channels), (self.inputs, self.outputs), "channels of the layer");
         dispatch!(level, simd => self.run(simd, from, to, then));
     }
 
     #[simd]
-    fn run<S: Simd>(&self, simd: S, from: &Plane, to: &mut Plane, then: Then<'_>) {
+    fn run<S: Simd>(&self, simd: S, from: &Plane, to: &mut Plane, then: Activation<'_>) {
         let per_block = self.side * self.side * self.inputs * LANES;
         for row in 0..to.rows {
             for (block, weights) in self.weights.chunks_exact(per_block).enumerate() {
@@ -75,12 +75,12 @@ impl Convolution {
                         let channels = |cell: usize| cell * self.outputs + first..cell * self.outputs + first + count;
                         let to = &mut to.row_mut(row)[channels(cell)];
                         match then {
-                            Then::Keep => to.copy_from_slice(&sums[..count]),
-                            Then::Rectify => write(to, sums, &[0.0; LANES], |sum, _| sum.max(0.0)),
-                            Then::RectifyAndAdd => {
+                            Activation::Keep => to.copy_from_slice(&sums[..count]),
+                            Activation::Rectify => write(to, sums, &[0.0; LANES], |sum, _| sum.max(0.0)),
+                            Activation::RectifyAndAdd => {
                                 write(to, sums, &from.row(row)[channels(cell)], |sum, before| sum.max(0.0) + before);
                             }
-                            Then::AddGrownAndRectify(coarse) => {
+                            Activation::AddGrownAndRectify(coarse) => {
                                 let coarse = &coarse.row(row / 2)[channels(cell / 2)];
                                 write(to, sums, coarse, |sum, coarse| (sum + coarse).max(0.0));
                             }

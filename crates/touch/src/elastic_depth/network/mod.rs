@@ -9,19 +9,19 @@
 //! again, instruction sets differ in the last ones.
 
 mod convolution;
+mod global_context;
 mod plane;
+mod symmetry;
 #[cfg(test)]
 mod tests;
-mod way;
-mod whole;
 
 use fearless_simd::Level;
 use fingervision_elastic::GelBlock;
 
-use convolution::{Convolution, Shape, Then};
+use convolution::{Activation, Convolution, Shape};
+use global_context::GlobalContext;
 use plane::Plane;
-pub(super) use way::Way;
-use whole::Whole;
+pub(super) use symmetry::Symmetry;
 
 /// Weights and biases, as `learn/export.py` writes them: three numbers of channels as little-endian u32, then f32.
 const WEIGHTS: &[u8] = include_bytes!("../../../weights/contact.bin");
@@ -37,8 +37,8 @@ pub(super) fn constants(poissons_ratio: f64, thickness_mm: f64) -> [f32; CONSTAN
     [(poissons_ratio - 0.42) * 8.0, (thickness_mm - 10.0) / 3.0].map(|value| value as f32)
 }
 
-/// The gels and cameras whose presses were learned from, in words: what `Sensor::is_learned_from` judges by.
-pub const LEARNED_FROM: &str = "nearly square gels 0.2 to 0.5 of their side thick, of Poisson's ratio 0.29 to 0.5, seen from 0.4 to \
+/// The gels and cameras whose presses were learned from, in words: what `Sensor::is_in_training_range` judges by.
+pub const TRAINING_RANGE: &str = "nearly square gels 0.2 to 0.5 of their side thick, of Poisson's ratio 0.29 to 0.5, seen from 0.4 to \
                                1.4 of their side";
 
 /// A gel before a camera, scaled to a longer side of [`SIZE_MM`].
@@ -66,13 +66,13 @@ impl Sensor {
     }
 
     /// Whether what was learned says anything of such a gel.
-    pub(super) fn is_told_of(&self) -> bool {
+    pub(super) fn network_applies(&self) -> bool {
         (0.29..=0.5).contains(&self.poissons_ratio) && (6.0..=15.0).contains(&self.thickness_mm)
     }
 
     /// Whether presses of such a gel, square and from about so far, were among those learned from.
-    pub(super) fn is_learned_from(&self) -> bool {
-        self.is_told_of() && self.shorter_mm >= 0.9 * SIZE_MM && (12.0..=42.0).contains(&self.distance_mm)
+    pub(super) fn is_in_training_range(&self) -> bool {
+        self.network_applies() && self.shorter_mm >= 0.9 * SIZE_MM && (12.0..=42.0).contains(&self.distance_mm)
     }
 }
 
@@ -102,7 +102,7 @@ struct Layers {
     enter: [Convolution; 2],
     down: [Convolution; 2],
     deep: [Convolution; 3],
-    whole: Whole,
+    whole: GlobalContext,
     up: [Convolution; 3],
     leave: [Convolution; 3],
     output: Convolution,
@@ -165,7 +165,7 @@ impl ContactNetwork {
     }
 
     fn forward(&mut self) {
-        use Then::{AddGrownAndRectify, Keep, Rectify, RectifyAndAdd};
+        use Activation::{AddGrownAndRectify, Keep, Rectify, RectifyAndAdd};
         let (level, layers) = (self.level, &mut self.layers);
         let [fine, fine_kept] = &mut self.fine;
         let [middle, middle_kept] = &mut self.middle;
@@ -205,7 +205,7 @@ impl Layers {
                 file.layer(coarse, coarse, 3, 1),
                 file.layer(coarse, coarse, 3, 1),
             ],
-            whole: Whole::new(coarse, file.take(Whole::len(coarse))),
+            whole: GlobalContext::new(coarse, file.take(GlobalContext::len(coarse))),
             up: [file.layer(coarse, middle, 1, 1), file.layer(middle, middle, 3, 1), file.layer(middle, middle, 3, 1)],
             leave: [file.layer(middle, fine, 1, 1), file.layer(fine, fine, 3, 1), file.layer(fine, fine, 3, 1)],
             output: file.layer(fine, 4 * OUTPUTS, 1, 1),

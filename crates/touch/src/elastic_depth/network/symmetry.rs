@@ -1,13 +1,13 @@
-//! The ways to look at a gel: as it is, in mirrors and turned by quarters.
+//! The symmetries to look at a gel: as it is, in mirrors and turned by quarters.
 //!
 //! What presses a gel does not depend on where left is, and the network only nearly learned that. The mean of what it tells
-//! in all ways errs less than what it tells in one.
+//! in all symmetries errs less than what it tells in one.
 
 use super::INPUTS;
 
 /// A mirror, a quarter turn or both of a grid of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::elastic_depth) struct Way {
+pub(in crate::elastic_depth) struct Symmetry {
     /// Left and right change places,
     across: bool,
     /// above and below do,
@@ -16,11 +16,11 @@ pub(in crate::elastic_depth) struct Way {
     transposed: bool,
 }
 
-impl Way {
+impl Symmetry {
     /// As it is.
     pub(in crate::elastic_depth) const PLAIN: Self = Self { across: false, down: false, transposed: false };
 
-    /// All ways that keep the size of a grid: eight for a square, else four.
+    /// All symmetries that keep the size of a grid: eight for a square, else four.
     pub(in crate::elastic_depth) fn all((columns, rows): (usize, usize)) -> Vec<Self> {
         let mirrors = |transposed: bool| {
             [(false, false), (true, false), (false, true), (true, true)].map(|(across, down)| Self {
@@ -29,11 +29,11 @@ impl Way {
                 transposed,
             })
         };
-        let mut ways = mirrors(false).to_vec();
+        let mut symmetries = mirrors(false).to_vec();
         if columns == rows {
-            ways.extend(mirrors(true));
+            symmetries.extend(mirrors(true));
         }
-        ways
+        symmetries
     }
 
     /// The cell of a grid that is seen at a place.

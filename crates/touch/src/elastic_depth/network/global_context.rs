@@ -4,7 +4,7 @@ use super::plane::Plane;
 
 /// Adds to every cell what a matrix makes of the mean over all cells, then makes negative values zero.
 #[derive(Debug, Clone)]
-pub(super) struct Whole {
+pub(super) struct GlobalContext {
     /// `[output][input]`.
     weights: Vec<f32>,
     bias: Vec<f32>,
@@ -12,7 +12,7 @@ pub(super) struct Whole {
     change: Vec<f32>,
 }
 
-impl Whole {
+impl GlobalContext {
     /// Weights and biases of a matrix from so many channels to as many.
     pub(super) fn len(channels: usize) -> usize {
         channels * (channels + 1)
