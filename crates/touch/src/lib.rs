@@ -2,8 +2,9 @@
 //!
 //! A [`Profile`] describes one sensor. A [`Tracker`] made from it takes [`Frame`](fingervision_image::Frame)s and gives a
 //! [`Reading`] for each: displacement in px, its deviation and validity, the density feature and, where the profile
-//! knows the sensor, depth in mm: by a law of the density feature, or with camera and gel by the gel's elasticity
-//! ([`ElasticDepth`]), which also tells contact, 3-D displacement and force. All fields lie on the reference grid: they belong to points of the gel.
+//! describes the sensor, depth in mm: by a law of the density feature, or with camera and gel by the gel's elasticity
+//! ([`ElasticDepth`]), which also gives contact, 3-D displacement and force. All fields lie on the reference grid: they
+//! belong to points of the gel.
 //!
 //! The parts can be used on their own: the references and their policies ([`ReferenceParams`]), the Gaussian density
 //! ([`DensityEstimator`]), the guided filter ([`GuidedFilter`]) and the law from the feature to depth ([`DepthLaw`]).

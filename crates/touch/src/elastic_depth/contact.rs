@@ -1,4 +1,4 @@
-//! Where the gel is touched, and how deep it is there.
+//! Finds where the gel is touched, and how deep.
 
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 
@@ -10,58 +10,60 @@ use super::rigid::{self, StuckFace};
 use super::surface::{self, Seen, Surface};
 use super::{CELLS, ElasticMode, ElasticParams};
 
-/// What a point of the gel may differ from a stuck face's motion, px at the distance of the gel: the flow's error.
+/// Allowed difference between a point of the gel and the motion of a stuck face, px at the distance of the gel: the
+/// flow's error.
 const NOISE_PX: f64 = 0.04;
-/// The same over the deviation that the flow predicts, where that is more: images of the simulated sensor make it 0.023 px.
+/// The same as a multiple of the predicted deviation of the flow, used where it is larger: the simulated sensor gives
+/// 0.023 px.
 const NOISE_OVER_DEVIATION: f64 = 1.7;
-/// Deviation of the flow, px, that the network's own error covers: that of the images it was trained on.
+/// Deviation of the flow, px, that is included in the network's own error: that of its training images.
 const TRAINING_DEVIATION_PX: f64 = 0.025;
-/// Deviation of the flow over that of the training images from which on a frame is flagged.
+/// A frame is flagged from this ratio of its flow deviation to that of the training images on.
 const MOST_OVER_TRAINING: f64 = 2.5;
 /// A face sticks if at least this part of its inner cells moves with it.
 const LEAST_MATCHING: f64 = 0.6;
-/// A face sticks if half of them miss its motion by less than this part of the flow's error: those of presses that stick miss by
-/// a quarter to a half of it, gel that slides evenly by 1.3 and more.
+/// A face sticks if half of its cells differ from its motion by less than this part of the flow's error. In stuck presses
+/// they differ by a quarter to a half of it, evenly sliding gel by 1.3 times and more.
 const MOST_RESIDUAL: f64 = 0.8;
-/// Standard deviation of a face's depth, mm, above which the rays are too parallel to tell it.
+/// Standard deviation of a face's depth, mm, above which the rays are too parallel to determine it.
 const MOST_DEVIATION_MM: f64 = 0.05;
-/// A face may be deeper or less deep than what was learned says by this part of that depth: gel that slides and spreads evenly
-/// under a face grows in the image, too, as if it came closer.
+/// The depth of a face may differ from the network's by at most this part of the network's depth: gel that slides and
+/// spreads evenly under a face also grows in the image, as if it came closer.
 const MOST_CHANGE: f64 = 0.25;
-/// Rings of cells left out at the border of contact where a face's motion is fitted: walls are not the face.
+/// Rings of cells left out at the border of contact where a face's motion is fitted: the walls do not belong to the face.
 const RIM_CELLS: usize = 3;
 
-/// Standard deviation of a depth over its mean absolute error as the network foretells it: that of the Laplace distribution
-/// that it was trained for. Errors on unseen presses are as large as foretold.
+/// Standard deviation of a depth over the mean absolute error that the network predicts: that of the Laplace distribution
+/// it was trained for. Errors on unseen presses are as large as predicted.
 const DEVIATION: f32 = std::f32::consts::SQRT_2;
-/// Least standard deviation of the depth of a face that the gel sticks to, mm: its rays tell it better, its rim and the gel's
-/// model do not.
+/// Least standard deviation of the depth of a stuck face, mm: perspective alone would give less, but rim and gel model do
+/// not.
 const FACE_DEVIATION_MM: f32 = 0.02;
 
-/// Cells that tell of a face's motion: more than so many add time and no precision.
+/// Most cells used to fit a face's motion: more add time and no precision.
 const MOST_POINTS: usize = 600;
 
-/// Looks for contact in every frame.
+/// Finds contact in every frame.
 #[derive(Debug)]
 pub(super) struct ContactFinder {
-    /// What was learned, unless it is not to be used.
+    /// The network, if it is switched on and applies to the gel.
     network: Option<ContactNetwork>,
     face_scratch: Scratch,
-    /// The size of the network's grid: the surface's, filled up to a multiple of what the network needs.
+    /// The size of the network's grid: the surface's, padded to a multiple of what the network needs.
     padded: (usize, usize),
     constants: [f32; CONSTANTS],
     /// Mirror images and quarter turns in which the network is evaluated.
     symmetries: Vec<Symmetry>,
     /// Its estimates for the cells.
     estimated: Vec<[f32; OUTPUTS]>,
-    /// From mm to the mm of training.
+    /// From mm to the network's scale, on which the gel has the side used in training.
     scale: f32,
-    /// What a point of the gel may differ from a stuck face's motion, mm: at least, and in the last frame.
+    /// Allowed difference between a point of the gel and a stuck face's motion, mm: at least, and in the last frame.
     least_noise_mm: f64,
     noise_mm: f64,
-    /// Whether the flow is far less certain than what the network was trained on.
+    /// Whether the deviation of the flow is far larger than that of the training images.
     pub(super) is_flow_uncertain: bool,
-    /// Depth, mm, that the flow's error puts into a frame beyond what the network's own error covers.
+    /// Error of depth, mm, caused by the flow's error beyond what the network's own error includes.
     flow_deviation_mm: f32,
     /// Whether each cell is touched.
     pub(super) touches: Vec<bool>,
@@ -69,7 +71,7 @@ pub(super) struct ContactFinder {
     pub(super) share: Vec<f32>,
     /// Depth of each cell, mm.
     pub(super) depth_mm: Vec<f32>,
-    /// Error of that depth as it was learned, mm, one standard deviation.
+    /// Error of that depth as the network estimates it, mm, one standard deviation.
     network_deviation_mm: Vec<f32>,
     /// Whether a cell moves with a face that the gel sticks to.
     on_face: Vec<bool>,
@@ -116,7 +118,7 @@ impl ContactFinder {
         }
     }
 
-    /// Whether depth is estimated by what was learned.
+    /// Whether the network estimates depth.
     pub(super) fn uses_network(&self) -> bool {
         self.network.is_some()
     }
@@ -133,7 +135,7 @@ impl ContactFinder {
         self.depth_mm.fill(0.0);
     }
 
-    /// Finds contact and its depth in what the surface shows, with what is known of its drag set apart.
+    /// Finds contact and its depth from the surface's motion, with the known displacement by shear subtracted.
     pub(super) fn find(&mut self, surface: &Surface, drag: Option<&Drag>) {
         self.take_noise(surface);
         if self.network.is_some() {
@@ -153,14 +155,15 @@ impl ContactFinder {
         }
     }
 
-    /// Finds the depth anew, with drag set apart; contact, which the whole motion tells better, stays.
+    /// Finds the depth again with the displacement by shear subtracted; contact, for which the whole motion is the better
+    /// input, is kept.
     pub(super) fn find_depth(&mut self, surface: &Surface, drag: Option<&Drag>) {
         self.look(surface, drag);
         self.take_depth(drag);
         self.hold_to_face(surface);
     }
 
-    /// Takes note of how far a frame's flow can be trusted.
+    /// Stores how accurate a frame's flow is.
     fn take_noise(&mut self, surface: &Surface) {
         let deviation_mm = surface.typical_deviation_mm(&mut self.scratch);
         self.noise_mm = self.least_noise_mm.max(NOISE_OVER_DEVIATION * deviation_mm);
@@ -170,7 +173,7 @@ impl ContactFinder {
         self.flow_deviation_mm = (surface.typical_leverage() * beyond_mm) as f32;
     }
 
-    /// Gives what moves with a face that the gel sticks to the depth of that face.
+    /// Assigns the depth of a stuck face to the cells that move with it.
     fn hold_to_face(&mut self, surface: &Surface) {
         self.erode(surface.grid);
         let deviation_mm = |face: &StuckFace| {
@@ -192,7 +195,7 @@ impl ContactFinder {
         }
     }
 
-    /// Whether a face is about as deep as what was learned says, if that is used.
+    /// Whether a face is about as deep as the network estimates, if that is used.
     fn is_likely(&self, surface: &Surface, face: &StuckFace) -> bool {
         let depths = |cell: usize| (face.motion.apply(surface.centre_mm(cell))[2], f64::from(self.depth_mm[cell]));
         let (face_mm, network_mm) =
@@ -201,7 +204,7 @@ impl ContactFinder {
     }
 
     /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free and
-    /// nothing learned tells of it.
+    /// the network is not used.
     pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32) -> f32 {
         match (self.on_face[cell], self.uses_network()) {
             (true, _) => self.face_deviation_mm,
@@ -249,7 +252,7 @@ impl ContactFinder {
         self.estimated.as_flattened_mut().iter_mut().for_each(|sum| *sum *= per_symmetry);
     }
 
-    /// Contact that the network tells of, where the camera sees the gel at rest: of what lies beyond nothing is said.
+    /// Contact as the network estimates it, where the camera sees the gel at rest; beyond that nothing is known.
     fn take_contact(&mut self, surface: &Surface) {
         for (cell, &[depth_mm, odds, _]) in self.estimated.iter().enumerate() {
             let is_estimated = depth_mm > 0.0 && surface.has_pixels(cell);
@@ -288,7 +291,7 @@ impl ContactFinder {
     }
 }
 
-/// What the network gets of a cell of a grid of so many columns and rows; beyond the surface that of the last cell.
+/// The network's input for a cell of a grid of this many columns and rows; beyond the surface that of the last cell.
 fn input(
     grid: SurfaceGrid,
     seen: &[Seen],
@@ -309,7 +312,7 @@ fn input(
     [2.0 * x, 2.0 * y, here.slope[0], here.slope[1], 3.0 * spread]
 }
 
-/// The places on both sides of one on an axis of so many, itself where there is none.
+/// The neighbours of a place along an axis of this length; itself where there is none.
 fn neighbours(at: usize, count: usize) -> [usize; 2] {
     [at.saturating_sub(1), (at + 1).min(count - 1)]
 }

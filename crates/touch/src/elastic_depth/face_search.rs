@@ -1,7 +1,7 @@
-//! A flat face that the gel sticks to, found by its motion alone.
+//! Finds a flat face that the gel sticks to, by its motion alone.
 //!
-//! The surface is cut into overlapping windows. The rigid motion of each is fitted, and the one with which most of the
-//! deep surface moves, to the noise of the flow, is the face. Nothing is learned and nothing else is found: neither a
+//! The surface is divided into overlapping windows. A rigid motion is fitted to each; the face is given by the one that
+//! explains most of the deep surface to the noise of the flow. No network is used, and nothing else is found: neither a
 //! ball nor a face that slides.
 
 use fingervision_elastic::SurfaceGrid;
@@ -13,14 +13,14 @@ use super::surface::{self, Surface};
 const WINDOW: usize = 12;
 /// From one window to the next, cells.
 const STEP: usize = 6;
-/// Every so many cells are looked at, along both axes.
+/// Only every so many cells are tested, along both axes.
 const SPARSE: usize = 2;
-/// A face less deep than this cannot be told from gel at rest, mm.
+/// A face less deep than this cannot be distinguished from gel at rest, mm.
 const LEAST_DEPTH_MM: f64 = 0.1;
-/// Cells that a face has at least.
+/// Least number of cells of a face.
 const LEAST_CELLS: usize = 60;
 
-/// Marks the cells that move with the face; none are left marked if there is no face.
+/// Marks the cells that move with the face; none if there is no face.
 pub(super) fn mark(surface: &Surface, tolerance_mm: f64, touches: &mut [bool], scratch: &mut Scratch) {
     touches.fill(false);
     let mut best: Option<(f64, StuckFace)> = None;
@@ -46,7 +46,7 @@ pub(super) fn mark(surface: &Surface, tolerance_mm: f64, touches: &mut [bool], s
     }
 }
 
-/// Scratch of a search.
+/// Scratch memory of a search.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
     cells: Vec<usize>,
@@ -85,7 +85,7 @@ fn is_on(surface: &Surface, cell: usize, face: &StuckFace, tolerance_mm: f64) ->
         && rigid::distance_mm(surface, cell, &face.motion) < 2.0 * tolerance_mm
 }
 
-/// Cells that move with a face, each worth its depth up to 1 mm: gel near rest fits many motions.
+/// Counts cells that move with a face, each weighted by its depth up to 1 mm: gel near rest fits many motions.
 fn score(surface: &Surface, face: &StuckFace, tolerance_mm: f64) -> f64 {
     let SurfaceGrid { columns, rows, .. } = surface.grid;
     let cells = (0..rows).step_by(SPARSE).flat_map(|row| (0..columns).step_by(SPARSE).map(move |x| row * columns + x));
@@ -95,13 +95,13 @@ fn score(surface: &Surface, face: &StuckFace, tolerance_mm: f64) -> f64 {
         .sum()
 }
 
-/// Leaves marks only where a cell and its four neighbours are marked, or one of them is such a cell.
+/// Keeps a mark only where a cell and its four neighbours are marked, or where this holds for one of the neighbours.
 fn open(grid: SurfaceGrid, marks: &mut [bool], inner: &mut [bool]) {
     for (cell, inner) in inner.iter_mut().enumerate() {
         *inner =
             marks[cell] && surface::neighbours(grid, cell).is_some_and(|near| near.iter().all(|&near| marks[near]));
     }
-    // Cells at the grid's border are no such cells, so a step over it finds none.
+    // Cells at the grid's border do not count, so a step across it finds none.
     let columns = grid.columns;
     let around = |cell: usize| [cell.wrapping_sub(1), cell + 1, cell.wrapping_sub(columns), cell + columns];
     for (cell, mark) in marks.iter_mut().enumerate() {

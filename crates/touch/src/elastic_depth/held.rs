@@ -1,5 +1,5 @@
-//! The gel held in contact: the tractions that this takes, the force and the torque that they make, and whether they explain
-//! how the gel moves around.
+//! The tractions that cause the displacement in contact, their force and torque, and whether they explain the motion of
+//! the gel around contact.
 
 use fingervision_elastic::{BlockOperator, SurfaceGrid};
 
@@ -10,15 +10,15 @@ use super::stiffening::Strain;
 use super::surface::{Seen, Surface};
 use super::traction::{Limits, Tractions};
 
-/// How far from contact the gel's motion is compared with what elasticity makes of it, in thicknesses: nearer, strain is
-/// too large for a linear law.
+/// Distance from contact, in thicknesses, beyond which the gel's motion is compared with the elastic model's: nearer,
+/// strain is too large for a linear law.
 const AWAY: f64 = 0.25;
-/// Deviations of the flow that explain a difference between the two.
+/// Number of deviations of the flow up to which a difference between the two is explained by noise.
 const FLOW_DEVIATIONS: f64 = 2.0;
-/// Motion away from contact below which nothing is said about the gel, px, root mean square.
+/// Motion away from contact, px, root mean square, below which the gel is not judged.
 const TELLING_PX: f64 = 0.25;
 
-/// Holds the gel where it is touched.
+/// Prescribes the displacement of the gel in contact.
 #[derive(Debug)]
 pub(super) struct HeldGel {
     coarse: Coarse,
@@ -27,7 +27,7 @@ pub(super) struct HeldGel {
     seen: Vec<Seen>,
     touches: Vec<bool>,
     wanted_mm: Vec<[f32; 3]>,
-    /// The cell in contact that is nearest to each.
+    /// The nearest cell in contact for each cell.
     nearest: Vec<Place>,
 }
 
@@ -46,7 +46,7 @@ impl HeldGel {
         }
     }
 
-    /// The cells to which the tractions belong.
+    /// The cells that the tractions act on.
     pub(super) fn grid(&self) -> SurfaceGrid {
         self.coarse.grid
     }
@@ -56,18 +56,18 @@ impl HeldGel {
         self.tractions.displacement_mm()
     }
 
-    /// Forgets the frames before.
+    /// Forgets the previous frames.
     pub(super) fn rest(&mut self) {
         self.tractions.rest();
     }
 
-    /// Finds tractions that give the gel in contact its displacement.
+    /// Finds tractions that cause the displacement in contact.
     pub(super) fn hold(&mut self, surface: &Surface, contact: &ContactFinder) {
         self.gather(surface, contact);
         self.tractions.hold(&self.touches, &self.wanted_mm, self.limits);
     }
 
-    /// Brings to the larger cells what is known of the surface's: the mean around each centre.
+    /// Transfers values of the surface's cells to the larger cells: the mean around each centre.
     fn gather(&mut self, surface: &Surface, contact: &ContactFinder) {
         for (cell, around) in self.coarse.around().enumerate() {
             let seen = Seen {
@@ -83,9 +83,9 @@ impl HeldGel {
         }
     }
 
-    /// How far the motion along the surface, well away from contact, is from what the tractions make there beyond the flow's own
-    /// error: root mean square over the largest depth; that of the whole surface where there is no contact, none where the motion
-    /// is too small to tell.
+    /// Difference between the motion along the surface, well away from contact, and the motion that the tractions predict
+    /// there, beyond the flow's own error: root mean square over the largest depth; over the whole surface where there is
+    /// no contact, none where the motion is too small.
     pub(super) fn unexplained(&mut self, thickness_mm: f64, deepest_mm: f64, mm_per_px: f64) -> Option<f64> {
         let away = AWAY * thickness_mm / self.grid().cell_mm;
         let columns = self.grid().columns;
@@ -108,14 +108,14 @@ impl HeldGel {
         (all > count * telling_mm * telling_mm).then(|| (left / count).sqrt() / deepest_mm.max(telling_mm))
     }
 
-    /// Strain in contact, pressed to a depth; nothing slides where there is a face that the gel sticks to.
+    /// Strain in contact at a depth; nothing slides where there is a stuck face.
     pub(super) fn strain(&self, thickness_mm: f64, deepest_mm: f64, has_face: bool) -> Strain {
         let strain = Strain::of(self.grid(), &self.touches, &self.wanted_mm, deepest_mm, thickness_mm);
         if has_face { Strain { slide: 0.0, ..strain } } else { strain }
     }
 
-    /// Force `(x, y, z)`, N, and torque about the z axis through the centre of contact, N mm, of a gel of this shear modulus
-    /// that is strained so in contact; hands the traction of each cell, `MPa`, to `write`.
+    /// Force `(x, y, z)`, N, and torque about the z axis through the centre of contact, N mm, for a gel of this shear
+    /// modulus and this strain in contact; passes the traction of each cell, `MPa`, to `write`.
     pub(super) fn force(
         &self,
         shear_modulus_mpa: f64,
@@ -142,7 +142,7 @@ impl HeldGel {
         (force, torque)
     }
 
-    /// The middle of contact where it is now, mm.
+    /// The current middle of contact, mm.
     fn centre_mm(&self) -> [f64; 2] {
         let (mut sum, mut count) = ([0.0; 2], 0.0);
         let cells = self.grid().centres_mm().zip(&self.wanted_mm).zip(&self.touches);

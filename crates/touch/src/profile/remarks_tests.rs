@@ -1,19 +1,4 @@
-use super::{Profile, Remark, Weight};
-
-/// The profile of the documentation.
-const SENSOR: &str = "
-    [image]
-    region_of_interest = [15, 15, 610, 450]
-    [camera]
-    focal_length_px = [400.0, 400.0]
-    principal_point_px = [304.5, 224.5]
-    translation_mm = [0.0, 0.0, 25.0]
-    [gel]
-    size_mm = [30.0, 30.0]
-    thickness_mm = 10.0
-    poissons_ratio = 0.48
-    youngs_modulus_mpa = 0.6
-";
+use super::{Profile, Remark, SENSOR, Weight};
 
 /// What there is to say once some values are others.
 fn remarks(assignments: &[(&str, &str)]) -> Vec<Remark> {

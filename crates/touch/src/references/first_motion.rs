@@ -1,28 +1,30 @@
-//! What the first motion of the gel says about the first image: did it show the gel at rest or pressed?
+//! Decides from the first motion of the gel whether the first image showed it at rest or pressed.
 //!
-//! Which way the surface moves along itself is no evidence. Nearly incompressible gel gives way sideways and compressible
-//! gel is drawn in, so a press on the one looks much like a release of the other. Two signs hold for every gel, because a
-//! surface that is pressed comes nearer to the camera, and what comes nearer moves away from the centre of perspective:
+//! The direction in which the surface moves along itself is not evidence. Nearly incompressible gel is pushed outwards
+//! and compressible gel is drawn in, so a press on the one looks much like a release of the other. Two signs hold for
+//! every gel, because a pressed surface comes nearer to the camera, and what comes nearer moves away from the centre of
+//! perspective:
 //!
 //! - **Far from contact**, all around it, a press leaves the surface where it is or moves it outwards, whatever Poisson's
 //!   ratio is. A release moves it inwards.
-//! - **The face**, where motion is largest, is a patch that is scaled about the centre of perspective: a press away from the
+//! **The face**, where motion is largest, is a patch that is scaled about the centre of perspective: a press away from
+//! the
 //!   centre shifts and magnifies it, a release shifts it back and makes it smaller, both by the same factor. Shear
 //!   shifts without magnifying.
 //!
-//! Each is evidence for either answer. Without any the first image stays undecided and the next frame is looked at.
+//! Each is evidence for either answer. Without any, the first image stays undecided and the next frame is tested.
 
 use fingervision_flow::Estimate;
 
 /// Flow that counts as motion, px: well above noise and slow drift.
 const MOTION_PX: f32 = 0.5;
-/// Fewer moving samples may be anything.
+/// With fewer moving samples nothing is decided.
 const LEAST_MOVING: usize = 16;
 /// Part of the moving samples' motion that must point to or from the centre of perspective, dimensionless.
 const CERTAIN: f32 = 0.5;
-/// Least mean motion far from contact, px: the mean of so many samples is known to a few thousandths.
+/// Least mean motion far from contact, px: the mean of this many samples is accurate to a few thousandths.
 const LEAST_FAR_PX: f32 = 0.04;
-/// The same as a part of the largest motion: simulated presses err to the other side by less than half of it.
+/// The same as a part of the largest motion: in simulated presses the error to the other side is less than half of it.
 const LEAST_FAR: f32 = 0.02;
 /// Samples that move by this part of the largest motion are the face.
 const FACE: f32 = 0.6;
@@ -30,11 +32,12 @@ const FACE: f32 = 0.6;
 const LEAST_ASIDE: f32 = 0.2;
 /// Cosine between the face's shift and the line to the centre of perspective.
 const LEAST_ALIGNED: f32 = 0.9;
-/// Shift of the face over what its magnification makes of its distance from the centre: 1 by perspective alone.
+/// Shift of the face over the shift predicted from its magnification and its distance from the centre: 1 by perspective
+/// alone.
 const SHIFT_BY_SCALE: std::ops::Range<f32> = 0.5..1.5;
-/// Root mean square that shift and magnification may leave of the face's motion, as a part of the largest.
+/// Root mean square residual of the face's motion after shift and magnification, as a part of the largest motion.
 const MOST_UNEXPLAINED: f32 = 0.2;
-/// Every so many pixels either way are looked at.
+/// Distance between samples along both axes, px.
 pub(super) const STEP: usize = 8;
 
 /// What the first image showed.
@@ -51,7 +54,7 @@ struct Sample {
     flow: [f32; 2],
 }
 
-/// Looks at flows from the first image; keeps its scratch.
+/// Tests flows from the first image; keeps its scratch memory.
 #[derive(Debug)]
 pub(super) struct FirstMotion {
     /// The centre of perspective, px.
@@ -60,12 +63,12 @@ pub(super) struct FirstMotion {
 }
 
 impl FirstMotion {
-    /// Looks at flows of a camera that has its centre of perspective there, px.
+    /// For a camera with this centre of perspective, px.
     pub(super) fn new(centre_px: [f32; 2]) -> Self {
         Self { centre_px, samples: Vec::new() }
     }
 
-    /// What a flow says of the first image; none where little moves or the motion could be either.
+    /// What a flow shows about the first image; none if little moves or the motion could be either.
     pub(super) fn judge(&mut self, estimate: &Estimate) -> Option<FirstImage> {
         self.take(estimate);
         let moving = || self.samples.iter().filter(|sample| sample.length() > MOTION_PX);
@@ -83,7 +86,7 @@ impl FirstMotion {
         }
         let half_height = 0.5 * estimate.flow.size().1 as f32;
         let scale = self.scale_of_face(largest, LEAST_ASIDE * half_height)?;
-        // The surroundings must not say the opposite.
+        // The surroundings must not show the opposite.
         let is_denied = far_px.abs() > limit_px && (scale > 0.0) != (far_px > 0.0);
         let says = if scale > 0.0 { FirstImage::AtRest } else { FirstImage::Pressed };
         (!is_denied).then_some(says)
@@ -99,7 +102,7 @@ impl FirstMotion {
         self.samples.extend(measured.map(sample));
     }
 
-    /// `Σ f·(x − p) / Σ |f| |x − p|` over what moves, about the centre of perspective `p`.
+    /// `Σ f·(x − p) / Σ |f| |x − p|` over the moving samples, about the centre of perspective `p`.
     fn outwards(&self) -> f32 {
         let moving = self.samples.iter().filter(|sample| sample.length() > MOTION_PX);
         let (along, all) = moving.fold((0.0, 0.0), |(along, all), sample| {

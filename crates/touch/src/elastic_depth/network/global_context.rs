@@ -1,8 +1,8 @@
-//! What every cell is told of the gel as a whole.
+//! A layer that adds the mean over the whole gel to every cell.
 
 use super::plane::Plane;
 
-/// Adds to every cell what a matrix makes of the mean over all cells, then makes negative values zero.
+/// Adds a linear function of the mean over all cells to every cell, then sets negative values to zero.
 #[derive(Debug, Clone)]
 pub(super) struct GlobalContext {
     /// `[output][input]`.
@@ -13,7 +13,7 @@ pub(super) struct GlobalContext {
 }
 
 impl GlobalContext {
-    /// Weights and biases of a matrix from so many channels to as many.
+    /// Number of weights and biases of a matrix from this many channels to as many.
     pub(super) fn len(channels: usize) -> usize {
         channels * (channels + 1)
     }

@@ -1,12 +1,12 @@
-//! What was learned from simulated presses: where the gel is touched, and how deep it is there.
+//! The network trained on simulated presses: estimates where the gel is touched, and how deep.
 //!
-//! A convolutional network in the shape of a U ([Ronneberger2015]): it looks at the apparent motion of the surface and at the
-//! rays along which it is seen, in mm, at three resolutions, and tells depth, contact and the error to expect of the depth at
-//! every cell. It was trained on presses of random bodies, gels and cameras by our own simulator alone (`learn/`), none of them a
-//! ready-made scene.
+//! A convolutional network of the U-Net type ([Ronneberger2015]). Its inputs are the apparent motion of the surface and
+//! the slopes of the rays, in mm, at three resolutions; its outputs are depth, contact and the expected error of the
+//! depth at every cell. It was trained only on presses of random bodies, gels and cameras by our own simulator
+//! (`learn/`), none of them a ready-made scene.
 //!
-//! The order of sums is fixed, but products are fused into them where the processor can: one machine gives the same bits
-//! again, instruction sets differ in the last ones.
+//! The order of sums is fixed, but multiply and add are fused where the processor supports it: one machine always gives
+//! the same bits, instruction sets differ in the last ones.
 
 mod convolution;
 mod global_context;
@@ -29,7 +29,7 @@ const WEIGHTS: &[u8] = include_bytes!("../../../weights/contact.bin");
 pub(super) const INPUTS: usize = 5;
 /// Inputs that are the same for all cells: Poisson's ratio and thickness.
 pub(super) const CONSTANTS: usize = 2;
-/// Side of the gel that all others are scaled to, mm.
+/// Side of the gel that all gels are scaled to, mm.
 pub(super) const SIZE_MM: f64 = 30.0;
 
 /// The inputs that are the same for all cells, for a gel scaled to a side of [`SIZE_MM`].
@@ -37,7 +37,7 @@ pub(super) fn constants(poissons_ratio: f64, thickness_mm: f64) -> [f32; CONSTAN
     [(poissons_ratio - 0.42) * 8.0, (thickness_mm - 10.0) / 3.0].map(|value| value as f32)
 }
 
-/// The gels and cameras whose presses were learned from, in words: what `Sensor::is_in_training_range` judges by.
+/// The training range of gel and camera in words: what `Sensor::is_in_training_range` tests.
 pub const TRAINING_RANGE: &str = "nearly square gels 0.2 to 0.5 of their side thick, of Poisson's ratio 0.29 to 0.5, seen from 0.4 to \
                                1.4 of their side";
 
@@ -53,7 +53,7 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
-    /// That of a gel so far away, mm: elasticity knows no scale.
+    /// A gel at this distance, mm, scaled: elasticity has no length scale.
     pub(super) fn new(gel: &GelBlock, distance_mm: f64) -> Self {
         let [width_mm, height_mm] = gel.size_mm;
         let scale = SIZE_MM / width_mm.max(height_mm);
@@ -65,25 +65,25 @@ impl Sensor {
         }
     }
 
-    /// Whether what was learned says anything of such a gel.
+    /// Whether the network can be used for such a gel.
     pub(super) fn network_applies(&self) -> bool {
         (0.29..=0.5).contains(&self.poissons_ratio) && (6.0..=15.0).contains(&self.thickness_mm)
     }
 
-    /// Whether presses of such a gel, square and from about so far, were among those learned from.
+    /// Whether gel and distance are inside the training range.
     pub(super) fn is_in_training_range(&self) -> bool {
         self.network_applies() && self.shorter_mm >= 0.9 * SIZE_MM && (12.0..=42.0).contains(&self.distance_mm)
     }
 }
 
-/// Depth, the logarithm of the odds of contact and that of the error expected of the depth.
+/// Depth, the logarithm of the odds of contact, and the logarithm of the expected error of the depth.
 pub(super) const OUTPUTS: usize = 3;
 /// Sides of the grid must be multiples of this, and at least [`LEAST_SIDE`].
 pub(super) const MULTIPLE: usize = 8;
-/// The least side of a grid, cells: at the coarsest resolution what a layer takes together.
+/// The least side of a grid, cells: at the coarsest resolution the number of cells a layer computes together.
 pub(super) const LEAST_SIDE: usize = convolution::CELLS * MULTIPLE;
 
-/// The network with room for one grid.
+/// The network with buffers for one grid.
 #[derive(Debug, Clone)]
 pub(super) struct ContactNetwork {
     level: Level,
@@ -109,7 +109,7 @@ struct Layers {
 }
 
 impl ContactNetwork {
-    /// Room for a grid of cells, both sides multiples of [`MULTIPLE`] and at least [`LEAST_SIDE`].
+    /// Buffers for a grid of cells, both sides multiples of [`MULTIPLE`] and at least [`LEAST_SIDE`].
     pub(super) fn new((columns, rows): (usize, usize)) -> Self {
         let (channels, layers) = Layers::read(WEIGHTS);
         let [fine, middle, coarse] = channels;
@@ -128,8 +128,8 @@ impl ContactNetwork {
         }
     }
 
-    /// Depth, mm, the logarithm of the odds of contact and that of the depth's expected error, mm, for every cell, from what
-    /// `input` gives for a cell `(column, row)`.
+    /// Depth, mm, the logarithm of the odds of contact and that of the depth's expected error, mm, for every cell;
+    /// `input` gives the inputs of a cell `(column, row)`.
     pub(super) fn run(
         &mut self,
         constants: [f32; CONSTANTS],
@@ -189,7 +189,7 @@ impl ContactNetwork {
 }
 
 impl Layers {
-    /// The three numbers of channels and the layers of a file of weights.
+    /// Reads the three numbers of channels and the layers from a weights file.
     fn read(file: &[u8]) -> ([usize; 3], Self) {
         let (words, rest) = file.as_chunks::<4>();
         assert!(rest.is_empty(), "a file of weights is whole words");
@@ -215,7 +215,7 @@ impl Layers {
     }
 }
 
-/// What is left of a file of weights.
+/// The unread part of a weights file.
 struct Reader<'a>(&'a [f32]);
 
 impl<'a> Reader<'a> {

@@ -1,23 +1,23 @@
-//! The symmetries to look at a gel: as it is, in mirrors and turned by quarters.
+//! The symmetries of the gel: mirror images and quarter turns.
 //!
-//! What presses a gel does not depend on where left is, and the network only nearly learned that. The mean of what it tells
-//! in all symmetries errs less than what it tells in one.
+//! The result must not depend on the orientation of the gel, but the network learned that only approximately. The mean of
+//! its estimates over all symmetries has a smaller error than a single one.
 
 use super::INPUTS;
 
-/// A mirror, a quarter turn or both of a grid of cells.
+/// A mirror image, a quarter turn or both, of a grid of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::elastic_depth) struct Symmetry {
-    /// Left and right change places,
+    /// Left and right are exchanged,
     across: bool,
-    /// above and below do,
+    /// above and below are,
     down: bool,
-    /// and then columns and rows do.
+    /// and then columns and rows are.
     transposed: bool,
 }
 
 impl Symmetry {
-    /// As it is.
+    /// The identity.
     pub(in crate::elastic_depth) const PLAIN: Self = Self { across: false, down: false, transposed: false };
 
     /// All symmetries that keep the size of a grid: eight for a square, else four.
@@ -36,7 +36,7 @@ impl Symmetry {
         symmetries
     }
 
-    /// The cell of a grid that is seen at a place.
+    /// The cell of the grid that appears at a place of the transformed grid.
     pub(in crate::elastic_depth) fn place(
         self,
         (columns, rows): (usize, usize),
@@ -46,7 +46,7 @@ impl Symmetry {
         (if self.across { columns - 1 - column } else { column }, if self.down { rows - 1 - row } else { row })
     }
 
-    /// The inputs of a cell as they are seen.
+    /// The inputs of a cell, transformed.
     pub(in crate::elastic_depth) fn inputs(self, [x, y, slope_x, slope_y, spread]: [f32; INPUTS]) -> [f32; INPUTS] {
         let turned = |is_mirrored: bool, value: f32| if is_mirrored { -value } else { value };
         let [x, slope_x] = [x, slope_x].map(|value| turned(self.across, value));

@@ -21,7 +21,7 @@ fn filled(size: (usize, usize), channels: usize) -> Plane {
     plane
 }
 
-/// A layer as its definition says, one sum at a time.
+/// A layer computed by its definition, one sum at a time.
 fn slow(shape: Shape, values: &[f32], from: &Plane, (column, row): (usize, usize), output: usize) -> f64 {
     let Shape { inputs, outputs, side, stride } = shape;
     let mut sum = f64::from(values[outputs * inputs * side * side + output]);
@@ -100,7 +100,7 @@ fn a_way_back_leads_to_the_same_cell() {
     let symmetries = Symmetry::all((72, 72));
     assert_eq!(symmetries.len(), 8);
     for way in symmetries {
-        // A motion that grows from the middle looks the same in every way.
+        // A motion that grows from the middle looks the same under every symmetry.
         let middle = |place: (usize, usize)| [place.0 as f32 - 35.5, place.1 as f32 - 35.5];
         for place in [(0, 0), (71, 3), (20, 50)] {
             let [x, y] = middle(way.place((72, 72), place));
