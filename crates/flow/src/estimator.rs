@@ -7,14 +7,14 @@ use crate::{FlowError, FlowField, FlowParams, Picture, Preset};
 use fearless_simd::Level;
 use fingervision_image::Image;
 
-/// A reference made ready for matching: everything that depends on it alone.
+/// A reference prepared for matching: everything that depends only on it.
 #[derive(Debug, Clone)]
 pub struct Reference {
     search: SearchReference,
     affine: AffineReference,
     mean_level: f32,
     sharpness: f32,
-    /// The picture itself, where the round trip is checked.
+    /// The picture itself, if the round trip is checked.
     picture: Option<Picture>,
 }
 
@@ -41,30 +41,30 @@ impl Reference {
 /// Where the estimate starts.
 #[derive(Debug, Clone, Copy)]
 pub enum Start<'a> {
-    /// From nowhere: the dense inverse search finds the flow, whatever its length. Given a flow, the search tries it too.
+    /// Without a start: the dense inverse search finds the flow, whatever its length. If a flow is given, the search also
+    /// tries it.
     Search(Option<&'a FlowField>),
-    /// From a flow that is a few px off at most, such as that of the frame before.
+    /// From a flow that is a few px off at most, such as that of the previous frame.
     Flow(&'a FlowField),
 }
 
-/// A flow and what it is worth. Made once and written for every frame.
+/// A flow with its deviation and validity. Made once and overwritten for every frame.
 #[derive(Debug, Clone)]
 pub struct Estimate {
-    /// Displacement of every reference pixel, px. Where it is not valid it is what the surroundings suggest.
+    /// Displacement of every reference pixel, px. Where it is not valid it is interpolated from the surroundings.
     pub flow: FlowField,
     /// Predicted standard deviation of the displacement (both components together), px; infinite where the patch
     /// failed or the point has left the image.
     pub deviation: Image<f32>,
-    /// 1 where the flow is a measurement, else 0.
+    /// 1 where the flow is a valid measurement, else 0.
     pub valid: Image<u8>,
     /// Part of the textured patches that match, 0 to 1; 0 where no patch has texture. Patches that left the image do not
     /// count unless they are the majority.
     pub matched: f32,
-    /// Root mean square of what the matching patches leave unexplained, grey levels a channel; not a number where none
-    /// matches.
+    /// Root mean square residual of the matching patches, grey levels per channel; not a number if none matches.
     pub residual_levels: f32,
-    /// Part of its variance that half of the textured patches leave unexplained at least, 0 to 1: what noise, blur or
-    /// another picture put into most of the image. What a contact hides does not count.
+    /// The median over the textured patches of the unexplained part of the variance, 0 to 1: caused by noise, blur or
+    /// another picture over most of the image. What a contact occludes does not count.
     pub unexplained: f32,
 }
 
@@ -93,7 +93,7 @@ impl Estimate {
     }
 }
 
-/// Estimates flow between pictures of one size. It owns its scratch: an estimate allocates nothing.
+/// Estimates flow between pictures of one size. It owns its scratch memory: an estimate allocates nothing.
 #[derive(Debug, Clone)]
 pub struct FlowEstimator {
     width: usize,
@@ -105,7 +105,7 @@ pub struct FlowEstimator {
     way_back: Option<Box<WayBack>>,
 }
 
-/// What the round trip needs: the current picture as reference.
+/// Data for the round trip: the current picture as reference.
 #[derive(Debug, Clone)]
 struct WayBack {
     reference: Reference,
@@ -114,7 +114,7 @@ struct WayBack {
     error: Image<f32>,
 }
 
-/// Fixed-point passes that turn a flow round, to start the way back.
+/// Fixed-point iterations that invert a flow, as a start of the backward flow.
 const INVERSION_PASSES: usize = 6;
 
 /// Most pixels of a picture: the kernels count them in `f32`, which is exact up to here.
@@ -128,7 +128,8 @@ impl FlowEstimator {
     ///
     /// # Errors
     ///
-    /// [`FlowError::TooSmall`] below 32 px either way; [`FlowError::TooLarge`] above 2²⁴ px in all; [`FlowError::Parameter`] for a parameter out of range.
+    /// [`FlowError::TooSmall`] below 32 px along an axis; [`FlowError::TooLarge`] above 2²⁴ px in total;
+    /// [`FlowError::Parameter`] for a parameter out of range.
     pub fn new(width: usize, height: usize, params: &FlowParams) -> Result<Self, FlowError> {
         params.validate()?;
         if width.min(height) < LEAST_SIZE {
@@ -207,7 +208,7 @@ impl FlowEstimator {
         }
     }
 
-    /// Matches backwards and marks the pixels that do not come back to where they began.
+    /// Matches backwards and marks the pixels that do not return to where they began.
     fn check_round_trip(&mut self, reference: &Picture, current: &Picture, limit: f32, out: &mut Estimate) {
         let Some(mut way_back) = self.way_back.take() else { return };
         let WayBack { reference: back_reference, start, flow, error } = &mut *way_back;
