@@ -7,9 +7,8 @@
 //!
 //! - **Far from contact**, all around it, a press leaves the surface where it is or moves it outwards, whatever Poisson's
 //!   ratio is. A release moves it inwards.
-//! **The face**, where motion is largest, is a patch that is scaled about the centre of perspective: a press away from
-//! the
-//!   centre shifts and magnifies it, a release shifts it back and makes it smaller, both by the same factor. Shear
+//! - **The face**, where motion is largest, is a patch that is scaled about the centre of perspective: a press away from
+//!   the centre shifts and magnifies it, a release shifts it back and makes it smaller, both by the same factor. Shear
 //!   shifts without magnifying.
 //!
 //! Each is evidence for either answer. Without any, the first image stays undecided and the next frame is tested.
