@@ -1,4 +1,4 @@
-//! What the sides change, ready to be applied.
+//! The effect of the sides, prepared for use.
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -14,12 +14,13 @@ use crate::layer::Layer;
 /// Rows of a matrix whose products are summed at once.
 const ROWS: usize = 8;
 
-/// From forces on the nodes of a block's coarse surface to their displacements, less what the grid of cells carries.
+/// From forces on the nodes of a block's coarse surface to their displacements, minus the part computed on the grid of
+/// cells.
 #[derive(Debug)]
 pub(super) struct Correction {
     pub(super) nodes: [usize; 2],
     pub(super) cell_mm: [f64; 2],
-    /// What is left to the grid of cells.
+    /// The part computed on the grid of cells.
     pub(super) near: Near,
     parts: Vec<Part>,
     simd: Level,
@@ -30,12 +31,12 @@ pub(super) struct Correction {
 struct Part {
     /// For each unknown, the values of the field that it stands for: place in the nodal vector, factor.
     fields: Vec<[(usize, f32); 4]>,
-    /// Symmetric, times the shear modulus, 1/mm; rows and columns filled up with zeros.
+    /// Symmetric, times the shear modulus, 1/mm; rows and columns padded with zeros.
     matrix: Vec<f32>,
     size: usize,
 }
 
-/// Scratch for one parity's forces and displacements.
+/// Scratch memory for one parity's forces and displacements.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch([Vec<f32>; 2]);
 
@@ -94,7 +95,7 @@ impl Part {
             *from = field.iter().map(|&(place, factor)| factor * forces[place]).sum();
         }
         let rows = self.matrix.chunks_exact(ROWS * size).zip(from.chunks_exact(ROWS));
-        // What touches a gel leaves most of it free.
+        // A contact leaves most of the gel free.
         for (rows, from) in rows.filter(|(_, from)| from.iter().any(|&force| force != 0.0)) {
             let row: [&[f32]; ROWS] = std::array::from_fn(|n| &rows[n * size..][..size]);
             for column in 0..size {
