@@ -79,7 +79,7 @@ impl TryFrom<Table> for Pattern {
             ("coverage", table.coverage.is_some(), Kind::Speckle),
         ];
         if let Some((key, _, owner)) = keys.into_iter().find(|&(_, is_given, owner)| is_given && owner != kind) {
-            return Err(format!("{key} belongs to the kind {owner:?}, not to {kind:?}").to_lowercase());
+            return Err(format!("{key} is for the kind {owner:?}, not for {kind:?}").to_lowercase());
         }
         let motif = match kind {
             Kind::Colour => Motif::Colour { cell_mm: table.cell_mm.unwrap_or(Motif::CELL_MM) },

@@ -1,9 +1,9 @@
-//! What each part of the image shows, row by row.
+//! The colours of the parts of the image, row by row.
 //!
-//! A part is half a pixel wide. Its four corners, as they lie on the undeformed surface, span a quadrilateral there;
-//! the part is the mean of the cells in it, weighted by area, times the light. At the gel's border the quadrilateral is
-//! cut and the rest is background. Where the surface may hide itself, corners need not belong together: there the part
-//! is the mean of many rays.
+//! A part is half a pixel wide. Its four corners, mapped to the undeformed surface, span a quadrilateral there; the part
+//! is the mean of the cells in it, weighted by area, times the light. At the gel's border the quadrilateral is cut and
+//! the rest is background. Where the surface may occlude itself, the corners may lie on different parts of it: there the
+//! part is the mean of many rays.
 
 use super::cells::{CellTable, Place};
 use super::lattice::Lattice;
@@ -14,7 +14,7 @@ use crate::polygon::{Point, cut, signed_area};
 use fearless_simd::{Simd, f32x4, prelude::*};
 use fearless_simd_macros::simd;
 
-/// Parts of fewer cells than this are taken by rays: their corners are all but one point.
+/// Parts of fewer cells than this are computed by rays: their corners are almost one point.
 const LEAST_AREA: f32 = 1e-5;
 
 /// A row of corners.
@@ -30,14 +30,14 @@ struct CornerRow {
 pub(crate) struct PartRows {
     above: CornerRow,
     below: CornerRow,
-    /// Columns of the parts that take rays.
+    /// Columns of the parts that are computed by rays.
     rayed: Vec<usize>,
     polygon: Vec<Point>,
     beyond: Vec<Point>,
     kept: Vec<Point>,
 }
 
-/// What is needed to colour parts.
+/// Inputs for the colours of parts.
 pub(crate) struct ColourInputs<'a> {
     pub(crate) lattice: Lattice,
     pub(crate) planes: &'a Planes,
@@ -61,7 +61,7 @@ impl PartRows {
         }
     }
 
-    /// Takes the first row of corners.
+    /// Computes the first row of corners.
     #[simd]
     pub(crate) fn begin<S: Simd>(&mut self, simd: S, inputs: &ColourInputs) {
         self.below.take(simd, inputs, 0);
@@ -117,7 +117,7 @@ impl PartRows {
         }
     }
 
-    /// A part at the gel's border or beyond, or one that takes rays.
+    /// A part at the gel's border or beyond, or one that is computed by rays.
     #[simd]
     fn odd_part<S: Simd>(
         &mut self,

@@ -1,4 +1,4 @@
-//! A part of the image by many rays, where the surface hides some of itself.
+//! A part of the image by many rays, where the surface occludes some of itself.
 
 use super::cells::Place;
 use super::lattice::{LANES, Lattice, Rays};
@@ -7,20 +7,20 @@ use super::raster::{Seen, Target};
 use fearless_simd::{Simd, f32x8, prelude::*};
 use fearless_simd_macros::simd;
 
-/// Rays a part: an edge in any direction is placed within about 1/64 of a part.
+/// Rays per part: an edge in any direction is located to about 1/64 of a part.
 const RAYS: usize = LANES * LANES;
 
 /// A number that spreads `k · SPREAD mod RAYS` evenly: no two rays share a column or a row of the part.
 const SPREAD: usize = 27;
 
-/// Where in a part its rays go through it.
+/// Positions of the rays within a part.
 #[derive(Debug, Clone)]
 pub(crate) struct Samples {
     x: [[f32; LANES]; LANES],
     y: [[f32; LANES]; LANES],
 }
 
-/// What the rays may meet.
+/// The surface for the rays.
 pub(crate) struct Scene<'a> {
     /// Every patch.
     pub(crate) targets: &'a [Target],
@@ -37,7 +37,7 @@ impl Samples {
         }
     }
 
-    /// Mean colour of what a part's rays meet first.
+    /// Mean colour of the first intersections of a part's rays.
     #[simd]
     pub(crate) fn colour<S: Simd>(
         &self,
