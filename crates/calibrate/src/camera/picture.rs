@@ -6,7 +6,7 @@ use fingervision_sink::{HeatPanel, HeatPanels, HeatScale};
 use super::report::CameraReport;
 use super::residuals::ResidualMap;
 
-/// So much of a map lies within its scale.
+/// This part of a map lies within its scale.
 const SHOWN_PART: f64 = 0.995;
 
 pub(super) fn draw(report: &CameraReport, maps: &[ResidualMap]) -> Image<[u8; 3]> {
@@ -34,7 +34,7 @@ pub(super) fn draw(report: &CameraReport, maps: &[ResidualMap]) -> Image<[u8; 3]
         vec![
             panel(&map.before_px, "Before", limit_px, "The plain camera: upright, no distortion."),
             panel(&map.after_px, "After", limit_px, "The fitted camera, on the same scale."),
-            panel(&map.after_px, "After", limit(&map.after_px), "The fitted camera, on a scale of its own."),
+            panel(&map.after_px, "After", limit(&map.after_px), "The fitted camera, on its own scale."),
         ]
     });
     let size = maps.first().map_or((1, 1), |map| map.size);

@@ -1,29 +1,29 @@
-//! What the depths of a press can be, and what a law that is fitted to presses can be.
+//! Possible depths of a press, and possible laws fitted to presses.
 //!
-//! A table in another unit, with another sign or in another order still gives a line. These limits are wide: they let every
-//! sensor through that a camera looks at, and stop what no sensor is.
+//! A table in another unit, with another sign or in another order still gives a line. These limits are wide: they accept
+//! every camera-based sensor, and reject what no sensor can be.
 
 use fingervision_touch::{DepthLaw, Profile};
 
 use super::{DepthFit, DepthFitError, FittedLaw};
 
-/// The first depth of a press may differ from zero by this part of its largest: what a hand-set zero is worth.
+/// The first depth of a press may differ from zero by this part of its largest: the accuracy of a hand-set zero.
 const REST: f64 = 0.02;
-/// No gel is pressed that deep, mm.
+/// No gel is pressed deeper, mm.
 const DEEPEST_MM: f64 = 50.0;
-/// A press that is shallower moves the pattern by less than noise, mm.
+/// A shallower press moves the pattern by less than noise, mm.
 const SHALLOWEST_MM: f64 = 0.02;
-/// A press whose feature follows its depth less than this does not show that depth, dimensionless. Simulated presses have
-/// 0.8 and more, sliding faces included.
+/// If the correlation of feature and depth of a press is less than this, the press does not show that depth,
+/// dimensionless. Simulated presses have 0.8 and more, sliding faces included.
 const LEAST_CORRELATION: f64 = 0.6;
-/// Error on presses left out over the deepest depth. A law that knows nothing has 0.6.
+/// Error on presses that were left out over the deepest depth. A law without any information has 0.6.
 const MOST_ERROR: f64 = 0.5;
 /// Gains over that of perspective alone: simulated sensors have 0.5 to 2.
 const GAINS: [f64; 2] = [0.05, 20.0];
-/// Slopes where no camera says what to expect, mm: half the distance to the camera by perspective alone.
+/// Slopes allowed without a camera, mm: half the distance to the camera by perspective alone.
 const SLOPES_MM: [f64; 2] = [0.1, 1000.0];
 
-/// Refuses depths that are none of a press on this sensor.
+/// Refuses depths that are not those of a press on this sensor.
 pub(crate) fn check_depths(press: &str, depths_mm: &[f64], profile: &Profile) -> Result<(), DepthFitError> {
     let press = press.to_owned();
     let Some(&first) = depths_mm.first() else { return Err(DepthFitError::Count { press, images: 1, depths: 0 }) };
@@ -48,7 +48,7 @@ pub(crate) fn check_depths(press: &str, depths_mm: &[f64], profile: &Profile) ->
     Ok(())
 }
 
-/// How deep a sensor can be pressed, mm, and what says so.
+/// The largest possible depth for a sensor, mm, and its reason.
 fn deepest(profile: &Profile) -> (f64, &'static str) {
     let gel = profile.gel.map(|gel| (gel.thickness_mm, "the gel's thickness"));
     let camera = profile.camera.map(|camera| (camera.translation_mm[2], "the distance to the camera"));
@@ -57,7 +57,7 @@ fn deepest(profile: &Profile) -> (f64, &'static str) {
 }
 
 impl DepthFit {
-    /// Refuses a law of this fit that no sensor has, or that does not give the depths of the presses.
+    /// Refuses a law of this fit that no sensor can have, or that does not reproduce the depths of the presses.
     ///
     /// # Errors
     ///
@@ -67,7 +67,7 @@ impl DepthFit {
             let correlation = press.line.correlation;
             return Err(DepthFitError::Unordered { press: press.curve.name.clone(), correlation });
         }
-        // What the line through the origin is over what perspective alone would make of the same presses.
+        // The slope of the line through the origin over that by perspective alone for the same presses.
         let gain = self.perspective.map(|perspective| perspective.slope);
         if let Some(gain) = gain.filter(|gain| !(GAINS[0]..=GAINS[1]).contains(gain)) {
             let expected_mm = profile.camera.map_or(f64::NAN, |camera| 0.5 * camera.translation_mm[2]);
