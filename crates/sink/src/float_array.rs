@@ -1,4 +1,4 @@
-//! Arrays of floating-point numbers, as the tracker has them or with half of the bytes.
+//! Arrays of floating-point numbers, in single or half precision.
 
 use std::path::Path;
 
@@ -7,13 +7,13 @@ use half::f16;
 use crate::arrays::{ArrayWriter, Element};
 use crate::{RunOptions, SinkError};
 
-/// How numbers with a fraction are written.
+/// The format of floating-point numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Precision {
-    /// 4 bytes, as the tracker has them.
+    /// 4 bytes, the tracker's own precision.
     #[default]
     Float32,
-    /// 2 bytes with 11 significant bits: off by up to 1 part in 2048, so 0.004 px for a flow of 8 to 16 px.
+    /// 2 bytes with 11 significant bits: an error of up to 1 part in 2048, so 0.004 px for a flow of 8 to 16 px.
     Float16,
 }
 
@@ -28,7 +28,7 @@ impl Precision {
     }
 }
 
-/// A pixel that can be written in half of the bytes.
+/// A pixel type that can be written in half precision.
 pub(crate) trait Narrow: Element {
     type Half: Element;
 

@@ -1,4 +1,4 @@
-//! Pictures: people look before they read.
+//! Pictures of runs, simulations and comparisons.
 
 mod axes;
 mod canvas;
@@ -47,7 +47,7 @@ use crate::claim::write_file;
 /// Red, green and blue, 0 to 255.
 type Rgb = [u8; 3];
 
-/// Stands for "not valid" in every picture: a grey that no colour scale holds.
+/// The colour for "not valid" in every picture: a grey that is in no colour scale.
 pub const INVALID_COLOUR: Rgb = [158; 3];
 
 /// Writes an image as PNG.
@@ -69,7 +69,7 @@ pub fn png(image: &Image<Rgb>) -> Result<Vec<u8>, SinkError> {
         .map_err(SinkError::writing(Path::new("a picture")))
 }
 
-/// Writes a frame's pixels as PNG, their bits as they are: a folder of them is a recording.
+/// Writes a frame's pixels as PNG without changing their values: a folder of them is a recording.
 ///
 /// # Errors
 ///
@@ -84,7 +84,7 @@ pub fn write_pixels(pixels: &Pixels, path: &Path) -> Result<(), SinkError> {
     }
 }
 
-/// The library takes 16 bits in the machine's own order.
+/// The library expects 16 bits in the machine's byte order.
 fn bytes(levels: &[u16]) -> Vec<u8> {
     levels.iter().flat_map(|level| level.to_ne_bytes()).collect()
 }

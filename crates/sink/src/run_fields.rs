@@ -1,4 +1,4 @@
-//! The arrays that a run keeps, one a field. Where float32 is said, a run of half precision has float16.
+//! The arrays of a run, one for each field. Where float32 is stated, a run of half precision has float16.
 
 use std::path::Path;
 
@@ -18,10 +18,10 @@ pub enum Field {
     Density,
     /// Depth, mm, positive pressed in: `depth.npy`, float32 `[frame][row][column]`.
     Depth,
-    /// 1 where an elastic depth holds, and contact and displacement with it: `depth_valid.npy`, uint8
-    /// `[frame][row][column]`. Where it is kept, `valid.npy` is about flow and density alone.
+    /// 1 where an elastic depth is valid, and contact and displacement with it: `depth_valid.npy`, uint8
+    /// `[frame][row][column]`. If it is written, `valid.npy` refers only to flow and density.
     DepthValid,
-    /// Expected error of an elastic depth, mm, infinite where it does not hold: `depth_deviation.npy`, float32
+    /// Expected error of an elastic depth, mm, infinite where it is not valid: `depth_deviation.npy`, float32
     /// `[frame][row][column]`.
     DepthDeviation,
     /// 1 where the gel touches something: `contact.npy`, uint8 `[frame][row][column]`.
@@ -49,7 +49,7 @@ impl Field {
         Self::Deviation,
     ];
 
-    /// The field's name; its file has the ending `.npy`.
+    /// The field's name; its file has the extension `.npy`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -79,7 +79,7 @@ impl Field {
         }
     }
 
-    /// Whether readings with these fields carry it.
+    /// Whether readings with these fields contain it.
     #[must_use]
     pub fn is_in(self, reading: &Reading) -> bool {
         match self {
@@ -184,7 +184,7 @@ impl RunFields {
         self.valid.stage(expect_size(&reading.valid, "valid", size)?.iter().copied())
     }
 
-    /// Counts what was staged.
+    /// Counts the staged frame.
     ///
     /// # Errors
     ///
@@ -206,7 +206,7 @@ impl RunFields {
         flow + scalars + vectors + masks + self.valid.len_bytes()
     }
 
-    /// Puts all that was written onto the disk.
+    /// Flushes everything to the disk.
     ///
     /// # Errors
     ///
@@ -219,14 +219,14 @@ impl RunFields {
         self.valid.finish()
     }
 
-    /// The fields that are kept, but the flow, which every reading has.
+    /// The fields that are kept, except the flow, which every reading has.
     fn fields(&self) -> impl Iterator<Item = Field> {
         let scalars = self.scalars.iter().map(|(field, _)| *field);
         scalars.chain(self.vectors.iter().map(|(field, _)| *field)).chain(self.masks.iter().map(|(field, _)| *field))
     }
 }
 
-/// The field of one number a pixel.
+/// The field of one number per pixel.
 fn scalar(reading: &Reading, field: Field) -> Option<&Image<f32>> {
     match field {
         Field::Density => reading.density.as_ref(),

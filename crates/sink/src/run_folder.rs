@@ -1,4 +1,4 @@
-//! The folder that a run writes: arrays, the table and `run.toml`.
+//! The folder of a run: arrays, the table and `run.toml`.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use crate::claim::{FolderKind, FolderLock, write_file};
 use crate::run_fields::RunFields;
 use crate::{Field, Precision, Sink, SinkError, Table};
 
-/// What a run consists of; `run.toml` says how it was made.
+/// The contents of a run; `run.toml` describes how it was made.
 const RUN: FolderKind = FolderKind {
     noun: "run",
     marker: "run.toml",
@@ -34,22 +34,22 @@ const RUN: FolderKind = FolderKind {
     folders: &["evaluation"],
 };
 
-/// What a run keeps and where it may write.
+/// Which fields a run keeps, and whether it may overwrite.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunOptions {
     /// Columns and rows of every field, px.
     pub size: (usize, usize),
     /// Columns and rows of the grid of tractions, if [`Field::Traction`] is kept.
     pub traction_size: Option<(usize, usize)>,
-    /// How numbers with a fraction are written.
+    /// The format of floating-point numbers.
     pub precision: Precision,
-    /// The fields to keep; `valid.npy` (uint8, 1 where the fields hold) is always kept.
+    /// The fields to keep; `valid.npy` (uint8, 1 where the fields are valid) is always kept.
     pub fields: Vec<Field>,
     /// Whether a previous run in the folder may be replaced.
     pub overwrite: bool,
 }
 
-/// What a finished run consists of.
+/// The contents of a finished run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct RunSummary {
@@ -63,8 +63,8 @@ pub struct RunSummary {
 
 /// A folder that takes readings, one after another, in constant memory.
 ///
-/// After every reading the files can be read up to and including it. Should the run end between two files, one of them
-/// may be a frame ahead: the shortest says how many are whole.
+/// After every reading the files can be read up to and including it. If the run ends between two files, one of them may
+/// be a frame ahead: the shortest one determines the number of complete frames.
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
@@ -75,7 +75,7 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Makes a folder ready for a run and writes `run_toml`, which says how the run is made.
+    /// Prepares a folder for a run and writes `run_toml`, which describes how the run is made.
     ///
     /// A folder that holds a previous run is refused, or with [`RunOptions::overwrite`] its files are removed first.
     /// A folder that holds anything else is always refused.
@@ -98,7 +98,7 @@ impl RunFolder {
         &self.path
     }
 
-    /// Puts all that was written onto the disk and says what it is.
+    /// Flushes everything to the disk and returns a summary.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! The folder that a simulated press writes: frames, their truth, and what is needed to track and to repeat it.
+//! The folder of a simulated press: frames, their truth, and what is needed to track and to repeat it.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -15,7 +15,7 @@ use crate::{ArrayWriter, SinkError};
 
 const FRAMES: &str = "frames";
 
-/// What a simulated press consists of; `scene.toml` makes it again.
+/// The contents of a simulated press; `scene.toml` reproduces it.
 const SIMULATION: FolderKind = FolderKind {
     noun: "simulation",
     marker: "scene.toml",
@@ -42,17 +42,17 @@ const FORCE_COLUMNS: [&str; 6] = ["frame", "depth_mm", "force_x_n", "force_y_n",
 ///
 /// | file | type | meaning |
 /// | --- | --- | --- |
-/// | `frames/000000.png` … | 8 bit, colour or grey | what the camera sees |
+/// | `frames/000000.png` … | 8 bit, colour or grey | the camera image |
 /// | `truth/flow.npy` | float32 `[N, H, W, 2]` | px, (x, y), reference grid |
 /// | `truth/depth.npy` | float32 `[N, H, W]` | mm, positive pressed in |
 /// | `truth/displacement.npy` | float32 `[N, H, W, 3]` | mm, gel space |
 /// | `truth/contact.npy` | uint8 `[N, H, W]` | 1 where the point touches the indenter |
 /// | `truth/visible.npy` | uint8 `[N, H, W]` | 1 where the camera sees the point |
 /// | `truth/force.csv` | | frame, depth, force on the gel, torque about the centre of contact |
-/// | `profile.toml` | | camera and gel, as the tracker reads them |
+/// | `profile.toml` | | camera and gel, for the tracker |
 /// | `scene.toml` | | the scene, every default written out |
 ///
-/// Where a pixel sees no gel, numbers are NaN and masks 0. After every frame the arrays can be read up to it.
+/// Where a pixel shows no gel, numbers are NaN and masks 0. After every frame the arrays can be read up to it.
 #[derive(Debug)]
 pub struct SimulationFolder {
     path: PathBuf,
@@ -70,11 +70,11 @@ pub struct SimulationFolder {
 /// One frame of a simulated press.
 #[derive(Debug, Clone, Copy)]
 pub struct SimulatedFrame<'a> {
-    /// How deep the indenter is pressed in, mm.
+    /// Indentation depth of the indenter, mm.
     pub depth_mm: f64,
-    /// What the camera sees; absent where only the truth is wanted.
+    /// The camera image; absent if only the truth is wanted.
     pub pixels: Option<&'a Pixels>,
-    /// What that shows.
+    /// Its truth.
     pub truth: &'a Truth,
     /// Force of the indenter on the gel, N.
     pub force_n: [f64; 3],
@@ -83,7 +83,7 @@ pub struct SimulatedFrame<'a> {
 }
 
 impl SimulationFolder {
-    /// Makes a folder ready for a scene, and writes the scene and the sensor's profile.
+    /// Prepares a folder for a scene, and writes the scene and the sensor's profile.
     ///
     /// A folder that holds a previous simulation is refused, or with `overwrite` its files are removed first. A folder
     /// that holds anything else is always refused. Without `has_frames` no images are to be written.
@@ -153,7 +153,7 @@ impl SimulationFolder {
         Ok(())
     }
 
-    /// Puts all that was written onto the disk and says how many frames that are.
+    /// Flushes everything to the disk and returns the number of frames.
     ///
     /// # Errors
     ///
@@ -178,7 +178,7 @@ impl SimulationFolder {
     }
 }
 
-/// The simulated sensor as the tracker knows it: camera and gel.
+/// The profile of the simulated sensor: camera and gel.
 #[must_use]
 pub fn simulated_profile(scene: &Scene) -> Profile {
     let name = format!("simulated: {}", scene.name);

@@ -1,4 +1,4 @@
-//! JPEG pictures, in files of their own and as the frames of a motion JPEG video.
+//! JPEG pictures, in separate files and as the frames of a motion JPEG video.
 
 use crate::picture::pixels;
 use crate::video::Decoder;
@@ -10,9 +10,9 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
 
-/// Decodes a JPEG to 8-bit grey or colour, and tells how the camera was held.
+/// Decodes a JPEG to 8-bit grey or colour, and returns the orientation of the camera.
 ///
-/// A picture without its end is refused: decoders like to fill the missing rows with grey.
+/// A picture without its end is refused: decoders may fill the missing rows with grey.
 pub(crate) fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), String> {
     if !is_whole(bytes) {
         return Err("the JPEG picture is cut off".into());
@@ -44,13 +44,13 @@ fn is_whole(bytes: &[u8]) -> bool {
 
 /// Whether a second picture follows the first: the two fields of an interlaced frame.
 ///
-/// A decoder stops behind the first, and half of the rows would pass for the frame.
+/// A decoder stops after the first, and half of the rows would pass for the frame.
 pub(crate) fn has_two_fields(sample: &[u8]) -> bool {
     let behind = end_of_picture(sample).and_then(|end| sample.get(end..)).unwrap_or_default();
     behind.windows(3).any(|start| start == [0xff, 0xd8, 0xff])
 }
 
-/// Where the first picture ends, by its markers: a thumbnail's end lies within a segment that is skipped.
+/// The end of the first picture, by its markers: a thumbnail's end lies within a segment that is skipped.
 fn end_of_picture(picture: &[u8]) -> Option<usize> {
     let mut at = 2;
     loop {
@@ -85,9 +85,9 @@ impl Decoder for MotionJpeg {
     }
 }
 
-/// A picture that leaves out its Huffman tables, as many USB cameras send it, with a request for the standard ones.
+/// A picture without Huffman tables, as many USB cameras send it, with a request for the standard ones.
 ///
-/// The decoder knows them, but uses them only behind the marker that the AVI format asks for and cameras forget.
+/// The decoder has them, but uses them only after the marker that the AVI format requires and cameras omit.
 fn with_standard_tables(sample: &[u8]) -> Option<Vec<u8>> {
     const START: [u8; 2] = [0xff, 0xd8];
     const AVI_MARKER: [u8; 18] = *b"\xff\xe0\0\x10AVI1\0\0\0\0\0\0\0\0\0\0";

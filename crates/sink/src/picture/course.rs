@@ -1,14 +1,14 @@
-//! How a run went: the numbers of each reading over time, in bounded memory.
+//! The course of a run: the numbers of each reading over time, in bounded memory.
 
 use fingervision_touch::{Flag, Reading};
 
 use super::Rgb;
 use super::trend::{Step, Trend};
 
-/// Told apart by every kind of sight. Okabe and Ito, "Color Universal Design", 2008.
+/// Distinguishable with any kind of colour vision. Okabe and Ito, "Color Universal Design", 2008.
 const BLUE: Rgb = [0, 114, 178];
 const ORANGE: Rgb = [213, 94, 0];
-/// Numbers at the top of their plots at least: noise shall not look like touch.
+/// Least value at the top of each plot: noise must not look like touch.
 const LEAST_FLOW_PX: f32 = 0.05;
 const LEAST_DEPTH_MM: f32 = 0.05;
 const LEAST_FORCE_N: f32 = 0.05;
@@ -24,9 +24,9 @@ pub(super) struct Course {
 
 /// Lines that share a pair of axes.
 pub(super) struct Plot<'a> {
-    /// What is drawn, with its unit.
+    /// The quantity, with its unit.
     pub(super) heading: &'static str,
-    /// The number at the upper edge at least.
+    /// Least number at the upper edge.
     pub(super) least_top: f32,
     /// Name, colour and numbers; a plot of one line needs no name.
     pub(super) lines: Vec<(&'static str, Rgb, &'a [Step])>,

@@ -18,7 +18,7 @@ pub(super) const MARGIN: f32 = 40.0;
 pub(super) const GAP: f32 = 40.0;
 /// Width of a panel and its legend, px.
 pub(super) const COLUMN: f32 = (WIDTH - 2.0 * MARGIN - 2.0 * GAP) / 3.0;
-/// A tall image is shown narrower than its column, px.
+/// A tall image is scaled to fit its column, px.
 pub(super) const MAX_PANEL_HEIGHT: f32 = 600.0;
 pub(super) const PANEL_TOP: f32 = 152.0;
 pub(super) const LEGEND_HEIGHT: f32 = 124.0;

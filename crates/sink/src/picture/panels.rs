@@ -16,12 +16,12 @@ pub(super) const RULE: Rgb = [60, 64, 67];
 const FRAME: Rgb = [200; 3];
 /// Between the tails of arrows, px on the picture.
 const ARROW_PITCH: f32 = 22.0;
-/// Flow that is shown at least at full colour or length, px: noise shall not look like touch.
+/// Least flow with full colour or length, px: noise must not look like touch.
 pub(super) const LEAST_FLOW_PX: f32 = 0.1;
 /// From one line of text to the next, px.
 const LINE: f32 = 24.0;
 
-/// Where a panel stands.
+/// The position of a panel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Panel {
     pub(super) image: Area,
@@ -34,7 +34,7 @@ impl Panel {
     pub(super) fn put(self, canvas: &mut Canvas, heading: &str, image: &Image<Rgb>) {
         canvas.text(heading, (self.image.x, self.image.y - 14.0), HEADING);
         let Area { x, y, width, height } = self.image;
-        // A thin frame: a still field is as white as the page.
+        // A thin frame: a field without motion is as white as the page.
         canvas.rectangle(Area { x: x - 1.0, y: y - 1.0, width: width + 2.0, height: height + 2.0 }, FRAME);
         canvas.copy(image, x as usize, y as usize);
     }
@@ -52,7 +52,7 @@ impl Panel {
 
 /// The camera image with arrows, a scale bar and an arrow of known length.
 pub(super) fn draw_arrows(canvas: &mut Canvas, panel: Panel, shown: &Strongest, mm_per_px: Option<f32>) {
-    // Darkened, so that arrows stand out on any image.
+    // Darkened, so that arrows are visible on any image.
     let dark = |level: f32| [(24.0 + 0.6 * level.clamp(0.0, 255.0)) as u8; 3];
     let grey = Image::from_fn(shown.grey.width(), shown.grey.height(), |x, y| dark(shown.grey.at(x, y)));
     let longest = shown.typical_flow_px().max(LEAST_FLOW_PX);
@@ -113,7 +113,7 @@ fn draw_scale_bar(canvas: &mut Canvas, panel: Panel, mm_per_px: Option<f32>) {
     canvas.text(&format!("{} {unit}", plain(value)), (left + length + 12.0, y + 5.0), BODY);
 }
 
-/// An arrow that stands for `flow_px`.
+/// An arrow that represents `flow_px`.
 fn draw_arrow_key(canvas: &mut Canvas, panel: Panel, flow_px: f32, factor: f32) {
     let length = flow_px * factor * panel.scale;
     let (left, y) = (panel.legend.x + 2.0, panel.line(1.2) - 5.0);
@@ -125,7 +125,7 @@ fn draw_arrow_key(canvas: &mut Canvas, panel: Panel, flow_px: f32, factor: f32) 
     canvas.text("Each arrow starts where its point is at rest.", (panel.legend.x, panel.line(2.4)), NOTE);
 }
 
-/// The flow as colour, and the wheel that explains it.
+/// The flow as colour, and the colour wheel.
 pub(super) fn draw_flow(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
     let radius_px = round_up(shown.typical_flow_px().max(LEAST_FLOW_PX));
     let colours = flow_colours(&shown.flow, &shown.valid, radius_px);
@@ -134,7 +134,7 @@ pub(super) fn draw_flow(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
     draw_invalid_key(canvas, (text, panel.line(3.2)), "not valid");
 }
 
-/// The colour wheel and what it means; returns where its text starts.
+/// The colour wheel and its meaning; returns where its text starts.
 pub(super) fn draw_wheel_key(canvas: &mut Canvas, panel: Panel, radius_px: f32) -> f32 {
     let Area { x, y, .. } = panel.legend;
     let diameter = 112.0;

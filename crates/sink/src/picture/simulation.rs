@@ -1,4 +1,4 @@
-//! The picture of a simulated press: what the camera sees where it is deepest, the truth of that, and the forces.
+//! The picture of a simulated press: the camera image at the largest depth, its truth, and the forces.
 
 use std::path::Path;
 
@@ -17,15 +17,15 @@ use super::ticks::{number, round_up};
 use super::{HeatScale, Rgb, flow_colours, heat_map, write_png};
 use crate::{SimulatedFrame, SinkError};
 
-/// Frames in the strip below the panels, and what parts them, px.
+/// Number of frames in the strip below the panels, and the distance between them, px.
 const STRIP: usize = 8;
 const STRIP_GAP: f32 = 16.0;
 const STRIP_WIDTH: f32 = (WIDTH - 2.0 * MARGIN - (STRIP - 1) as f32 * STRIP_GAP) / STRIP as f32;
 const PLOT_HEIGHT: f32 = 280.0;
-/// Depth at the end of the colour scale at least, mm: rounding shall not look like touch.
+/// Least end of the colour scale of depth, mm: rounding must not look like touch.
 const LEAST_DEPTH_MM: f32 = 0.01;
 
-/// Keeps what the picture of a simulated press shows, in constant memory but for a few numbers a frame.
+/// Stores what the picture of a simulated press shows, in constant memory except for a few numbers per frame.
 #[derive(Debug)]
 pub struct SimulationPreview {
     title: String,
@@ -48,7 +48,7 @@ struct Shown {
 }
 
 impl SimulationPreview {
-    /// A preview of so many frames of a scene.
+    /// A preview for a scene with this number of frames.
     #[must_use]
     pub fn new(scene: &Scene, frames: usize) -> Self {
         Self {
@@ -62,7 +62,7 @@ impl SimulationPreview {
         }
     }
 
-    /// Looks at the next frame; the last of the deepest is the one to show.
+    /// Takes the next frame; the last of the deepest is shown.
     pub fn write(&mut self, frame: &SimulatedFrame) {
         let count = self.normal_n.len();
         let [x, y, z] = frame.force_n;
@@ -177,7 +177,7 @@ impl Shown {
         let radius_px = round_up(longest.max(LEAST_FLOW_PX));
         flow.put(canvas, "Flow", &flow.fit(&flow_colours(&field, &truth.visible, radius_px)));
         let x = draw_wheel_key(canvas, flow, radius_px);
-        draw_invalid_key(canvas, (x, flow.line(3.2)), "not seen");
+        draw_invalid_key(canvas, (x, flow.line(3.2)), "not visible");
     }
 }
 
@@ -190,7 +190,7 @@ fn contact_map(contact: &Image<u8>) -> Image<Rgb> {
     Image::from_fn(contact.width(), contact.height(), colour)
 }
 
-/// The frame as it is shown: 16 bits lose their lower eight, grey repeats.
+/// The frame for display: 16 bits lose their lower eight, grey repeats.
 fn colours(pixels: &Pixels) -> Image<Rgb> {
     let (width, height) = pixels.size();
     Image::from_fn(width, height, |x, y| pixels.levels(x, y).map(|level| level.round() as u8))

@@ -1,4 +1,4 @@
-//! The strip below the panels: flow, depth and force over time, so that press and release are seen at a glance.
+//! The strip below the panels: flow, depth and force over time, which shows press and release.
 
 use super::Rgb;
 use super::axes::Axes;
@@ -56,12 +56,12 @@ fn draw_plot(canvas: &mut Canvas, area: Area, plot: &Plot, course: &Course, show
     }
 }
 
-/// Time on the horizontal axis; frames where the source's clock stands still.
+/// Time on the horizontal axis; frames if the source's clock does not advance.
 fn axes(area: Area, plot: &Plot, course: &Course) -> Axes {
     let values = || plot.lines.iter().flat_map(|(_, _, steps)| *steps).map(|step| step.peak);
     let top = round_up(values().fold(plot.least_top, f32::max));
     let lowest = values().fold(0.0, f32::min);
-    // What rounding or noise puts just below zero makes no room of its own.
+    // A value just below zero by rounding or noise does not extend the axis.
     let low = if lowest < -0.02 * top { -round_up(-lowest) } else { 0.0 };
     let last_s = course.last_s();
     let counts_frames = last_s <= 0.0;
@@ -69,7 +69,7 @@ fn axes(area: Area, plot: &Plot, course: &Course) -> Axes {
     Axes { area, low, top, last, counts_frames }
 }
 
-/// What the lines are, behind the heading.
+/// The names of the lines, after the heading.
 fn draw_names(canvas: &mut Canvas, (mut x, y): Point, plot: &Plot) {
     for (name, colour, _) in plot.lines.iter().filter(|(name, ..)| !name.is_empty()) {
         canvas.line(&[(x, y - 5.0), (x + 24.0, y - 5.0)], 2.5, *colour);
