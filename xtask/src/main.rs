@@ -21,7 +21,7 @@ struct Chore {
 enum Name {
     /// Print how accurate the tracker is, beside what is asked.
     Accuracy(accuracy::Args),
-    /// Check that crates depend only on what lies below them.
+    /// Check that crates depend only on crates below them.
     Layers,
     /// Check format, lints, documentation, layers and file lengths.
     Check,

@@ -154,7 +154,7 @@ fn contact_at_the_border_of_the_view_is_flagged_and_told_as_far_as_it_is_seen() 
 }
 
 #[test]
-fn a_gel_that_nothing_was_learned_from_is_flagged_once_it_moves() {
+fn a_gel_outside_the_training_range_is_flagged_once_it_moves() {
     let mut press = Press::of_a_ball("thickness_mm = 5.0", 0.8);
     let mut tracker = press.tracker();
     assert_eq!(press.show(0, &mut tracker).flags.to_string(), "");

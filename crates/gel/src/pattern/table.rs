@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn a_key_of_another_kind_is_refused() {
         let refused = |text| read(text).unwrap_err();
-        assert_eq!(refused("kind = 'dots'\ncell_mm = 0.1"), "cell_mm belongs to the kind colour, not to dots");
+        assert_eq!(refused("kind = 'dots'\ncell_mm = 0.1"), "cell_mm is for the kind colour, not for dots");
         assert!(refused("cel_mm = 0.1").starts_with("unknown field `cel_mm`"));
         assert!(refused("kind = 'stripes'").starts_with("unknown variant `stripes`"));
     }

@@ -47,7 +47,7 @@ pub enum EarlyEnd {
     /// The next pose has no solution that can be found.
     #[error(transparent)]
     Stalled(PressError),
-    /// The caller asked for it.
+    /// The caller stopped it.
     #[error("the press was interrupted")]
     Stopped,
 }
@@ -65,7 +65,7 @@ impl EarlyEnd {
     }
 }
 
-/// Is told how many frames are solved, and says whether to go on. It is asked several times a frame.
+/// Called with the number of solved frames several times per frame; returns whether to continue.
 pub type Progress<'a> = &'a mut (dyn FnMut(usize) -> ControlFlow<()> + Send);
 
 /// All that decides a solution, apart from the indenter's file and the solver.
@@ -83,12 +83,12 @@ struct Physics<'a> {
 impl Scene {
     /// The gel's surface in every frame: from the cache if this press was solved before, else solved and kept there.
     ///
-    /// A press that cannot be solved to its end gives the frames before. A cache that does not work costs time, not the
+    /// A press that cannot be solved to its end gives the frames before. An unusable cache costs time, not the
     /// solution. Runs on all cores; the surfaces are the same bits for any number of them.
     ///
     /// # Errors
     ///
-    /// [`SceneError`] if the scene cannot be.
+    /// [`SceneError`] if the scene is impossible.
     pub fn solve(&self, cache: &PressCache, progress: Progress) -> Result<SolvedPress, SceneError> {
         self.validate()?;
         let poses = self.motion.poses();
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_entry_is_told_of_and_solved_again() {
+    fn a_damaged_entry_is_reported_and_solved_again() {
         let folder = tempfile::tempdir().unwrap();
         let (cache, solved) = (PressCache::at(folder.path()), Cell::new(0));
         let first = solve(&cache, &solved, None);

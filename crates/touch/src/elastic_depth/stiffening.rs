@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn contact_that_is_dragged_pushes_back() {
+    fn shear_adds_to_the_normal_force() {
         let dragged = strain(|_| [0.3, -0.4]);
         let radius_mm = (6.0 / PI).sqrt();
         assert!((dragged.drag - 0.25 / radius_mm).abs() < 1e-6 && dragged.spread.abs() < 1e-6, "{dragged:?}");

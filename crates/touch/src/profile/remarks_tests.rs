@@ -16,7 +16,7 @@ fn expect(assignments: &[(&str, &str)], weight: Weight, message: &str, hint: &st
 }
 
 #[test]
-fn a_sound_sensor_gives_nothing_to_say() {
+fn a_valid_sensor_gives_no_remarks() {
     assert_eq!(remarks(&[]), []);
 }
 

@@ -47,7 +47,7 @@ fn every_part_may_be_absent() {
 }
 
 #[test]
-fn depth_is_elastic_once_camera_and_gel_are_known_unless_told_otherwise() {
+fn depth_is_elastic_with_camera_and_gel_unless_a_method_is_set() {
     let known = Profile::from_toml(&whole().replace("method = \"elastic\"", "")).unwrap();
     assert_eq!((known.depth.method, known.depth_method()), (None, DepthMethod::Elastic));
     let without = |change: fn(&mut Profile)| {

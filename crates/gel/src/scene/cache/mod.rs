@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_entry_is_told_from_an_absent_one() {
+    fn a_damaged_entry_differs_from_an_absent_one() {
         let folder = tempfile::tempdir().unwrap();
         let cache = PressCache::at(folder.path());
         cache.store(&key("a"), &[bump(0.5)]).unwrap();
