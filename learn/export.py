@@ -1,7 +1,7 @@
 """Writes trained weights in the order in which the sensor reads them.
 
-Of the meshes that presses were solved on the sensor knows nothing: it is told of the gel as the medium one has it, which
-tells unseen presses best. Three numbers of channels as little-endian u32, then for each layer its weights
+The network takes the mesh size as an input in training only; for the sensor it is set to that of the medium mesh, which
+has the smallest error on unseen presses. Three numbers of channels as little-endian u32, then for each layer its weights
 `[output][input][row][column]` and its biases, f32.
 """
 

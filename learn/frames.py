@@ -1,4 +1,4 @@
-"""What a camera tells of a surface whose displacement is known, as the network gets it."""
+"""What a camera measures of a surface with known displacement, as input of the network."""
 
 import torch
 from torch.nn import functional
@@ -8,11 +8,11 @@ from network import CELLS
 SIZE_MM = 30.0  # side of the gel that all others are scaled to
 NOISE_MM = 0.0006  # of a cell's mean flow, seen from 25 mm
 WAVY_NOISE_MM = 0.0045  # before it is smoothed over two cells
-RETOLD_NOISE_MM = 0.0003  # on top of what was tracked
+EXTRA_NOISE_MM = 0.0003  # on top of what was tracked
 
 
 def smoothed(planes, sigma):
-    """`[batch, channel, row, column]` after a Gaussian of so many cells, one for each of the batch."""
+    """`[batch, channel, row, column]` after a Gaussian of this width in cells, one for each of the batch."""
     reach = torch.arange(-4, 5.0)
     taps = torch.exp(-0.5 * (reach[None] / sigma[:, None].clamp(min=0.05)) ** 2)
     taps = taps / taps.sum(1, keepdim=True)
@@ -55,7 +55,7 @@ def mirrored(displacement, contact, way):
 
 
 def mirrored_seen(planes, way):
-    """The same of what a camera saw: apparent displacement and slope."""
+    """The same for the measurements of a camera: apparent displacement and slope."""
     if way & 1:
         planes = planes.flip(-1) * torch.tensor([-1, 1, -1, 1.0])[:, None, None]
     if way & 2:
@@ -65,7 +65,7 @@ def mirrored_seen(planes, way):
     return planes
 
 
-def told(planes, noise, gel):
+def inputs_of(planes, noise, gel):
     """Inputs with noise on the apparent displacement, of a gel as a profile may have it. `gel`: thickness, ν."""
     planes = torch.cat([planes[:, :2] + noise, planes[:, 2:]], 1)
     thickness_mm, poissons_ratio = gel.unbind(1)
@@ -74,8 +74,8 @@ def told(planes, noise, gel):
 
 
 def tracked(planes, gel):
-    """Inputs from what a tracker saw, with a little noise so that no frame comes twice."""
-    return told(planes, RETOLD_NOISE_MM * torch.randn(len(planes), 2, CELLS, CELLS), gel)
+    """Inputs from tracked frames, with a little noise so that no two frames are identical."""
+    return inputs_of(planes, EXTRA_NOISE_MM * torch.randn(len(planes), 2, CELLS, CELLS), gel)
 
 
 def drawn(displacement, gel):
@@ -87,4 +87,4 @@ def drawn(displacement, gel):
     planes = smoothed(seen(displacement, distance_mm, centre_mm), 0.1 + torch.rand(batch))
     wavy = smoothed(torch.randn(batch, 2, CELLS, CELLS), torch.full((batch,), 2.0)) * torch.rand(batch, 1, 1, 1)
     noise = NOISE_MM * torch.randn(batch, 2, CELLS, CELLS) + WAVY_NOISE_MM * wavy
-    return told(planes, noise * (distance_mm / 25)[:, None, None, None], gel)
+    return inputs_of(planes, noise * (distance_mm / 25)[:, None, None, None], gel)

@@ -15,7 +15,7 @@ LAYERS = ("enter0", "enter1", "down0", "down1", "deep0", "deep1", "deep2", "whol
 
 class ContactNetwork(nn.Module):
     """Depth in mm, the logarithm of the odds of contact and that of the error expected of the depth: `[batch, 3, cells, cells]`, for
-    presses solved on meshes so coarse (`MESHES`)."""
+    presses solved on meshes of this coarseness (`MESHES`)."""
 
     def __init__(self, channels=(16, 32, 64)):
         super().__init__()
@@ -28,7 +28,7 @@ class ContactNetwork(nn.Module):
         self.down0, self.down1 = layer(fine, middle, stride=2), layer(middle, middle)
         self.deep0 = layer(middle, coarse, stride=2)
         self.deep1, self.deep2 = layer(coarse, coarse), layer(coarse, coarse)
-        # Every cell is told of the gel as a whole: how much of it moved, and how far.
+        # Every cell gets the mean over the whole gel: how much of it moved, and how far.
         self.whole = layer(coarse, coarse, side=1)
         nn.init.zeros_(self.whole.weight)
         nn.init.zeros_(self.whole.bias)
@@ -36,7 +36,7 @@ class ContactNetwork(nn.Module):
         self.lift0, self.up0, self.up1 = layer(coarse, middle, side=1), layer(middle, middle), layer(middle, middle)
         self.lift1, self.leave0, self.leave1 = layer(middle, fine, side=1), layer(fine, fine), layer(fine, fine)
         self.output = layer(fine, 4 * OUTPUTS, side=1)
-        # A coarse mesh makes another press of the same motion: what is learned from it holds on a fine one but for this.
+        # On a coarse mesh the same motion gives a different press: this term is the difference.
         self.mesh = nn.Parameter(torch.zeros(fine))
 
     def forward(self, cells, constants, coarseness):

@@ -24,14 +24,14 @@ SHAPES = {
 
 @dataclasses.dataclass(frozen=True)
 class Kind:
-    """What presses are drawn: which share is moved along the surface, and of those that are which share is shorn and not
-    twisted; which share sticks and which is held by friction, for the others slide (none: it depends on mesh and motion); from
-    which ranges depth is drawn, mm, how far they are shorn at most along each axis, mm, and of which shapes they are."""
+    """The distribution of presses: the share that is moved along the surface, and of those the share that is sheared and not
+    twisted; the shares that stick and that have friction, while the others slide (none: it depends on mesh and motion); the
+    ranges of depth, mm, the largest shear along each axis, mm, and the shapes."""
 
     moved: float = 0.3
-    shorn: float = 0.6
+    sheared: float = 0.6
     laws: tuple[float, float] | None = None
-    # Deep faces that slide are the hardest to tell.
+    # The depth of deep sliding faces is the hardest to estimate.
     depths_mm: tuple = ((0.4, 2.4), (1.6, 2.4), (1.6, 2.4))
     most_shear_mm: float = 1.8
     shapes: tuple = tuple(SHAPES)
@@ -43,7 +43,7 @@ KINDS = {
     "sliding": Kind(moved=0.12, laws=(0.2, 0)),
     "dragged": Kind(moved=1, laws=(0.25, 0.6), depths_mm=((0.4, 1.5),), most_shear_mm=2.1),
     "dragged-ball": Kind(
-        moved=1, shorn=0.9, laws=(0.2, 0.8), depths_mm=((0.4, 1.0),), most_shear_mm=2.1, shapes=("sphere",), ball_mm=(6, 30)
+        moved=1, sheared=0.9, laws=(0.2, 0.8), depths_mm=((0.4, 1.0),), most_shear_mm=2.1, shapes=("sphere",), ball_mm=(6, 30)
     ),
 }
 
@@ -128,7 +128,7 @@ def scene(draw, folder, mesh, kind):
         tilt = f", tilt_rad = [{uniform(-0.1, 0.1):.4f}, {uniform(-0.1, 0.1):.4f}]"
     if is_moved:
         depth, frames = min(depth, 1.5 if is_draft else 2.1), pressed + (3 if "frictionless" in law and not is_draft else 6)
-        if draw.random() < kind.shorn:
+        if draw.random() < kind.sheared:
             x_mm, y_mm = kind.most_shear_mm * uniform(-1, 1, 2)
             more = f", {{ at = {frames - 1}, shear_mm = [{x_mm:.3f}, {y_mm:.3f}] }}"
         else:

@@ -43,11 +43,11 @@ def load(folder):
     return train, judge
 
 
-def cost(told, depth, contact):
-    """Absolute error of depth, rounded at 0.01 mm, most of all in contact and at its border; how far its mean
-    is off there, which is what a force makes of it; both count more where contact is shallow. Cross entropy of contact; and how
-    well the error is foretold, as that of a Laplace distribution, which the depth does not heed."""
-    error = told[:, 0] - depth
+def cost(estimated, depth, contact):
+    """Absolute error of depth, rounded at 0.01 mm, weighted most in contact and at its border; the mean
+    error in contact, which determines the error of the force; both with a larger weight where contact is shallow. Cross entropy of
+    contact; and how well the error is predicted, as that of a Laplace distribution, without a gradient to the depth."""
+    error = estimated[:, 0] - depth
     touched = (contact > 0.02).float()
     border = touched * (contact < 0.98)
     count = touched.sum((1, 2))
@@ -56,27 +56,27 @@ def cost(told, depth, contact):
     weight = 0.35 + 4 * shallow.sqrt()[:, None, None] * touched + 3 * border
     absolute = (weight * ((error * error + 1e-4).sqrt() - 0.01)).mean()
     lean = LEAN * (shallow * ((touched + border) * error).mean((1, 2)).abs()).mean()
-    surprise = (error.detach().abs() * torch.exp(-told[:, 2]) + told[:, 2]).mean()
-    return absolute + lean + 0.1 * functional.binary_cross_entropy_with_logits(told[:, 1], contact) + 0.002 * surprise
+    surprise = (error.detach().abs() * torch.exp(-estimated[:, 2]) + estimated[:, 2]).mean()
+    return absolute + lean + 0.1 * functional.binary_cross_entropy_with_logits(estimated[:, 1], contact) + 0.002 * surprise
 
 
 def judged(network, frames):
     """Mean error of depth over the image and in contact, mm, the bias of depth in contact, the overlap of contact, and the mean
-    error over the mean of what is foretold."""
-    errors, told_errors, inner, biases, overlaps = [], [], [], [], []
+    error over the mean predicted error."""
+    errors, predicted_errors, inner, biases, overlaps = [], [], [], [], []
     with torch.no_grad():
         for displacement, contact, gel, cameras in frames:
             for seen in cameras:
-                told = network(*packed(seen[None], *gel[None, :2].unbind(1)), gel[2:])[0]
-                error, is_in, is_told = told[0] - displacement[2], contact > 127, told[1] > 0
+                estimated = network(*packed(seen[None], *gel[None, :2].unbind(1)), gel[2:])[0]
+                error, is_in, is_estimated = estimated[0] - displacement[2], contact > 127, estimated[1] > 0
                 errors.append(error.abs().mean().item())
-                told_errors.append(told[2].exp().mean().item())
+                predicted_errors.append(estimated[2].exp().mean().item())
                 if is_in.any():
                     inner.append(error[is_in].abs().mean().item())
                     biases.append((error[is_in].mean() / displacement[2][is_in].mean()).item())
-                    overlaps.append(((is_in & is_told).sum() / (is_in | is_told).sum()).item())
+                    overlaps.append(((is_in & is_estimated).sum() / (is_in | is_estimated).sum()).item())
     mean = numpy.mean
-    return mean(errors), mean(inner), 100 * mean(biases), mean(overlaps), mean(errors) / mean(told_errors)
+    return mean(errors), mean(inner), 100 * mean(biases), mean(overlaps), mean(errors) / mean(predicted_errors)
 
 
 def batch(draw, train):
@@ -126,8 +126,8 @@ def main():
         for group in optimizer.param_groups:
             group["lr"] = arguments.rate * warm * (0.01 + 0.5 * (1 + numpy.cos(numpy.pi * part)))
         cells, constants, coarseness, depth, contact = batch(draw, train)
-        told = network(cells.contiguous(memory_format=torch.channels_last), constants, coarseness)
-        loss = cost(told, depth, contact)
+        estimated = network(cells.contiguous(memory_format=torch.channels_last), constants, coarseness)
+        loss = cost(estimated, depth, contact)
         optimizer.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
@@ -137,7 +137,7 @@ def main():
             for kept, last in zip(mean.parameters(), network.parameters()):
                 kept.lerp_(last, share)
         if step % 500 == 0:
-            print(f"step {step}: loss {loss.item():.4f}, unseen presses: depth %.4f mm, in contact %.3f mm (%+.1f %%), overlap %.3f, error over foretold %.2f"
+            print(f"step {step}: loss {loss.item():.4f}, unseen presses: depth %.4f mm, in contact %.3f mm (%+.1f %%), overlap %.3f, error over predicted %.2f"
                   % judged(mean, judge), flush=True)
             torch.save(mean.state_dict(), arguments.out)
     torch.save(mean.state_dict(), arguments.out)

@@ -22,7 +22,7 @@ struct Chore {
 enum Name {
     /// Print how accurate the tracker is, beside what is asked.
     Accuracy(accuracy::Args),
-    /// Check that crates depend only on what lies below them.
+    /// Check that crates depend only on crates below them.
     Layers,
     /// Check that files side by side do not import each other in a circle.
     Circles,

@@ -1,5 +1,5 @@
-//! Calibration: fits that write a sensor's profile, each with a report on what it is worth, and checks of the recordings
-//! that they are made from.
+//! Calibration: fits that write a sensor's profile, each with a report of its accuracy, and checks of the recordings they
+//! use.
 
 pub mod camera;
 pub mod check;

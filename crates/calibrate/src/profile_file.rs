@@ -1,4 +1,4 @@
-//! The profile's file: a calibration changes its own tables and leaves everything else as it stands.
+//! The profile's file: a calibration changes its own tables and leaves everything else unchanged.
 
 use std::fs;
 use std::io;
@@ -16,10 +16,10 @@ const DIGITS: i32 = 9;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ProfileFileError {
-    /// What is there cannot be read, or what would be there is no profile.
+    /// The file cannot be read, or it or the result is not a valid profile.
     #[error(transparent)]
     Profile(#[from] ProfileError),
-    /// The file is the record of a run, which stays as it is.
+    /// The file is the record of a run, which must not be changed.
     #[error("{} is the record of a run, not the profile of a sensor", path.display())]
     RunRecord {
         /// The file.
@@ -30,34 +30,34 @@ pub enum ProfileFileError {
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         kind: io::ErrorKind,
     },
 }
 
 impl ProfileFileError {
-    /// What to do about it, where there is something to say.
+    /// What to do about it, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Profile(error) => error.hint(),
             Self::RunRecord { path } => {
                 let path = path.display();
-                Some(format!("take its profile out: fingervision profile show {path} --toml > sensor.toml"))
+                Some(format!("extract its profile: fingervision profile show {path} --toml > sensor.toml"))
             }
-            Self::Write { .. } => Some("choose a file that you may write, in a folder that exists".into()),
+            Self::Write { .. } => Some("choose a writable file in an existing folder".into()),
         }
     }
 }
 
-/// Gives a profile's file one table, as in `camera` or `depth.density`; a file that does not exist is made.
+/// Writes one table to a profile's file, as in `camera` or `depth.density`; a file that does not exist is created.
 ///
-/// Keys of the table that are there already take the new values, others are added; comments, order and everything
-/// outside the table stay. The file is replaced at once or not at all.
+/// Existing keys of the table take the new values, others are added; comments, order and everything outside the table do
+/// not change. The file is replaced as a whole or not at all.
 ///
 /// # Errors
 ///
-/// [`ProfileFileError`]; the file is then as it was.
+/// [`ProfileFileError`]; the file is then unchanged.
 pub fn update_profile(path: &Path, table: &str, values: &impl Serialize) -> Result<(), ProfileFileError> {
     let text = match fs::read_to_string(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => String::new(),
@@ -72,7 +72,7 @@ pub fn update_profile(path: &Path, table: &str, values: &impl Serialize) -> Resu
     beside.push(".new");
     let beside = PathBuf::from(beside);
     fs::write(&beside, text).and_then(|()| fs::rename(&beside, path)).map_err(|error| {
-        // What is left of it is nobody's.
+        // The rest of the temporary file is not needed.
         let _ = fs::remove_file(&beside);
         refused(path, &error)
     })
@@ -82,7 +82,7 @@ pub fn update_profile(path: &Path, table: &str, values: &impl Serialize) -> Resu
 ///
 /// # Errors
 ///
-/// [`ProfileFileError`] if the file is no profile, or the record of a run.
+/// [`ProfileFileError`] if the file is not a profile, or is the record of a run.
 pub fn load_to_update(path: &Path) -> Result<Profile, ProfileFileError> {
     let profile = Profile::load(path)?;
     let text = fs::read_to_string(path).map_err(|error| refused(path, &error))?;
@@ -100,7 +100,7 @@ fn refused(path: &Path, error: &io::Error) -> ProfileFileError {
 ///
 /// # Panics
 ///
-/// If the text is no TOML, or the values make no table.
+/// If the text is not TOML, or the values do not form a table.
 fn with_table(text: &str, path: &str, values: &impl Serialize) -> String {
     let mut document: DocumentMut = text.parse().expect("the profile was read before");
     let values = toml::to_string(values).expect("a calibration's values make a table");
@@ -111,7 +111,7 @@ fn with_table(text: &str, path: &str, values: &impl Serialize) -> String {
         let is_last = depth + 1 == steps.len();
         let made = || {
             let mut made = toml_edit::Table::new();
-            // A table that only holds another needs no heading.
+            // A table that only contains another one needs no heading.
             made.set_implicit(!is_last);
             Item::Table(made)
         };
@@ -126,7 +126,7 @@ fn with_table(text: &str, path: &str, values: &impl Serialize) -> String {
     document.to_string()
 }
 
-/// Sets one value; the comment behind the one that it replaces stays.
+/// Sets one value; the comment after the old value stays.
 fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
     match table.get_mut(key).and_then(Item::as_value_mut) {
         Some(old) => {
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_profile_stays_as_it_is() {
+    fn an_invalid_profile_is_not_changed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("sensor.toml");
         fs::write(&path, "nam = 'left'").unwrap();

@@ -93,7 +93,7 @@ impl Sensor {
         let mut renderer = FrameRenderer::new(&self.render, &camera, &self.pattern.texture(gel.size_mm)?)?;
         let mut tracker = Tracker::new(&Profile::default(), (PIXELS, PIXELS), true, Fields::NONE)?;
         // It is asked for what it sees alone: the least of work will do.
-        let params = ElasticParams { mode: ElasticMode::Live, learned: false };
+        let params = ElasticParams { mode: ElasticMode::Live, network: false };
         let mut depth = ElasticDepth::new(&camera, gel, (PIXELS, PIXELS), &params)?;
         let mut sequence = 0;
         let mut show = |tracker: &mut Tracker, displacement_mm: Displacement| {

@@ -1,4 +1,4 @@
-//! `fingervision bench`: how fast this machine tracks, and how well meanwhile.
+//! `fingervision bench`: speed and accuracy of tracking on this machine.
 
 mod press;
 mod report;
@@ -19,23 +19,24 @@ use crate::profile_args::ProfileArgs;
 use press::{FRAMES, Press};
 use report::{ElasticTimes, Report, end_point_error_px};
 
-/// Columns and rows of the press where the profile names none, px.
+/// Columns and rows of the press if the profile names none, px.
 const SIZE: (usize, usize) = (610, 450);
-/// A principal point in the middle of a smaller or larger image than that is taken to be elsewhere, px.
+/// A principal point in the middle of a smaller or larger image than this is assumed not to be the middle, px.
 const LEAST_SIDE: f64 = 32.0;
 const MOST_SIDE: f64 = 4096.0;
 
 /// Measure the speed of tracking on this machine, one thread
 ///
-/// A press is rendered first: a reference, then a round bump that grows to 25 px in 30 frames. It is as large as the profile's region of
-/// interest, or without [image] as the image around the camera's principal point; without --profile 610x450 px. It is tracked once to warm up, then again and again, each time from a new reference. Every frame behind the reference is
-/// timed from the colour image in memory to depth: flow, density, filter and line, or with [camera] and [gel] elasticity; no gel presses
-/// so, which elasticity takes the longest for. Without --profile a made-up line
-/// turns the density into depth, and what depth from elasticity adds to the flow is measured too, for a made-up camera
-/// and gel. Nothing is read or written meanwhile.
+/// A press is rendered first: a reference, then a round bump that grows to 25 px in 30 frames. It is as large as the
+/// profile's region of interest, or without [image] as the image around the camera's principal point; without --profile
+/// 610x450 px. It is tracked once to warm up, then repeatedly, each time from a new reference. Every frame after the
+/// reference is timed from the colour image in memory to depth: flow, density, filter and line, or with [camera] and
+/// [gel] elasticity. No gel deforms like this press, so elasticity takes its longest time. Without --profile an invented
+/// line turns the density into depth, and the additional time of depth from elasticity is measured too, for an invented
+/// camera and gel. Nothing is read or written during the timing.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// How many frames to time at least; the last press is always finished
+    /// Least number of frames to time; the last press is always finished
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
     /// Write the press to a new folder instead: frames/*.png, the reference first, and their flow as truth/flow.npy
@@ -50,9 +51,9 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let mut profile = args.profile.load_or(calibrated())?;
     let size = image_size(&profile);
-    // The images show what is tracked and no more: positions in a profile are those in the region.
+    // The images show only what is tracked: positions in a profile are those in the region.
     profile.image = None;
-    // Whether it can be tracked at all is known before anything is drawn.
+    // Whether it can be tracked is known before anything is drawn.
     Tracker::new(&profile, size, true, Fields::NONE)?;
     let press = Press::new(size)?;
     if let Some(folder) = &args.write_frames {
@@ -92,7 +93,7 @@ fn measure(args: &Args, profile: &Profile, press: &Press) -> Result<Report, Fail
     Ok(Report::new((region.width, region.height), press.amplitude_px(), times_ms, &errors_px, elastic))
 }
 
-/// Columns and rows that a profile's sensor is tracked in, px: its region of interest, or the image that has the camera's
+/// Columns and rows of the images for a profile's sensor, px: its region of interest, or the image with the camera's
 /// principal point in its middle, or the usual size.
 fn image_size(profile: &Profile) -> (usize, usize) {
     if let Some(ImageSection { region_of_interest: [_, _, width, height] }) = profile.image {
@@ -107,7 +108,7 @@ fn image_size(profile: &Profile) -> (usize, usize) {
     }
 }
 
-/// Tracks the press with a new tracker; hands over each reading behind the reference and the time it took, ms.
+/// Tracks the press with a new tracker; passes on each reading after the reference and its time, ms.
 fn track(
     profile: &Profile,
     press: &Press,
@@ -127,8 +128,8 @@ fn track(
     Ok(())
 }
 
-/// Times a frame of flow alone, and of flow and depth from elasticity in both modes. The press is no gel's, so that the
-/// solver takes all the steps that it may.
+/// Times a frame of flow alone, and of flow and depth from elasticity in both modes. The press is not that of a gel, so
+/// that the solver takes the largest number of steps.
 fn elastic_times(press: &Press, frames: &[Frame], mut tick: impl FnMut()) -> Result<ElasticTimes, Failure> {
     let mut times = |mode: ElasticMode, fields: Fields| {
         let mut profile = elastic(press);
@@ -145,7 +146,7 @@ fn elastic_times(press: &Press, frames: &[Frame], mut tick: impl FnMut()) -> Res
     Ok(ElasticTimes::new(flow, times(ElasticMode::Live, depth)?, times(ElasticMode::Exact, depth)?))
 }
 
-/// A sensor whose gel fills the image; its figures are made up.
+/// A sensor whose gel fills the image, with invented values.
 fn elastic(press: &Press) -> Profile {
     let size_px = <[usize; 2]>::from(press.size());
     let camera = simulated_camera(size_px);
@@ -157,7 +158,7 @@ fn elastic(press: &Press) -> Profile {
     }
 }
 
-/// A sensor with a depth line, so that every stage runs; its figures are made up.
+/// A sensor with a depth line, so that every stage runs, with invented values.
 fn calibrated() -> Profile {
     let line = DepthLine { slope_mm: 15.2, intercept_mm: 0.0 };
     Profile { depth: DepthSection { density: Some(line.into()), ..DepthSection::default() }, ..Profile::default() }

@@ -1,4 +1,4 @@
-//! `fingervision demo`: the main job with nothing attached.
+//! `fingervision demo`: tracks a simulated press, without any hardware.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -22,18 +22,19 @@ use crate::tracking::Run;
 
 /// The ready-made scene that is shown.
 const SCENE: &str = "letter";
-/// The folder of a demo that was not given one.
+/// The folder of a demo if none is given.
 const FOLDER: &str = "fingervision-demo";
 
-/// Press a letter into a simulated gel and track it: pictures and arrays to look at, with nothing attached
+/// Press a letter into a simulated gel and track it: pictures and arrays to look at, without any hardware
 ///
-/// The folder gets `simulation` (what simulate writes), `run` (what track writes) and `run/evaluation` (what evaluate draws). The first press takes some seconds to solve; it is kept for the next time.
+/// The folder will contain `simulation` (what simulate writes), `run` (what track writes) and `run/evaluation` (what
+/// evaluate draws). The first press takes some seconds to solve; its solution is kept for the next time.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The folder to write; without it ./fingervision-demo, where an earlier demo is replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Write to the folder without opening a page; this version always does
+    /// Write to the folder without opening a page; this version never opens one
     #[arg(long)]
     headless: bool,
     #[command(flatten)]
@@ -96,8 +97,7 @@ fn text(DemoResult { summary, simulation, truth, picture }: &DemoResult) -> Stri
     let moved_px = truth.deepest().and_then(|deepest| deepest.true_flow_px);
     if let Some((Errors { mean, .. }, moved_px)) = truth.mean.flow_px.and_then(|flow| flow.everywhere).zip(moved_px) {
         // Writing to a String cannot fail.
-        let _ =
-            writeln!(text, "truth    flow is off by {mean:.3} px on average; the gel moves by up to {moved_px:.1} px");
+        let _ = writeln!(text, "truth    flow error {mean:.3} px on average; the gel moves by up to {moved_px:.1} px");
     }
     if let Some(readout) = true_readout(simulation, truth) {
         let _ = writeln!(text, "truth    {readout}");
@@ -105,14 +105,14 @@ fn text(DemoResult { summary, simulation, truth, picture }: &DemoResult) -> Stri
     text + &format!("picture  {}", picture.display())
 }
 
-/// What the deepest frame was to read, and how far its depth and contact are off.
+/// The true values of the deepest frame, and the errors of its depth and contact.
 fn true_readout(simulation: &SimulationSummary, truth: &Report) -> Option<String> {
     let FrameReport { true_depth_mm, errors, .. } = truth.deepest()?;
     let mut text = format!("depth up to {:.2} mm, force {}", (*true_depth_mm)?, simulation.force);
     let depth = errors.depth_mm?;
     let mean = |errors: Option<Errors>| errors.map_or(f64::NAN, |errors| errors.mean);
     let (inside, everywhere) = (mean(depth.inside), mean(depth.everywhere));
-    let _ = write!(text, "; depth is off by {everywhere:.3} mm on average, {inside:.3} mm in contact");
+    let _ = write!(text, "; depth error {everywhere:.3} mm on average, {inside:.3} mm in contact");
     if let Some(overlap) = errors.contact_overlap {
         let _ = write!(text, "; contact overlaps by {:.0} %", 100.0 * overlap);
     }

@@ -1,26 +1,26 @@
-//! Whether a run will fit on its disk.
+//! Checks whether a run fits on its disk.
 
 use std::path::Path;
 
 use crate::output::OutputArgs;
 
-/// Runs that take less are not spoken of, bytes.
+/// Smaller runs are not mentioned, bytes.
 const WORTH_SAYING: u64 = 1 << 30;
-/// A second of a camera, for streams without an end.
+/// Frame rate assumed for streams without an end.
 const USUAL_FRAMES_PER_SECOND: u64 = 30;
 
-/// What a run will take and what there is.
+/// The size of a run and the free space.
 #[derive(Debug, Clone, Copy)]
 struct Need {
     bytes_per_frame: u64,
-    /// How many frames come; absent where nobody knows.
+    /// Number of frames; absent if it is not known.
     frames: Option<u64>,
     free_bytes: u64,
 }
 
-/// Says what a run into `folder` takes of its disk, where that is much or more than there is.
+/// Prints the size of a run into `folder`, if it is large or more than the free space.
 pub(crate) fn check(folder: &Path, bytes_per_frame: u64, frames: Option<u64>, output: OutputArgs) {
-    // The folder may be still to be made. A disk that does not tell its space is found out by writing.
+    // The folder may not exist yet. If the free space is not known, writing will show it.
     let free_bytes = folder.ancestors().find_map(|parent| {
         let parent = if parent.as_os_str().is_empty() { Path::new(".") } else { parent };
         fs4::available_space(parent).ok()
@@ -32,7 +32,7 @@ pub(crate) fn check(folder: &Path, bytes_per_frame: u64, frames: Option<u64>, ou
 }
 
 impl Need {
-    /// What there is to say.
+    /// The message, if any.
     fn remark(self) -> Option<String> {
         let Self { bytes_per_frame, frames, free_bytes } = self;
         let (each, free) = (size(bytes_per_frame), size(free_bytes));

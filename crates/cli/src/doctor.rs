@@ -1,4 +1,4 @@
-//! `fingervision doctor`: what this machine can do.
+//! `fingervision doctor`: the capabilities of this machine.
 
 use std::fmt;
 use std::io::Write;
@@ -32,7 +32,7 @@ const READS: [&str; 4] = [
 ];
 const NOT_READ: &str = "cameras and recordings (MCAP): not in this version";
 
-/// Say what this machine can do and test it on a simulated touch
+/// Show what this machine can do and test it on a simulated touch
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -51,10 +51,10 @@ struct Diagnosis {
     self_test_ms: f64,
 }
 
-/// What is kept of presses that were solved.
+/// The cache of solved presses.
 #[derive(Debug, Serialize)]
 struct CacheState {
-    /// Absent where this machine has no place for it.
+    /// Absent if this machine has no place for it.
     folder: Option<PathBuf>,
     presses: usize,
     bytes: u64,
@@ -74,7 +74,7 @@ impl fmt::Display for CacheState {
                 let (presses, megabytes) = (self.presses, self.bytes as f64 / 1e6);
                 write!(f, "{presses} solved presses, {megabytes:.1} MB, in {}", folder.display())
             }
-            None => f.write_str("none: this machine has no place for it, FINGERVISION_CACHE names one"),
+            None => f.write_str("none: no cache folder was found; FINGERVISION_CACHE sets one"),
         }
     }
 }
@@ -87,7 +87,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     }
     let (error, valid) = (diagnosis.self_test_error_px, 100.0 * diagnosis.self_test_valid);
     Err(Failure::new(
-        format!("the self-test's flow is off by {error:.3} px with {valid:.0} % of it valid"),
+        format!("the self-test's flow has an error of {error:.3} px, and {valid:.0} % of it are valid"),
         format!(
             "this version is broken on this machine: expected at most {LARGEST_ERROR_PX} px and 80 %; please report it"
         ),
@@ -95,9 +95,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 impl Diagnosis {
-    /// Looks around and tracks a touch whose truth is known.
+    /// Inspects the machine and tracks a touch whose truth is known.
     fn new() -> Result<Self, Failure> {
-        // Of three frames the middle one is deepest.
+        // The middle one of three frames is the deepest.
         let touch = SimulatedPress::new(SIZE, RADIUS_PX, AMPLITUDE_PX, 3)?;
         let (rest, touched) = (touch.frame(0)?, touch.frame(1)?);
         let mut tracker = Tracker::new(&Profile::default(), SIZE, true, Fields::default())?;
@@ -123,7 +123,7 @@ impl Diagnosis {
     }
 }
 
-/// The name of the instructions that kernels run on.
+/// The name of the instruction set that kernels use.
 pub(crate) fn instruction_set(level: Level) -> String {
     let name = format!("{level:?}");
     name.split(['(', ' ']).next().unwrap_or_default().replace('_', ".").to_uppercase()
@@ -136,7 +136,7 @@ impl fmt::Display for Diagnosis {
         writeln!(f, "fingervision {version}")?;
         writeln!(f, "machine    {cores} cores, {instruction_set} instructions")?;
         let verdict = if self.is_healthy() { "passed" } else { "FAILED" };
-        write!(f, "self-test  {verdict}: the flow of a simulated touch of {AMPLITUDE_PX} px is off by ")?;
+        write!(f, "self-test  {verdict}: the flow of a simulated touch of {AMPLITUDE_PX} px has an error of ")?;
         writeln!(f, "{self_test_error_px:.3} px on average; {self_test_ms:.1} ms for {width}x{height} px")?;
         for (k, kind) in self.reads.iter().enumerate() {
             writeln!(f, "{:10} {kind}", if k == 0 { "reads" } else { "" })?;

@@ -1,4 +1,4 @@
-//! Why a command ends early, in words for the person at the keyboard.
+//! Why a command ends early, in words for the user.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Write};
@@ -25,10 +25,10 @@ pub(crate) enum Failure {
     Stated {
         /// One line that names the thing and the value.
         message: String,
-        /// What to do about it, where there is something to say.
+        /// What to do about it, if anything.
         hint: Option<String>,
     },
-    /// Whoever read the output has seen enough.
+    /// The reader of the output has closed it.
     BrokenPipe,
 }
 
@@ -37,27 +37,27 @@ impl Failure {
         Self::Stated { message: message.into(), hint: Some(hint.into()) }
     }
 
-    /// Writes the error and its hint: a line each, or one JSON object in a line. Returns the exit code that the object names.
+    /// Writes the error and its hint: a line each, or one JSON object in a line. Returns the exit code.
     pub(crate) fn report(&self, wording: Wording, errors: &mut impl Write) -> ExitCode {
         let Self::Stated { message, hint } = self else { return ExitCode::SUCCESS };
         let exit_code = interrupt::exit_code().unwrap_or(1);
-        // Without standard error there is nobody left to tell.
+        // Without standard error there is no one to inform.
         let _ = wording.error(message, hint.as_deref(), exit_code, errors);
         ExitCode::from(exit_code)
     }
 }
 
-/// How errors and notes are worded on standard error.
+/// The form of errors and notes on standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Wording {
     /// Lines for people.
     Text,
-    /// A JSON object a line, for programs.
+    /// One JSON object per line, for programs.
     Json,
 }
 
 impl Wording {
-    /// An error, what to do about it and the exit code that it leads to.
+    /// An error, what to do about it and its exit code.
     pub(crate) fn error(
         self,
         message: &str,
@@ -82,7 +82,7 @@ impl Wording {
     }
 }
 
-/// What went wrong, without what to do about it.
+/// The error, without the hint.
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -181,13 +181,13 @@ impl From<ImageError> for Failure {
     }
 }
 
-/// Only standard output is written by hand.
+/// Only standard output is written directly.
 impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Self {
         if error.kind() == ErrorKind::BrokenPipe {
             Self::BrokenPipe
         } else {
-            let hint = "free some space where the output goes, or print to another place";
+            let hint = "free some space at the output's destination, or use another one";
             Self::new(format!("cannot write the output: {error}"), hint)
         }
     }

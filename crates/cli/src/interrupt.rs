@@ -1,5 +1,5 @@
-//! Ctrl-C and SIGTERM: a command that has nothing to keep ends at once; one that writes as it goes ends after the frame at
-//! hand, and at once when it is asked a second time.
+//! Ctrl-C and SIGTERM: a command that has nothing to save ends at once; one that writes during its work ends after the
+//! current frame, and at once after a second signal.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -14,10 +14,10 @@ use crate::failure::{Failure, Wording};
 
 /// A shell adds this to the number of the signal that ended a program.
 const EXIT_CODE_OF_SIGNALS: u8 = 128;
-/// How often the signal is looked for where it ends the command at once.
+/// Interval at which the signal is tested if it ends the command at once.
 const POLL: Duration = Duration::from_millis(50);
 
-/// What the signal handlers have written. They may do nothing but set a flag.
+/// State written by the signal handlers. They may only set a flag.
 static HEARD: LazyLock<Heard> = LazyLock::new(Heard::default);
 
 #[derive(Debug, Default)]
@@ -25,15 +25,15 @@ struct Heard {
     is_asked: Arc<AtomicBool>,
     /// The last signal; 0 before the first.
     signal: Arc<AtomicUsize>,
-    /// Whether the command itself looks for the signal and ends in order.
+    /// Whether the command itself tests for the signal and ends in order.
     is_in_order: AtomicBool,
 }
 
-/// Whether somebody wants the run to end.
+/// Whether the run should end.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Interrupt(());
 
-/// Listens from now on; until [`Interrupt::listen`] a signal ends the command at once.
+/// Installs the handlers; until [`Interrupt::listen`] a signal ends the command at once.
 pub(crate) fn watch(wording: Wording) -> Result<(), Failure> {
     for signal in [SIGINT, SIGTERM] {
         listen_to(signal).map_err(|error| {
@@ -53,7 +53,7 @@ pub(crate) fn watch(wording: Wording) -> Result<(), Failure> {
 }
 
 fn listen_to(signal: i32) -> io::Result<()> {
-    // The first handler finds the flag set by the signal before.
+    // The first handler finds the flag set by the previous signal.
     flag::register_conditional_shutdown(signal, i32::from(EXIT_CODE_OF_SIGNALS) + signal, Arc::clone(&HEARD.is_asked))?;
     flag::register_usize(signal, Arc::clone(&HEARD.signal), signal as usize)?;
     flag::register(signal, Arc::clone(&HEARD.is_asked))?;
@@ -67,7 +67,7 @@ pub(crate) fn exit_code() -> Option<u8> {
 }
 
 impl Interrupt {
-    /// From now on the command asks whether to end; it has something to put in order.
+    /// From now on the command tests for the signal; it has something to finish.
     pub(crate) fn listen() -> Self {
         HEARD.is_in_order.store(true, Ordering::Release);
         Self(())

@@ -1,8 +1,8 @@
-//! The `fingervision` command: glue between the libraries and the person at the keyboard, a file per subcommand.
+//! The `fingervision` command: glue between the libraries and the user, a file per subcommand.
 //!
-//! Data goes to standard output, messages to standard error. Exit codes: 0 done, 1 failed with one `error:` line and
-//! where possible a `hint:`, 2 wrong usage, 130 ended by Ctrl-C and 143 by SIGTERM. A reader that closes the pipe early is
-//! no failure. With `--json` every message is a JSON object in a line of its own, `{"error", "hint", "exit_code"}` or
+//! Data goes to standard output, messages to standard error. Exit codes: 0 done, 1 failed with one `error:` line and, if
+//! possible, a `hint:`, 2 wrong usage, 130 ended by Ctrl-C and 143 by SIGTERM. A reader that closes the pipe early is not
+//! an error. With `--json` every message is a JSON object on its own line, `{"error", "hint", "exit_code"}` or
 //! `{"note"}`.
 
 mod bench;
@@ -47,8 +47,8 @@ const WRONG_USAGE: u8 = 2;
 
 /// Where to begin.
 const NEXT_STEPS: &str = "\
-Begin:
-  fingervision demo                        see it work, with nothing attached
+Start:
+  fingervision demo                        simulated press, no hardware needed
   fingervision doctor                      check this machine
   fingervision profile new --out s.toml    describe your sensor, then: fingervision calibrate
   fingervision track RECORDING --out run   track a folder of images or a video
@@ -116,18 +116,18 @@ fn main() -> ExitCode {
     done.map_or_else(|failure| failure.report(wording, &mut io::stderr().lock()), |()| ExitCode::SUCCESS)
 }
 
-/// Wrong usage, for a program: what clap says first, and the rest of it as the hint.
+/// Wrong usage, for a program: clap's first line, and the rest of its message as the hint.
 fn wrong_usage(error: &clap::Error) -> ExitCode {
     let text = error.to_string();
     let (message, rest) = text.split_once('\n').unwrap_or((&text, ""));
     let hint = rest.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
     let message = message.trim_start_matches("error: ");
-    // Without standard error there is nobody left to tell.
+    // Without standard error there is no one to inform.
     let _ = Wording::Json.error(message, Some(&hint), WRONG_USAGE, &mut io::stderr().lock());
     ExitCode::from(WRONG_USAGE)
 }
 
-/// JSON holds nothing but text: refuses before any work what could not be named in the result.
+/// JSON contains only text: refuses, before any work, names that could not be written in the result.
 fn expect_text(wording: Wording, arguments: &[OsString]) -> Result<(), Failure> {
     let odd = arguments.iter().skip(1).find(|argument| argument.to_str().is_none());
     match odd.filter(|_| wording == Wording::Json) {

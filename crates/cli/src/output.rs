@@ -1,4 +1,4 @@
-//! How much a command says, and in which form.
+//! What a command prints, and in which form.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -9,15 +9,15 @@ use serde::Serialize;
 
 use crate::failure::{Failure, Wording};
 
-/// How often a bar is drawn anew while nothing happens.
+/// Interval at which a bar is redrawn while nothing happens.
 const TICK: Duration = Duration::from_millis(200);
 
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(crate) struct OutputArgs {
-    /// Say nothing but errors
+    /// Print only errors
     #[arg(long, short)]
     quiet: bool,
-    /// Print the result as JSON; errors and notes too, an object a line on standard error
+    /// Print the result as JSON; errors and notes too, one object per line on standard error
     #[arg(long)]
     json: bool,
 }
@@ -35,15 +35,15 @@ impl OutputArgs {
     /// Says something to the person at the keyboard, on standard error.
     pub(crate) fn note(self, text: &str) {
         if !self.quiet {
-            // Without standard error there is nobody left to tell.
+            // Without standard error there is no one to inform.
             let _ = self.wording().note(text, &mut io::stderr());
         }
     }
 
-    /// Hands over the result: as JSON where asked for, else as text unless quiet.
+    /// Prints the result: as JSON if requested, otherwise as text unless quiet.
     pub(crate) fn result(self, out: &mut impl Write, value: &impl Serialize, text: &str) -> Result<(), Failure> {
         if self.json {
-            // Whole or not at all: half an object is worse than none.
+            // All or nothing: half an object is worse than none.
             let json = serde_json::to_string_pretty(value).map_err(io::Error::from)?;
             writeln!(out, "{json}")?;
         } else if !self.quiet {
@@ -52,7 +52,7 @@ impl OutputArgs {
         Ok(())
     }
 
-    /// A bar on standard error over so many steps, the name of the last one beside it.
+    /// A bar on standard error over this many steps, with the name of the last one beside it.
     pub(crate) fn steps(self, doing: &'static str, count: u64) -> ProgressBar {
         if self.quiet {
             return ProgressBar::hidden();
@@ -60,8 +60,8 @@ impl OutputArgs {
         ticking(ProgressBar::new(count), doing, "{spinner} {prefix} {pos}/{len}, {elapsed} {wide_msg}")
     }
 
-    /// A bar on standard error over `count` frames, after what is done with them; a counter where their number is not
-    /// known. It shows nothing where nobody looks.
+    /// A bar on standard error over `count` frames, labelled with the work being done; a counter if their number is not
+    /// known. Nothing is shown without a terminal.
     pub(crate) fn progress(self, doing: &'static str, count: Option<u64>) -> ProgressBar {
         if self.quiet {
             return ProgressBar::hidden();
@@ -74,7 +74,7 @@ impl OutputArgs {
     }
 }
 
-/// Refuses a file that is there already: without `--overwrite` nothing is replaced. A device takes whatever it is given.
+/// Refuses a file that exists already: without `--overwrite` nothing is replaced. A device accepts anything.
 pub(crate) fn refuse_existing(file: &Path) -> Result<(), Failure> {
     if !file.is_file() {
         return Ok(());
@@ -82,7 +82,7 @@ pub(crate) fn refuse_existing(file: &Path) -> Result<(), Failure> {
     Err(Failure::new(format!("{} exists already", file.display()), "choose a new name or pass --overwrite"))
 }
 
-/// A bar that fits any width of terminal, and whose time runs on while a step takes long.
+/// A bar that fits any width of terminal, and whose time is updated while a step takes long.
 fn ticking(bar: ProgressBar, doing: &'static str, template: &str) -> ProgressBar {
     let bar = bar.with_prefix(doing);
     let bar = match ProgressStyle::with_template(template) {

@@ -10,14 +10,15 @@ use crate::failure::Failure;
 pub(crate) struct PartArgs {
     /// Write only the readings of these frames: from A up to but not including B, as in 100..200, 100.. or ..200
     ///
-    /// Frames have the numbers of readings.csv: from 0, or those in the names of the images. Tracking begins at the reference frame all the same, so that what is written is, to the bit,
-    /// what the whole recording gives; numbers and times of the frames stay those of the recording. To save the time until A, name a
-    /// later frame that shows the gel untouched with --reference-frame.
+    /// Frames are numbered as in readings.csv: from 0, or as in the names of the images. Tracking still begins at the
+    /// reference frame, so that the readings are identical, bit for bit, to those of the whole recording, with the same
+    /// numbers and times. To save the time until A, name a later frame that shows the gel untouched with
+    /// --reference-frame.
     #[arg(long, value_name = "A..B", value_parser = frames)]
     frames: Option<Frames>,
     /// The frame that shows the gel untouched: tracking begins with it, and displacement is relative to it
     ///
-    /// Without it the first of the recording.
+    /// Without it the first one of the recording.
     #[arg(long, value_name = "N")]
     reference_frame: Option<u64>,
 }
@@ -37,17 +38,17 @@ pub(crate) struct Part {
     pub(crate) reference: Option<u64>,
     /// The first frame written.
     pub(crate) first: u64,
-    /// The frame behind the last.
+    /// The frame after the last.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) end: Option<u64>,
 }
 
 impl PartArgs {
-    /// The part that is asked for.
+    /// The requested part.
     ///
     /// # Errors
     ///
-    /// A reference behind the first frame to write.
+    /// A reference after the first frame to write.
     pub(crate) fn part(self) -> Result<Part, Failure> {
         let reference = self.reference_frame;
         let frames = self.frames.unwrap_or(Frames { first: reference.unwrap_or(0), end: None });
@@ -72,25 +73,26 @@ impl Part {
         sequence >= self.first
     }
 
-    /// Whether a frame lies behind the part.
+    /// Whether a frame is after the part.
     pub(crate) fn is_behind(&self, sequence: u64) -> bool {
         self.end.is_some_and(|end| sequence >= end)
     }
 
-    /// The error of a recording that has none of the frames.
+    /// The error of a recording that contains none of the frames.
     pub(crate) fn absent(&self) -> Failure {
         let frames = Frames { first: self.first, end: self.end };
-        let hint = "name frames that it has: readings.csv of a run over all of it lists them";
+        let hint = "name frames that it contains: readings.csv of a run over the whole recording lists them";
         Failure::new(format!("the recording has no frame in --frames {frames}"), hint)
     }
 
-    /// The most frames that are written of a recording of so many.
+    /// Upper limit of the number of frames written, for a recording of this length.
     pub(crate) fn written(&self, count: Option<u64>) -> Option<u64> {
         let part = self.end.map(|end| end - self.first);
         count.map_or(part, |count| Some(part.map_or(count, |part| part.min(count))))
     }
 
-    /// How many frames are tracked of a recording of so many; known for the whole alone, since numbers may have gaps.
+    /// Number of frames tracked, for a recording of this length; known only for the whole recording, because numbers may
+    /// have gaps.
     pub(crate) fn tracked(&self, count: Option<u64>) -> Option<u64> {
         count.filter(|_| self.is_whole())
     }

@@ -1,4 +1,4 @@
-//! The profile that a command runs with: from a file, with single values set on the command line.
+//! The profile that a command uses: from a file, with single values set on the command line.
 
 use std::path::PathBuf;
 
@@ -12,13 +12,13 @@ pub(crate) struct ProfileArgs {
     /// The profile of the sensor, as in sensor.toml, or the run.toml of an earlier run; without it the whole image is tracked, without
     /// depth
     ///
-    /// `fingervision profile new` begins one.
+    /// `fingervision profile new` writes one to start from.
     #[arg(long, value_name = "FILE")]
     profile: Option<PathBuf>,
     /// Set one value of the profile, as in `flow.noise_levels=1.5`; may be repeated
     ///
-    /// `fingervision profile show FILE` and the run.toml of any run list the keys with their values. A value that changes nothing
-    /// under the others is refused.
+    /// `fingervision profile show FILE` and the run.toml of any run list the keys with their values. A value that has no
+    /// effect under the others is refused.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     assignments: Vec<(String, String)>,
 }
@@ -29,12 +29,12 @@ impl ProfileArgs {
         self.assignments.iter().map(|(key, _)| key.as_str())
     }
 
-    /// Whether nothing was said of the profile.
+    /// Whether no profile and no value was given.
     pub(crate) fn is_absent(&self) -> bool {
         self.profile.is_none() && self.assignments.is_empty()
     }
 
-    /// Refuses what was set and changes nothing for these fields; names what the profile's file holds of that kind.
+    /// Refuses values that were set and have no effect on these fields; notes those of the profile's file.
     pub(crate) fn expect_effect(&self, profile: &Profile, fields: Fields, output: OutputArgs) -> Result<(), Failure> {
         profile.expect_effect(self.keys(), fields)?;
         for key in self.profile.iter().flat_map(|_| changed_keys(profile)) {
@@ -50,7 +50,7 @@ impl ProfileArgs {
         self.load_or(Profile::default())
     }
 
-    /// The profile in force, made from `fallback` where no file is named.
+    /// The profile in force; `fallback` if no file is named.
     pub(crate) fn load_or(&self, fallback: Profile) -> Result<Profile, Failure> {
         let mut profile = self.profile.as_deref().map_or(Ok(fallback), Profile::load)?;
         profile.set_all(self.assignments.iter().map(|(key, value)| (key.as_str(), value.as_str())))?;
@@ -81,7 +81,7 @@ fn add_changed(path: &str, value: &toml::Value, default: Option<&toml::Value>, k
     }
 }
 
-/// Takes `KEY=VALUE` apart.
+/// Splits `KEY=VALUE`.
 pub(crate) fn assignment(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.trim().is_empty() => Ok((key.trim().into(), value.trim().into())),

@@ -12,9 +12,9 @@ use crate::failure::Failure;
 const PAGE: &str = "report.html";
 const NUMBERS: &str = "report.json";
 
-/// What such a folder consists of. The scenes of a benchmark stay: the next one writes them anew.
+/// The contents of such a folder. The scenes of a benchmark are kept: the next one overwrites them.
 const REPORT: FolderKind = FolderKind { noun: "report", marker: PAGE, files: &[NUMBERS], images: None, folders: &[] };
-/// Stands for the page while the report is made, so that an earlier one is not taken for it.
+/// Placeholder of the page while the report is made, so that an earlier one is not mistaken for it.
 const UNDER_WAY: &str =
     "<!doctype html><meta charset=\"utf-8\"><title>fingervision</title><p>This report is not finished.</p>\n";
 
@@ -26,8 +26,8 @@ pub(crate) struct ReportFolder {
 }
 
 impl ReportFolder {
-    /// Makes the folder, so that what cannot be written shows before anything is computed. An earlier report there is
-    /// replaced only where that is asked for.
+    /// Creates the folder before anything is computed, so that an error is reported early. An earlier report there is
+    /// replaced only if requested.
     pub(crate) fn create(path: &Path, overwrite: bool) -> Result<Self, Failure> {
         let folder = Self { path: path.to_owned(), lock: REPORT.claim(path, overwrite)? };
         folder.add(PAGE, UNDER_WAY.as_bytes())?;
@@ -41,7 +41,7 @@ impl ReportFolder {
         fs::create_dir_all(parent).and_then(|()| fs::write(&path, bytes)).map_err(|error| refused(&path, &error))
     }
 
-    /// Writes the numbers and the page; where the page is.
+    /// Writes the numbers and the page; returns the page's path.
     pub(crate) fn write(self, numbers: &impl Serialize, page: &Page) -> Result<PathBuf, Failure> {
         let json = serde_json::to_string_pretty(numbers).map_err(std::io::Error::from)?;
         self.add(NUMBERS, json.as_bytes())?;
@@ -53,5 +53,5 @@ impl ReportFolder {
 
 fn refused(path: &Path, error: &std::io::Error) -> Failure {
     let message = format!("{}: it cannot be written: {error}", path.display());
-    Failure::new(message, "choose a folder that can be written to, with --out")
+    Failure::new(message, "choose a writable folder with --out")
 }

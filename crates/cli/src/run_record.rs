@@ -19,7 +19,7 @@ struct RunRecord<'a> {
     profile: &'a Profile,
 }
 
-/// The grid of `traction.npy`, the surface's centre in its middle.
+/// The grid of `traction.npy`, centred on the surface.
 #[derive(Debug, Serialize)]
 struct TractionRecord {
     columns: usize,
@@ -27,8 +27,8 @@ struct TractionRecord {
     cell_mm: f64,
 }
 
-/// The text of `run.toml`: version, source, fields, the part of the recording if it is not the whole, the grid of tractions
-/// if there is one, and the whole profile in force.
+/// The text of `run.toml`: version, source, fields, the part of the recording if it is not the whole, the grid of
+/// tractions if there is one, and the complete profile in force.
 pub(crate) fn run_record(
     source: &str,
     fields: &[Field],

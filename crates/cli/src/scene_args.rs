@@ -1,4 +1,4 @@
-//! What the command line changes in a scene, and how it is solved.
+//! Options of the command line that change a scene, and how it is solved.
 
 use fingervision_gel::{PressCache, Scene, SceneError};
 
@@ -14,20 +14,20 @@ pub(crate) struct SceneArgs {
     /// Solve on a coarse mesh, 0.75 mm where the gel is touched: seconds instead of minutes
     #[arg(long)]
     draft: bool,
-    /// How many frames to divide the motion into, as in 31; without it as many as the scene says
+    /// Number of frames into which the motion is divided, as in 31; without it the scene's own
     #[arg(long, value_name = "N")]
     frames: Option<usize>,
-    /// Solve the press anew, although it was solved before, and do not keep it
+    /// Solve the press again, even if it was solved before, and do not keep the solution
     #[arg(long)]
     no_cache: bool,
 }
 
 impl SceneArgs {
-    /// The scene as the command line wants it.
+    /// The scene with the command line's changes.
     ///
     /// # Errors
     ///
-    /// [`SceneError`] if it cannot be.
+    /// [`SceneError`] if it is impossible.
     pub(crate) fn change(&self, mut scene: Scene) -> Result<Scene, SceneError> {
         if self.draft {
             scene.make_draft();

@@ -1,4 +1,4 @@
-//! What a shell and `man` know of the command: both are made from the same description as its help.
+//! Shell completions and manual pages: both are made from the same description as the help.
 
 use std::fs;
 use std::io::Write;
@@ -13,10 +13,10 @@ use crate::failure::Failure;
 /// The command's name, and that of its first page.
 const NAME: &str = "fingervision";
 
-/// Print the completions of a shell, so that Tab completes commands and options
+/// Print the completions of a shell, which completes commands and options with Tab
 ///
-/// In bash for this session: source <(fingervision completions bash). For all sessions, write them to where the shell looks, as in
-/// fingervision completions bash > ~/.local/share/bash-completion/completions/fingervision
+/// In bash for this session: source <(fingervision completions bash). For all sessions, write them where the shell looks
+/// for them, as in fingervision completions bash > ~/.local/share/bash-completion/completions/fingervision
 #[derive(Debug, clap::Args)]
 pub(crate) struct CompletionsArgs {
     /// The shell
@@ -35,7 +35,7 @@ pub(crate) struct ManArgs {
 }
 
 pub(crate) fn completions(args: &CompletionsArgs, out: &mut impl Write) -> Result<(), Failure> {
-    // A closed pipe is no failure: what is generated is written here.
+    // A closed pipe is not an error: the page is generated first and then written here.
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut text);
     Ok(out.write_all(&text)?)
@@ -51,7 +51,7 @@ pub(crate) fn man(args: &ManArgs, out: &mut impl Write) -> Result<(), Failure> {
     let written = fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
     written.map_err(|error| {
         let message = format!("{}: the pages cannot be written: {}", folder.display(), error.kind());
-        Failure::new(message, "name a folder that you may write with --out")
+        Failure::new(message, "name a writable folder with --out")
     })?;
     let folder = folder.display();
     writeln!(out, "the manual is in {folder}; read it with: man -l {folder}/{NAME}.1")?;

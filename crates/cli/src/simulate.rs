@@ -13,7 +13,7 @@ use crate::output::OutputArgs;
 use crate::scene_args::SceneArgs;
 use crate::simulation_run::{SimulationRun, SimulationSummary};
 
-/// Most random scenes of a call: what four digits of a folder's name hold.
+/// Most random scenes of a call: four digits in a folder's name.
 const MOST_RANDOM: u64 = 10_000;
 
 /// Simulate a press: camera images, their exact truth and the profile to track them with
@@ -25,7 +25,7 @@ pub(crate) struct Args {
     /// The folder to write, as in letter: new, empty, or with --overwrite a previous simulation
     #[arg(long, value_name = "DIR", required_unless_present = "list")]
     out: Option<PathBuf>,
-    /// Name the ready-made scenes
+    /// List the ready-made scenes
     #[arg(long, conflicts_with_all = ["out", "assignments", "draft", "frames", "no_cache", "truth_only", "seed", "overwrite"])]
     list: bool,
     /// Write N random scenes instead, as in 100, into the folders scene-0000, scene-0001, ...
@@ -36,7 +36,8 @@ pub(crate) struct Args {
     /// Write the truth and the profile, but no images
     #[arg(long)]
     truth_only: bool,
-    /// Seed of pattern and noise, as in 7; without it the scene's own. With --random also the seed of the scenes, 0 if left out
+    /// Seed of pattern and noise, as in 7; without it the scene's own. With --random also the seed of the scenes, 0
+    /// without it
     #[arg(long)]
     seed: Option<u64>,
     /// Replace a previous simulation in the folder
@@ -86,7 +87,7 @@ fn list(output: OutputArgs, out: &mut impl Write) -> Result<(), Failure> {
     output.result(out, &scenes, &text)
 }
 
-/// Simulates one random scene after another; those that cannot be solved to their end are told of and counted.
+/// Simulates one random scene after another; those whose solution ends early are reported and counted.
 fn simulate_random(
     args: &Args,
     run: &SimulationRun,
@@ -114,7 +115,7 @@ fn simulate_random(
         return Ok(());
     }
     let (bad, names) = (cut_short.len(), cut_short.join(", "));
-    Err(Failure::new(format!("{bad} of {count} scenes ended early: {names}"), "the frames before can be read"))
+    Err(Failure::new(format!("{bad} of {count} scenes ended early: {names}"), "the frames before it can be used"))
 }
 
 fn lines(summaries: &[SimulationSummary]) -> String {

@@ -1,13 +1,13 @@
-//! A press on a simulated gel, with its truth: what demo, bench and doctor track where nothing is attached.
+//! A press on a simulated gel, with its truth: tracked by demo, bench and doctor, without any hardware.
 
 use fingervision_gel::{GelError, Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Frame, Pixels};
 use fingervision_source::{Source, SourceError};
 
-/// Rate of the simulated camera, frames a second.
+/// Rate of the simulated camera, frames per second.
 const FRAMES_PER_SECOND: f64 = 30.0;
 
-/// How a press goes: a motion that grows from nothing and goes back.
+/// The course of a press: a motion that grows from zero and returns to zero.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Press {
     /// The motion half-way through.

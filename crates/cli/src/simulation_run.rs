@@ -1,4 +1,4 @@
-//! One scene on its way into a folder: solved, drawn, written, summed up.
+//! Writes one scene into a folder: solves, draws, writes and summarises it.
 
 use std::fmt;
 use std::fs;
@@ -15,7 +15,7 @@ use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
 use crate::summary::Force;
 
-/// How scenes become folders.
+/// Options for writing scenes into folders.
 #[derive(Debug)]
 pub(crate) struct SimulationRun {
     pub(crate) cache: PressCache,
@@ -27,7 +27,7 @@ pub(crate) struct SimulationRun {
     pub(crate) interrupt: Interrupt,
 }
 
-/// What a simulation came to.
+/// The result of a simulation.
 #[derive(Debug, Serialize)]
 pub(crate) struct SimulationSummary {
     scene: String,
@@ -42,11 +42,11 @@ pub(crate) struct SimulationSummary {
     press: &'static str,
     solving_s: f64,
     drawing_s: f64,
-    /// Of the deepest frame; of the last of them where there are several.
+    /// Of the deepest frame; of the last of them if there are several.
     depth_mm: f64,
     #[serde(flatten)]
     pub(crate) force: Force<f64>,
-    /// How far a rigid board slides along x from frame to frame, mm; none for what is pressed.
+    /// Step of a rigid board along x from frame to frame, mm; none for a press.
     #[serde(skip)]
     slide_mm: Option<f64>,
     /// The camera's distance, mm.
@@ -60,11 +60,11 @@ pub(crate) struct SimulationSummary {
 impl SimulationRun {
     /// Simulates a scene into a folder.
     ///
-    /// The second value says why it ended early; what came before is written all the same.
+    /// The second value is the reason if it ended early; the frames before it are still written.
     ///
     /// # Errors
     ///
-    /// Whatever keeps the simulation from beginning.
+    /// Why the simulation cannot begin.
     pub(crate) fn simulate(&self, scene: &Scene, path: &Path) -> Result<(SimulationSummary, Option<Failure>), Failure> {
         let mut simulation = Simulation::new(scene)?;
         let mut folder = SimulationFolder::create(path, scene, self.has_images, self.overwrite)?;
@@ -79,7 +79,7 @@ impl SimulationRun {
         let picture = path.join("preview.png");
         let saved = if frames > 0 { preview.save(&picture) } else { Ok(()) };
         if saved.is_err() {
-            // Half a picture is none; the error that is reported is the one that cut it.
+            // Half a picture is useless; the error that is reported is the one that interrupted it.
             let _ = fs::remove_file(&picture);
         }
         let deepest = deepest(&simulation, frames as usize);
@@ -113,7 +113,7 @@ impl SimulationRun {
         let press = simulation.solve(&self.cache, &mut progress)?;
         bar.finish_and_clear();
         if let Some(fault) = &press.cache_fault {
-            self.output.note(&format!("{fault}; the press was solved"));
+            self.output.note(&format!("{fault}; the press was solved again"));
         }
         let origin = match press.origin {
             Origin::Solved => "solved",
@@ -145,7 +145,7 @@ impl SimulationRun {
             if self.interrupt.is_asked() && number + 1 < count {
                 let asked = simulation.poses().len();
                 let message = format!("interrupted after {} of {asked} frames", number + 1);
-                return Err(Failure::new(message, "what was written can be read; --overwrite begins again"));
+                return Err(Failure::new(message, "the frames written so far can be used; --overwrite starts again"));
             }
         }
         bar.finish_and_clear();
@@ -153,41 +153,41 @@ impl SimulationRun {
     }
 }
 
-/// How far a rigid board slides along x from frame to frame, mm; none for another motion.
+/// Step of a rigid board along x from frame to frame, mm; none for another motion.
 fn slide_mm(simulation: &Simulation) -> Option<f64> {
     let [first, second, ..] = simulation.poses() else { return None };
     let step_mm = second.shear_mm[0] - first.shear_mm[0];
     (simulation.scene().motion.kind == MotionKind::Rigid && step_mm > 0.0).then_some((1e6 * step_mm).round() / 1e6)
 }
 
-/// The last of the deepest frames among the first so many; the first where there is none.
+/// The last of the deepest among the first frames; the first one if there is none.
 fn deepest(simulation: &Simulation, frames: usize) -> usize {
     let depths = simulation.poses().iter().take(frames).map(|pose| pose.depth_mm);
     let deepest = depths.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
     deepest.map_or(0, |(frame, _)| frame)
 }
 
-/// Names the scene, how far it came, and what to do.
+/// Names the scene, the number of frames written, and what to do.
 fn ended_early(end: &EarlyEnd, summary: &SimulationSummary) -> Failure {
     let SimulationSummary { scene, frames, frames_asked, .. } = summary;
     let message = format!("{scene}: {end}; {frames} of {frames_asked} frames are written");
-    let hint = end.hint().unwrap_or_else(|| "the frames before can be read".into());
+    let hint = end.hint().unwrap_or_else(|| "the frames before it can be used".into());
     Failure::new(message, hint)
 }
 
 impl SimulationSummary {
-    /// What was simulated, in how long.
+    /// What was simulated, and how long it took.
     pub(crate) fn headline(&self) -> String {
         let Self { scene, frames, size: (width, height), solving_s, drawing_s, .. } = self;
         let press = match self.press {
-            "cache" => "the press was solved before".into(),
+            "cache" => "solution from the cache".into(),
             "rigid" => "nothing to solve".into(),
             _ => format!("solved in {solving_s:.1} s"),
         };
         format!("{scene}: {frames} frames of {width}x{height} px, {press}, drawn in {drawing_s:.1} s")
     }
 
-    /// All in a line.
+    /// A summary in one line.
     pub(crate) fn line(&self) -> String {
         let Self { folder, frames, depth_mm, force, solving_s, drawing_s, .. } = self;
         let (folder, seconds) = (folder.display(), solving_s + drawing_s);

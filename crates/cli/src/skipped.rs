@@ -1,4 +1,4 @@
-//! Frames that cannot be read, left out of a run.
+//! Frames of a run that cannot be read and are skipped.
 
 use fingervision_image::Frame;
 use fingervision_source::Source;
@@ -7,16 +7,16 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
-/// So many are named on standard error; all are counted.
+/// Number of frames that are named on standard error; all are counted.
 const MOST_NAMED: usize = 10;
 
-/// What was left out.
+/// The skipped frames.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Skipped {
-    /// Frames that are missing among those read: the bad ones, and in a video those that build on them.
+    /// Frames missing among those read: the bad ones, and in a video those that depend on them.
     #[serde(rename = "skipped_frames")]
     pub(crate) count: u64,
-    /// Why, for each that could not be read.
+    /// The reason for each that could not be read.
     #[serde(rename = "bad_frames")]
     reasons: Vec<String>,
     #[serde(skip)]
@@ -28,7 +28,7 @@ impl Skipped {
     ///
     /// # Errors
     ///
-    /// Where `skips` is false or there is no way on, whatever keeps a frame from being read.
+    /// If `skips` is false or reading cannot continue, the error that keeps a frame from being read.
     pub(crate) fn next_frame(
         &mut self,
         source: &mut dyn Source,
@@ -52,7 +52,7 @@ impl Skipped {
         }
     }
 
-    /// Counts what is missing before a frame, at least the bad ones.
+    /// Counts the frames missing before a frame, at least the bad ones.
     fn count_to(&mut self, next: Option<u64>, bad: u64) {
         let expected = self.previous.map_or(0, |previous| previous + 1);
         self.count += next.unwrap_or(expected).saturating_sub(expected).max(bad);

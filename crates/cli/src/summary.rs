@@ -1,4 +1,4 @@
-//! What a run came to.
+//! The result of a run.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,18 +9,18 @@ use serde::Serialize;
 
 use crate::skipped::Skipped;
 
-/// Why a frame has no depth, what weighs most first.
+/// Reasons why a frame has no depth, the most important first.
 const NO_DEPTH: [Flag; 3] = [Flag::NoTexture, Flag::Lost, Flag::GelMisfit];
-/// A depth that is printed as nothing, mm.
+/// A depth that is printed as zero, mm.
 const LEAST_DEPTH_MM: f32 = 0.005;
 
-/// What a run came to.
+/// The result of a run.
 #[derive(Debug, Serialize)]
 pub(crate) struct Summary {
     pub(crate) folder: PathBuf,
     /// Absent if it could not be drawn.
     pub(crate) preview: Option<PathBuf>,
-    /// The video, where one was asked for.
+    /// The video, if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) overlay: Option<PathBuf>,
     /// Columns and rows of the fields, px.
@@ -34,23 +34,23 @@ pub(crate) struct Summary {
     pub(crate) skipped: Skipped,
 }
 
-/// What is counted while readings come.
+/// Counts made while readings arrive.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Tally {
     pub(crate) frames: u64,
     /// Sum of the frames' times from arrival to reading, ms.
     tracking_ms: f64,
-    /// How many frames carried each flag that was ever up.
+    /// Number of frames with each flag that was ever set.
     flagged: BTreeMap<&'static str, u64>,
-    /// How many frames the source skipped.
+    /// Number of frames skipped by the source.
     dropped_frames: u64,
-    /// How many frames have no depth, by the flag that says why; `not-valid` where no pixel holds.
+    /// Number of frames without depth, by the flag that is the reason; `not-valid` if no pixel is valid.
     without_depth: BTreeMap<&'static str, u64>,
     /// The last of the deepest readings; none without depth.
     pub(crate) deepest: Option<Deepest>,
 }
 
-/// What the deepest reading says.
+/// The values of the deepest reading.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub(crate) struct Deepest {
     pub(crate) sequence: u64,
@@ -105,7 +105,7 @@ impl Tally {
         }
     }
 
-    /// Leaves out the deepest reading where it tells nothing: an untouched gel, while most frames have no depth.
+    /// Leaves out the deepest reading if it is meaningless: an untouched gel, while most frames have no depth.
     pub(crate) fn finish(&mut self) {
         let is_untouched = |deepest: &Deepest| {
             deepest.contact_area_mm2.map_or(deepest.max_depth_mm < LEAST_DEPTH_MM, |area| area <= 0.0)
@@ -124,7 +124,7 @@ impl fmt::Display for Summary {
         let ((width, height), seconds) = (self.size, self.seconds);
         write!(f, "{frames} frames of {width}x{height} px in {seconds:.1} s")?;
         if *frames > 0 {
-            write!(f, "; tracking takes {:.1} ms a frame", tracking_ms / *frames as f64)?;
+            write!(f, "; tracking takes {:.1} ms per frame", tracking_ms / *frames as f64)?;
         }
         writeln!(f)?;
         if self.skipped.count > 0 {
@@ -154,13 +154,13 @@ impl fmt::Display for Summary {
     }
 }
 
-/// What a reason for no depth means.
+/// The meaning of a reason for no depth.
 fn in_words(reason: &str) -> &str {
     match reason {
-        "gel-misfit" => "the flow there cannot be that of the profile's gel and camera (gel-misfit)",
-        "lost" => "the images there do not match the reference (lost)",
-        "no-texture" => "the images there have too little texture (no-texture)",
-        _ => "no pixel there holds",
+        "gel-misfit" => "the flow does not fit the profile's gel and camera (gel-misfit)",
+        "lost" => "the images do not match the reference (lost)",
+        "no-texture" => "the images have too little texture (no-texture)",
+        _ => "no pixel is valid",
     }
 }
 
@@ -216,10 +216,10 @@ mod tests {
     }
 
     #[test]
-    fn frames_without_depth_are_counted_with_their_reason_and_no_zeros_are_told() {
+    fn frames_without_depth_are_counted_with_their_reason_and_no_zeros_are_printed() {
         let misfit = reading(Some(Flag::GelMisfit), None, 0.0);
         let text = summary(&[reading(None, Some(0.001), 0.0), misfit.clone(), misfit.clone()]).to_string();
-        assert!(text.contains("no depth in 2 of 3 frames: the flow there cannot be that of"), "{text}");
+        assert!(text.contains("no depth in 2 of 3 frames: the flow does not fit the profile's"), "{text}");
         assert!(!text.contains("deepest"), "{text}");
         let touched = summary(&[reading(None, Some(1.0), 9.0), misfit]).to_string();
         assert!(touched.contains("deepest  frame 0: depth up to 1.00 mm, contact 9.0 mm²"), "{touched}");

@@ -12,12 +12,12 @@ pub(crate) struct ThreadArgs {
 }
 
 impl ThreadArgs {
-    /// Holds from now on, for all that runs side by side.
+    /// Applies from now on, to all parallel work.
     pub(crate) fn apply(self) -> Result<(), Failure> {
         let Some(threads) = self.threads else { return Ok(()) };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
         pool.build_global().map_err(|error| {
-            Failure::new(format!("{threads} threads cannot be started: {error}"), "name fewer with --threads")
+            Failure::new(format!("{threads} threads cannot be started: {error}"), "use fewer with --threads")
         })
     }
 }

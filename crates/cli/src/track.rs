@@ -16,47 +16,48 @@ use crate::part::PartArgs;
 use crate::profile_args::ProfileArgs;
 use crate::tracking::{Run, fields_to_compute};
 
-/// Track a recording: flow, density and, with a profile that knows the sensor, depth, contact and force of every frame
+/// Track a recording: flow, density and, with a profile that describes the sensor, depth, contact and force of every
+/// frame
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV) or a simulated scene
     ///
-    /// A scene is sim:NAME or sim:FILE, as in sim:letter; `fingervision simulate --list` names those that are ready-made.
-    /// Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft takes a coarse mesh. Without --profile its own
-    /// camera and gel are the sensor.
+    /// A scene is sim:NAME or sim:FILE, as in sim:letter; `fingervision simulate --list` lists the ready-made ones.
+    /// Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft selects a coarse mesh. Without --profile the
+    /// scene's own camera and gel are used.
     source: PathBuf,
     /// The folder to write, as in run: new, empty, or with --overwrite a previous run
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
     profile: ProfileArgs,
-    /// The fields to write, as in flow,depth; without it flow and, where the profile allows it, depth, and density where depth is not
-    /// elastic
+    /// The fields to write, as in flow,depth; without it flow and, if the profile allows it, depth, and density where
+    /// depth is not elastic
     ///
-    /// With elastic depth, the contact and where both hold (`contact.npy`, `depth_valid.npy`) are written beside it.
+    /// With elastic depth, contact and validity (`contact.npy`, `depth_valid.npy`) are written, too.
     #[arg(long, value_delimiter = ',', value_name = "FIELD,...", value_enum)]
     fields: Option<Vec<FieldName>>,
-    /// How numbers are written: float16 takes half the disk and is off by up to 1 part in 2048
+    /// Number format: float16 needs half the disk space and has an error of up to 1 part in 2048
     ///
     /// For a flow of 8 to 16 px that is 0.004 px, for a depth of 1 to 2 mm 0.0005 mm.
     #[arg(long, value_name = "TYPE", value_enum, default_value_t = NumberType::Float32)]
     dtype: NumberType,
-    /// Write a video too: the camera image with the contact on it, depth, and force over time
+    /// Also write a video: the camera image with the contact, depth, and force over time
     ///
-    /// The file is motion JPEG in AVI, FILE.avi. It can be played while it grows, and after the run was killed.
+    /// The file is motion JPEG in AVI, FILE.avi. It can be played while it is written, and after the run was killed.
     #[arg(long, value_name = "FILE", value_parser = overlay_name)]
     overlay: Option<PathBuf>,
-    /// Nominal rate of an image folder or a simulated scene, frames a second; videos carry their own times
+    /// Nominal rate of an image folder or a simulated scene, frames per second; videos have their own time stamps
     ///
-    /// 30 without it.
+    /// Without it 30.
     #[arg(long, value_name = "RATE", value_parser = rate)]
     fps: Option<f64>,
     #[command(flatten)]
     part: PartArgs,
-    /// Leave out frames that cannot be read, as a truncated image, instead of ending the run at the first
+    /// Skip frames that cannot be read, such as a truncated image, instead of ending the run at the first one
     ///
-    /// Each is named in a note and counted in the result; the reading after it is flagged `dropped`. A video goes on at its next key
-    /// frame. The reference frame must be readable.
+    /// Each is named in a note and counted in the result; the reading after it is flagged `dropped`. A video continues at
+    /// its next key frame. The reference frame must be readable.
     #[arg(long)]
     skip_bad_frames: bool,
     /// Replace a previous run in the folder
@@ -134,18 +135,18 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     failure.map_or(Ok(()), Err)
 }
 
-/// The profile in force and the frames. A simulated scene knows its own sensor.
+/// The profile in force and the frames. A simulated scene has its own sensor.
 fn sensor(args: &Args) -> Result<(Profile, Box<dyn Source>), Failure> {
     let options = args.fps.map_or_else(Options::default, |frames_per_second| Options { frames_per_second });
     let Some(location) = SimulatedLocation::of(&args.source)? else {
         if args.fps.is_some() && args.source.is_file() {
-            let message = format!("--fps has no effect: {} carries its own times", args.source.display());
+            let message = format!("--fps has no effect: {} has its own time stamps", args.source.display());
             return Err(Failure::new(message, "leave --fps out"));
         }
         return Ok((args.profile.load()?, open(&args.source, &options)?));
     };
     if args.fps.is_some() && location.has_rate() {
-        let message = format!("--fps has no effect: {} names a rate of its own", args.source.display());
+        let message = format!("--fps has no effect: {} already contains a rate", args.source.display());
         return Err(Failure::new(message, "give the rate once"));
     }
     let scene = location.scene()?;
@@ -167,7 +168,7 @@ fn overlay_name(text: &str) -> Result<PathBuf, String> {
     }
     let avi = path.with_extension("avi");
     Err(format!(
-        "the video is motion JPEG in AVI: name it {}; `ffmpeg -i {0} -c:v libx264 -pix_fmt yuv420p {}` makes another kind of it",
+        "the video is motion JPEG in AVI: name it {}; `ffmpeg -i {0} -c:v libx264 -pix_fmt yuv420p {}` converts it",
         avi.display(),
         path.with_extension("mp4").display()
     ))

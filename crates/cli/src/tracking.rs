@@ -7,7 +7,7 @@ use std::time::Instant;
 use fingervision_image::Frame;
 use fingervision_sink::{Field, Overlay, Precision, Preview, PreviewOptions, RunFolder, RunOptions, Sink, SinkError};
 use fingervision_source::Source;
-use fingervision_touch::{DepthMethod, Fields, LEARNED_FROM, Profile, Reading, Tracker};
+use fingervision_touch::{DepthMethod, Fields, Profile, Reading, TRAINING_RANGE, Tracker};
 
 use crate::disk;
 use crate::failure::Failure;
@@ -18,14 +18,14 @@ use crate::run_record::run_record;
 use crate::skipped::Skipped;
 use crate::summary::{Summary, Tally};
 
-/// What to make of a source.
+/// Options for tracking a source.
 #[derive(Debug)]
 pub(crate) struct Run {
     /// The sensor.
     pub(crate) profile: Profile,
-    /// The fields asked for; absent: all that the profile is calibrated for.
+    /// The requested fields; absent: all that the profile is calibrated for.
     pub(crate) fields: Option<Vec<Field>>,
-    /// How numbers with a fraction are written.
+    /// The format of floating-point numbers.
     pub(crate) precision: Precision,
     /// The video to write, if any.
     pub(crate) overlay: Option<PathBuf>,
@@ -35,12 +35,12 @@ pub(crate) struct Run {
     pub(crate) overwrite: bool,
     /// The frames to track.
     pub(crate) part: Part,
-    /// Whether a frame that cannot be read is left out instead of ending the run.
+    /// Whether a frame that cannot be read is skipped instead of ending the run.
     pub(crate) skips_bad_frames: bool,
     pub(crate) output: OutputArgs,
 }
 
-/// A run that has begun: all that takes its readings.
+/// A run that has begun: everything that takes its readings.
 struct Sinks {
     folder: RunFolder,
     preview: Preview,
@@ -53,11 +53,11 @@ struct Sinks {
 impl Run {
     /// Tracks the source to its end.
     ///
-    /// The second value says why the run ended early; what was read before is written all the same.
+    /// The second value is the reason if the run ended early; what was read before is still written.
     ///
     /// # Errors
     ///
-    /// Whatever keeps the run from beginning.
+    /// Why the run cannot begin.
     pub(crate) fn track(&self, source: &mut dyn Source) -> Result<(Summary, Option<Failure>), Failure> {
         let begin = Instant::now();
         for remark in source.remarks() {
@@ -90,11 +90,11 @@ impl Run {
         Ok(self.finish(sinks, &tracker, begin, ended))
     }
 
-    /// Sees that no file is replaced that was not to be; one within the run's folder goes with the previous run.
+    /// Refuses to replace a file without --overwrite; a file within the run's folder belongs to the previous run.
     fn check_overlay(&self) -> Result<(), Failure> {
         match &self.overlay {
             Some(path) if path.exists() && !self.overwrite => {
-                Err(Failure::new(format!("{} is there already", path.display()), "name a new file or pass --overwrite"))
+                Err(Failure::new(format!("{} exists already", path.display()), "name a new file or pass --overwrite"))
             }
             _ => Ok(()),
         }
@@ -107,7 +107,10 @@ impl Run {
             let Some(wanted) = wanted.filter(|&wanted| wanted != frame.sequence) else { return Ok(frame) };
             if frame.sequence > wanted {
                 let message = format!("the reference frame {wanted} cannot be read");
-                return Err(Failure::new(message, "name another that shows the gel untouched with --reference-frame"));
+                return Err(Failure::new(
+                    message,
+                    "use --reference-frame with another one that shows the gel untouched",
+                ));
             }
         }
         Err(SinkError::NoReadings.into())
@@ -124,51 +127,51 @@ impl Run {
             let (name, lacks) = (&self.profile.name, self.lacks_for_depth());
             self.output.note(&format!("no depth is written: the profile \"{name}\" has {lacks}"));
         }
-        if let Some(remark) = self.outside_learned() {
+        if let Some(remark) = self.outside_training() {
             self.output.note(&remark);
         }
         Ok(tracker)
     }
 
-    /// What there is to say of a sensor of which nothing was learned; none without elastic depth.
-    fn outside_learned(&self) -> Option<String> {
+    /// A warning for a sensor outside the training range; none without elastic depth.
+    fn outside_training(&self) -> Option<String> {
         if self.profile.depth_method() != DepthMethod::Elastic {
             return None;
         }
         let (camera, gel) = self.profile.elastic_sensor().ok()?;
-        self.profile.elastic.is_outside_learned(&camera, &gel).then(|| {
+        self.profile.elastic.is_outside_training(&camera, &gel).then(|| {
             let ([width, height], [_, _, distance]) = (gel.size_mm, camera.position_mm());
             format!(
-                "depth was learned on {LEARNED_FROM}; this one is {width} by {height} by {} mm, of {}, seen from {distance:.1} mm: \
-                 expect worse",
+                "the sensor is outside the network's training range: it was trained on {TRAINING_RANGE}; this one is {width} by {height} by {} mm, of {}, seen from {distance:.1} mm: \
+                 expect larger errors",
                 gel.thickness_mm, gel.poissons_ratio
             )
         })
     }
 
-    /// Why a field that was asked for is not to be had with this profile.
+    /// Why a requested field is not available with this profile.
     fn cannot_be_had(&self, field: Field) -> Failure {
         let (name, profile) = (field.name(), &self.profile.name);
         match (field, self.profile.depth_method()) {
             (Field::Depth, DepthMethod::Density) => Failure::new(
-                format!("depth was asked for, but the profile \"{profile}\" has {}", self.lacks_for_depth()),
+                format!("depth was requested, but the profile \"{profile}\" has {}", self.lacks_for_depth()),
                 "leave depth out of --fields, give the profile [camera] and [gel], or fit one: fingervision calibrate depth \
                  PRESSES --profile sensor.toml",
             ),
             (_, DepthMethod::Density) => Failure::new(
-                format!("{name} was asked for, but the profile \"{profile}\" has no elastic depth"),
+                format!("{name} was requested, but the profile \"{profile}\" has no elastic depth"),
                 format!(
                     "leave {name} out of --fields, or give the profile [camera] and [gel] and no depth.method = \"density\""
                 ),
             ),
             (_, DepthMethod::Elastic) => Failure::new(
-                format!("{name} was asked for, but the profile \"{profile}\" has no gel.youngs_modulus_mpa"),
-                format!("leave {name} out of --fields, or tell how stiff the gel is: --set gel.youngs_modulus_mpa=0.6"),
+                format!("{name} was requested, but the profile \"{profile}\" has no gel.youngs_modulus_mpa"),
+                format!("leave {name} out of --fields, or give the gel's stiffness: --set gel.youngs_modulus_mpa=0.6"),
             ),
         }
     }
 
-    /// What a profile without depth would need for it.
+    /// What a profile without depth lacks.
     fn lacks_for_depth(&self) -> &'static str {
         let Profile { camera, gel, .. } = &self.profile;
         match (camera, gel, self.profile.depth.method) {
@@ -178,9 +181,9 @@ impl Run {
         }
     }
 
-    /// What is written: all that was asked for, and with elastic depth always contact and where they hold.
+    /// The fields to write: all that were requested, and with elastic depth always contact and validity.
     fn fields_to_keep(&self, reading: &Reading) -> Vec<Field> {
-        // Beside elastic depth, density is one more array of which nothing is made.
+        // With elastic depth, density is not needed.
         let by_default = || match self.profile.depth_method() {
             DepthMethod::Elastic => vec![Field::Flow, Field::Depth],
             DepthMethod::Density => vec![Field::Flow, Field::Density, Field::Depth],
@@ -220,14 +223,14 @@ impl Run {
                 break;
             }
             let following = sinks.skipped.next_frame(source, self.skips_bad_frames, self.output)?;
-            // Frames left out may reach beyond the part.
+            // Skipped frames may extend beyond the part.
             next = following.filter(|frame| !self.part.is_behind(frame.sequence));
         }
         progress.finish_and_clear();
         if sinks.tally.frames == 0 { Err(self.part.absent()) } else { Ok(()) }
     }
 
-    /// Puts everything on the disk and draws the preview. The first error is the one that counts.
+    /// Writes everything to disk and draws the preview. The first error is reported.
     fn finish(
         &self,
         sinks: Sinks,
@@ -242,7 +245,7 @@ impl Run {
         let drawn = if tally.frames > 0 { preview.save(&path) } else { Ok(()) };
         let has_preview = tally.frames > 0 && drawn.is_ok();
         if drawn.is_err() {
-            // Half a picture is none; the error that is reported is the one that cut it.
+            // Half a picture is useless; the error that is reported is the one that interrupted it.
             let _ = fs::remove_file(&path);
         }
         let closed = folder.finish();
@@ -262,7 +265,7 @@ impl Run {
     }
 }
 
-/// What the tracker computes for the fields that are asked for; absent: all that the profile is calibrated for.
+/// The fields that the tracker computes; absent: all that the profile is calibrated for.
 pub(crate) fn fields_to_compute(asked: Option<&[Field]>) -> Fields {
     let is_asked = |field| asked.is_some_and(|fields| fields.contains(&field));
     let by_default = asked.is_none();
@@ -289,12 +292,12 @@ impl Sinks {
     }
 }
 
-/// A stream without an end has ended when it is told to; one with an end is cut short.
+/// A stream without an end ends normally when it is interrupted; one with an end is cut short.
 fn interrupted(frames: u64, count: Option<u64>) -> Result<(), Failure> {
     match count {
         Some(count) if frames < count => Err(Failure::new(
             format!("interrupted after {frames} of {count} frames"),
-            "what was written can be read; --overwrite begins again",
+            "the frames written so far can be used; --overwrite starts again",
         )),
         _ => Ok(()),
     }

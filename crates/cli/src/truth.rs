@@ -1,12 +1,12 @@
-//! How far a reading of a simulated press is from its truth.
+//! Errors of a reading of a simulated press against its truth.
 
 use fingervision_gel::Motion;
 use fingervision_touch::Reading;
 
-/// How one reading differs from its truth.
+/// The errors of one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FrameError {
-    /// Mean distance between the displacement found and the true one over the valid pixels, px; NaN where none is.
+    /// Mean distance between the measured displacement and the true one over the valid pixels, px; NaN if none is valid.
     pub(crate) mean_px: f64,
     /// Part of the pixels that are valid, 0 to 1.
     pub(crate) valid: f64,
@@ -14,7 +14,7 @@ pub(crate) struct FrameError {
     pub(crate) largest_motion_px: f64,
 }
 
-/// How a reading differs from the motion that was drawn.
+/// Compares a reading with the motion that was drawn.
 pub(crate) fn frame_error(reading: &Reading, motion: &Motion) -> FrameError {
     let (width, height) = reading.flow.size();
     let (mut sum, mut count, mut largest_motion_px) = (0.0, 0.0, 0.0_f64);

@@ -1,9 +1,9 @@
-//! What the gel is: size and material.
+//! The gel: size and material.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// A block of gel, bonded at its base, its sides free.
+/// A block of gel, bonded at its base, with free sides.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GelBlock {
@@ -18,7 +18,7 @@ pub struct GelBlock {
     pub youngs_modulus_mpa: Option<f64>,
 }
 
-/// How stress follows strain.
+/// The relation between stress and strain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Law {
@@ -29,7 +29,7 @@ pub enum Law {
     NeoHookean,
 }
 
-/// A block that cannot be.
+/// An impossible block.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{key} is {value}: {allowed} is allowed")]
 pub struct BlockError {
@@ -37,13 +37,13 @@ pub struct BlockError {
     pub key: &'static str,
     /// The value.
     pub value: f64,
-    /// What it could be.
+    /// The possible values.
     pub allowed: &'static str,
 }
 
-/// Thickness over the longer side beyond which the base is not felt any more: what is thicker is in another unit.
+/// Thickness over the longer side beyond which the base has no effect: a thicker gel is assumed to be in another unit.
 const MOST_THICKNESS: f64 = 4.0;
-/// Young's modulus, `MPa`, of what is not soft any more: no camera sees it give way.
+/// Largest Young's modulus, `MPa`: with a stiffer material no camera sees a deformation.
 const MOST_STIFFNESS_MPA: f64 = 1e4;
 
 impl GelBlock {

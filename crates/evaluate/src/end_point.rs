@@ -1,12 +1,12 @@
-//! End-point errors, and whether the predicted deviation tells them.
+//! End-point errors, and how well the predicted deviation agrees with them.
 
 use fingervision_flow::{Estimate, FlowField};
 use fingervision_image::Rect;
 
-/// An error that nobody would call a measurement, px.
+/// An error beyond which a displacement counts as wrong, px.
 const WRONG_PX: f32 = 1.0;
 
-/// The image without a border of so many px; empty where nothing is left.
+/// The image without a border of this width, px; empty if nothing is left.
 #[must_use]
 pub fn without_border((width, height): (usize, usize), border: usize) -> Rect {
     let inner = |size: usize| size.saturating_sub(2 * border);

@@ -14,7 +14,7 @@ pub(crate) struct FilteredDensity {
 }
 
 impl FilteredDensity {
-    /// For flows of so many columns and rows, px.
+    /// For flows of this many columns and rows, px.
     pub(crate) fn new((width, height): (usize, usize), params: &DensityParams) -> Result<Self, ParameterError> {
         Ok(Self {
             estimator: DensityEstimator::new(width, height, params)?,

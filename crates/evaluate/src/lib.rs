@@ -1,6 +1,6 @@
 //! Readings against truth: the accuracy tables of the tracker.
 //!
-//! Three kinds of test images, each with the figure that is asked for beside the one that is measured:
+//! Three kinds of test images, each with the required and the measured figure:
 //!
 //! - [`pairs`]: simulated pairs with exact truth, several patterns each, and whether the predicted deviation holds.
 //! - [`recordings`]: recorded pairs and a recorded press. They are not part of the project: they lie in a folder of
@@ -9,7 +9,7 @@
 //!
 //! Everything is seeded: the same code gives the same tables.
 //!
-//! And what any run is worth: [`run`] compares a folder of fields with the simulator's truth.
+//! And the errors of any run: [`run`] compares a folder of fields with the simulator's truth.
 //!
 //! [`dots`] follows a sparse grid of dots, the baseline that a dense pattern is compared with.
 //!

@@ -1,6 +1,6 @@
-//! Fits how depth follows from the density feature to presses of known depth: the law that a profile takes.
+//! Fits the law from density feature to depth, as used in a profile, to presses of known depth.
 //!
-//! The presses are simulated here; of a real sensor they are recordings, with the depth of every image.
+//! The presses are simulated here; for a real sensor they are recordings, with the depth of every image.
 //!
 //! `cargo run --release --example calibrate [PROFILE.toml]` writes the profile with the law to a file.
 #![allow(clippy::print_stdout, reason = "an example shows what it finds")]

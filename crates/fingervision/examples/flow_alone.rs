@@ -21,13 +21,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let whole = Rect::whole(width, height);
     let mut estimator = FlowEstimator::new(width, height, &FlowParams::default())?;
 
-    // What depends on the reference alone is worked out once.
+    // Everything that depends only on the reference is computed once.
     let mut picture = estimator.picture();
     picture.load(&image(0), whole)?;
     let mut reference = estimator.reference();
     estimator.prepare(&picture, &mut reference);
 
-    // From nowhere; `Start::Flow` begins at a flow that is a few px off at most, as that of the frame before.
+    // Without a start; `Start::Flow` starts from a flow that is a few px off at most, such as that of the previous frame.
     picture.load(&image(4), whole)?;
     let mut estimate = Estimate::new(width, height);
     estimator.estimate(&reference, &picture, Start::Search(None), &mut estimate);

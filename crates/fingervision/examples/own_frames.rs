@@ -1,4 +1,4 @@
-//! Feeds frames of one's own, as a camera's driver hands them over, and prints what each tells.
+//! Tracks frames from your own program, such as those of a camera's driver, and prints the result of each.
 //!
 //! `cargo run --release --example own_frames`
 #![allow(clippy::print_stdout, reason = "an example shows what it finds")]
@@ -7,7 +7,7 @@ use fingervision::{Fields, Flag, Frame, Image, Pixels, Profile, Tracker};
 
 const SIZE: (usize, usize) = (160, 120);
 
-/// Stands for a camera: bytes in rows, red, green and blue for every pixel. The pattern moves right by 1 px a frame.
+/// In place of a camera: bytes in rows, red, green and blue for every pixel. The pattern moves right by 1 px a frame.
 fn grab(shot: usize) -> Vec<u8> {
     let level = |x: usize, y: usize, channel: usize| {
         let cell = [(x + 40 - shot) / 3, y / 3, channel].map(|number| number as u32);
@@ -20,9 +20,9 @@ fn grab(shot: usize) -> Vec<u8> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // A sensor of which nothing is known yet: the flow is all that there is. `Profile::load` reads a sensor's file.
+    // An uncalibrated sensor: only the flow is computed. `Profile::load` reads a sensor's file.
     let profile = Profile::default();
-    // The first frame shows the gel untouched. The tracker owns what it needs: make it once, then hand it every frame.
+    // The first frame shows the gel untouched. The tracker owns its memory: make it once, then pass it every frame.
     let mut tracker = Tracker::new(&profile, SIZE, true, Fields::NONE)?;
     for shot in 0..10 {
         let colours: Vec<[u8; 3]> = grab(shot).chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2]]).collect();

@@ -7,7 +7,7 @@ use fingervision::{Fields, Frame, PressCache, Scene, Simulation, Tracker, simula
 use std::ops::ControlFlow;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // `Scene::find("sphere")` has such a press ready-made; what a scene leaves out is the default sensor's.
+    // `Scene::find("sphere")` has such a press ready-made; missing values of a scene are the default sensor's.
     let mut scene = Scene::from_toml(
         "indenter = { shape = 'sphere', radius_mm = 6.0 }\n\
          [motion]\nframes = 11\nkeyframes = [{ at = 6, depth_mm = 1.5 }, { at = 10, depth_mm = 1.5, shear_mm = [0.5, 0] }]",
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scene.make_draft(); // a coarse mesh: seconds instead of minutes
     let mut press = Simulation::new(&scene)?;
     let forces_n: Vec<[f64; 3]> = {
-        // `PressCache::standard()` keeps what was solved for the next time.
+        // `PressCache::standard()` keeps solved presses for the next time.
         let solved = press.solve(&PressCache::OFF, &mut |_| ControlFlow::Continue(()))?;
         solved.states.iter().map(|state| state.force_n).collect()
     };

@@ -1,8 +1,8 @@
 //! Camera-based touch: from images of a gel with a dense random pattern to displacement, depth, contact and force.
 //!
 //! A [`Profile`] describes one sensor. A [`Tracker`] made from it takes [`Frame`]s and gives a [`Reading`] for each. Here
-//! the frames are those of a simulated press, whose sensor is known; [`open`] reads them from a folder or a video, and a
-//! program of its own makes them from whatever its camera hands it.
+//! the frames are those of a simulated press, whose sensor is known; [`open`] reads them from a folder or a video, and
+//! your own program can make them from the images of a camera.
 //!
 #![cfg_attr(feature = "simulate", doc = "```")]
 #![cfg_attr(not(feature = "simulate"), doc = "```ignore")]
@@ -25,7 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The crate's `examples/` track a folder into the files that the command writes, feed frames of their own, use the flow
+//! The crate's `examples/` track a folder into the files that the command writes, feed their own frames, use the flow
 //! alone, compare a press with its truth, and calibrate depth.
 //!
 //! # Conventions

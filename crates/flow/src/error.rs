@@ -1,4 +1,4 @@
-/// What keeps a flow from being computed.
+/// Why a flow cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FlowError {
     /// A parameter is outside its range.
@@ -8,7 +8,7 @@ pub enum FlowError {
         name: &'static str,
         /// The value given.
         value: f64,
-        /// What it takes.
+        /// Its allowed range.
         range: &'static str,
     },
     /// The picture is too small to hold patches.
@@ -28,13 +28,13 @@ pub enum FlowError {
         width: usize,
         /// Rows, px.
         height: usize,
-        /// The most pixels in all.
+        /// The largest number of pixels.
         most: usize,
     },
 }
 
 impl FlowError {
-    /// An error for parameter `name` unless it holds.
+    /// An error for parameter `name` unless the condition holds.
     pub(crate) fn check(holds: bool, name: &'static str, value: f64, range: &'static str) -> Result<(), Self> {
         if holds { Ok(()) } else { Err(Self::Parameter { name, value, range }) }
     }

@@ -7,14 +7,14 @@ use crate::{Estimate, FlowError, FlowField, FlowParams, Picture, Preset};
 use fearless_simd::Level;
 use fingervision_image::Image;
 
-/// A reference made ready for matching: everything that depends on it alone.
+/// A reference prepared for matching: everything that depends only on it.
 #[derive(Debug, Clone)]
 pub struct Reference {
     search: SearchReference,
     affine: AffineReference,
     mean_level: f32,
     sharpness: f32,
-    /// The picture itself, where the round trip is checked.
+    /// The picture itself, if the round trip is checked.
     picture: Option<Picture>,
 }
 
@@ -41,9 +41,10 @@ impl Reference {
 /// Where the estimate starts.
 #[derive(Debug, Clone, Copy)]
 pub enum Start<'a> {
-    /// From nowhere: the dense inverse search finds the flow, whatever its length. Given a flow, the search tries it too.
+    /// Without a start: the dense inverse search finds the flow, whatever its length. If a flow is given, the search also
+    /// tries it.
     Search(Option<&'a FlowField>),
-    /// From a flow that is a few px off at most, such as that of the frame before.
+    /// From a flow that is a few px off at most, such as that of the previous frame.
     Flow(&'a FlowField),
 }
 
@@ -59,7 +60,7 @@ pub struct FlowEstimator {
     way_back: Option<Box<WayBack>>,
 }
 
-/// What the round trip needs: the current picture as reference.
+/// Data for the round trip: the current picture as reference.
 #[derive(Debug, Clone)]
 struct WayBack {
     reference: Reference,
@@ -68,7 +69,7 @@ struct WayBack {
     error: Image<f32>,
 }
 
-/// Fixed-point passes that turn a flow round, to start the way back.
+/// Fixed-point iterations that invert a flow, as a start of the backward flow.
 const INVERSION_PASSES: usize = 6;
 
 /// Most pixels of a picture: the kernels count them in `f32`, which is exact up to here.
@@ -82,7 +83,8 @@ impl FlowEstimator {
     ///
     /// # Errors
     ///
-    /// [`FlowError::TooSmall`] below 32 px either way; [`FlowError::TooLarge`] above 2²⁴ px in all; [`FlowError::Parameter`] for a parameter out of range.
+    /// [`FlowError::TooSmall`] below 32 px along an axis; [`FlowError::TooLarge`] above 2²⁴ px in total;
+    /// [`FlowError::Parameter`] for a parameter out of range.
     pub fn new(width: usize, height: usize, params: &FlowParams) -> Result<Self, FlowError> {
         Self::with_level(width, height, params, Level::new())
     }
@@ -165,7 +167,7 @@ impl FlowEstimator {
         }
     }
 
-    /// Matches backwards and marks the pixels that do not come back to where they began.
+    /// Matches backwards and marks the pixels that do not return to where they began.
     fn check_round_trip(&mut self, reference: &Picture, current: &Picture, limit: f32, out: &mut Estimate) {
         let Some(mut way_back) = self.way_back.take() else { return };
         let WayBack { reference: back_reference, start, flow, error } = &mut *way_back;

@@ -1,17 +1,17 @@
 //! Dense optical flow between two images of a textured surface, to a hundredth of a pixel.
 //!
-//! The flow at reference pixel `x` says where that point went: `x + flow(x)` is its place in the current image, px. Two
-//! methods are built, both on templates that are made once per reference:
+//! The flow at reference pixel `x` is the displacement of that point: `x + flow(x)` is its place in the current image,
+//! px. There are two methods, both with templates that are made once per reference:
 //!
 //! - **Dense inverse search** ([Kroeger2016]) with variational refinement ([Brox2004]): patches moved without a start,
-//!   from coarse to fine. The presets people know are [`SearchParams::ultrafast`], [`SearchParams::fast`] and
+//!   from coarse to fine. The known presets are [`SearchParams::ultrafast`], [`SearchParams::fast`] and
 //!   [`SearchParams::medium`].
 //! - **Coupled affine patches**, the default: 16×16 patches at full size, each with a displacement, its gradient and a
-//!   change of light, moved by whole Gauss–Newton steps that all patches take together. Neighbours pull on each other
-//!   as far as the image noise lets the flow be smooth, so rich texture is followed sharply and poor texture is bridged.
+//!   change of light, moved by Gauss–Newton steps that are solved for all patches together. Neighbours are coupled as
+//!   far as the image noise requires, so the flow is sharp on rich texture and interpolated across poor texture.
 //!
-//! An [`Estimate`] says at every pixel how far to trust it: a predicted standard deviation in px and a validity.
-//! Patches that fail carry no weight and are marked.
+//! An [`Estimate`] gives the accuracy at every pixel: a predicted standard deviation in px and a validity. Patches that
+//! fail have no weight and are marked.
 //!
 //! ```
 //! use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Start};

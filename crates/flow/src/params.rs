@@ -1,19 +1,19 @@
-//! What a user can set about flow.
+//! Parameters of the flow.
 
 use crate::{FlowError, SearchParams};
 use serde::{Deserialize, Serialize};
 
-/// How the flow is found.
+/// The method of the flow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// Dense inverse search alone, little work: finest level 2, no refinement.
+    /// Only dense inverse search, least work: finest level 2, no refinement.
     Ultrafast,
-    /// Dense inverse search alone, refined: finest level 2.
+    /// Only dense inverse search, refined: finest level 2.
     Fast,
-    /// Dense inverse search alone, denser patches, refined: finest level 1.
+    /// Only dense inverse search, denser patches, refined: finest level 1.
     Medium,
-    /// Coupled affine patches at full size; dense inverse search only finds their start where there is none.
+    /// Coupled affine patches at full size; dense inverse search only finds their start if there is none.
     #[default]
     Affine,
 }
@@ -26,7 +26,7 @@ impl Preset {
             Self::Ultrafast => SearchParams::ultrafast(),
             Self::Fast => SearchParams::fast(),
             Self::Medium => SearchParams::medium(),
-            // The affine patches start from the search only where nothing better is known, so it can be thorough.
+            // The affine patches start from the search only where no better start is known, so it can be thorough.
             Self::Affine => SearchParams { finest_level: 0, ..SearchParams::medium() },
         }
     }
@@ -36,22 +36,22 @@ impl Preset {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FlowParams {
-    /// How the flow is found.
+    /// The method of the flow.
     pub preset: Preset,
-    /// Pyramid level where the inverse search ends, 0 for full size; absent: what the preset says.
+    /// Pyramid level where the inverse search ends, 0 for full size; absent: that of the preset.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub finest_level: Option<usize>,
     /// Whether the full-size patches use red, green and blue where the frames have them.
     pub colour: bool,
-    /// Standard deviation of the image noise, grey levels a channel. It scales the pull between neighbouring patches and
+    /// Standard deviation of the image noise, grey levels per channel. It scales the coupling of neighbouring patches and
     /// the predicted deviation.
     pub noise_levels: f32,
-    /// The inverse search in full, values left out being those of the preset medium; absent: what the preset says.
+    /// All parameters of the inverse search, missing ones as in the preset medium; absent: those of the preset.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub search: Option<SearchParams>,
     /// The affine patches.
     pub affine: AffineParams,
-    /// What counts as a measurement.
+    /// What counts as a valid measurement.
     pub validity: ValidityParams,
 }
 
@@ -70,7 +70,7 @@ impl Default for FlowParams {
 }
 
 impl FlowParams {
-    /// The inverse search that these parameters ask for.
+    /// The inverse search for these parameters.
     #[must_use]
     pub fn search(&self) -> SearchParams {
         let search = self.search.unwrap_or_else(|| self.preset.search());
@@ -103,7 +103,7 @@ pub struct AffineParams {
     pub steps: usize,
     /// Gauss–Newton steps at full size after a start from the search.
     pub search_steps: usize,
-    /// In colour every so many rows are matched, 1, 2, 4 or 8; the three channels make up for the rows left out.
+    /// In colour, one of this many rows is matched, 1, 2, 4 or 8; the three channels compensate for the rows left out.
     pub colour_row_step: usize,
     /// Conjugate-gradient iterations of every step.
     pub iterations: usize,
@@ -111,7 +111,7 @@ pub struct AffineParams {
     pub continuity_px: f32,
     /// Expected change of the flow's gradient from a patch to its neighbour, px per patch distance.
     pub curvature_px: f32,
-    /// How often these expectations must be exceeded, squared, for the pull to halve, dimensionless.
+    /// How often these expectations must be exceeded, squared, for the coupling to halve, dimensionless.
     pub bond_tolerance: f32,
 }
 
@@ -154,18 +154,18 @@ impl AffineParams {
     }
 }
 
-/// What counts as a measurement.
+/// What counts as a valid measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ValidityParams {
-    /// A patch fails where more than this part of its variance stays unexplained, dimensionless.
+    /// A patch fails if a larger part of its variance remains unexplained, dimensionless.
     pub max_unexplained: f32,
-    /// A patch never fails while its residual is below so many standard deviations of the noise, dimensionless.
+    /// A patch never fails while its residual is below this many standard deviations of the noise, dimensionless.
     pub noise_floor: f32,
     /// A pixel is valid while its predicted standard deviation is at most this, px.
     pub max_deviation_px: f32,
-    /// A pixel is valid while the flow there and the flow back end at most this far from where they began, px. Absent:
-    /// not checked. The check matches every frame a second time, backwards, with a reference of its own.
+    /// A pixel is valid if forward and backward flow together lead at most this far from where they began, px. Absent:
+    /// not checked. The check matches every frame a second time, backwards, with its own reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_round_trip_px: Option<f32>,
 }

@@ -1,4 +1,4 @@
-//! A picture made ready for matching: its grey pyramid and, where asked for, its colours.
+//! A picture prepared for matching: its grey pyramid and, if needed, its colours.
 
 use fingervision_image::{Image, ImageError, Pixels, Pyramid, Rect, grey_into, rgbx_into};
 
@@ -61,9 +61,9 @@ impl Picture {
         coarsest.iter().sum::<f32>() / coarsest.len() as f32
     }
 
-    /// How sharp the picture is, dimensionless: the mean squared difference of neighbours in a row at full size over that at a
-    /// quarter of it. Light and contrast do not change it, blur lowers it: edges that are blurred twice as much halve it. It
-    /// depends on the pattern, too, so it compares pictures of one sensor. 0 where nothing differs.
+    /// Sharpness of the picture, dimensionless: the mean squared difference of neighbours in a row at full size over that
+    /// at a quarter of it. Light and contrast do not change it, blur lowers it: edges that are twice as blurred halve it.
+    /// It also depends on the pattern, so it is only comparable between pictures of one sensor. 0 where nothing differs.
     #[must_use]
     pub fn sharpness(&self) -> f32 {
         let coarse = roughness(self.grey.level(2.min(self.grey.levels() - 1)), 1);

@@ -1,9 +1,9 @@
-//! There and back again: the forward–backward check of a flow.
+//! The forward–backward check of a flow.
 
 use crate::FlowField;
 use fingervision_image::{Between, Image};
 
-/// Writes the flow that undoes `flow`: `inverse(y) = −flow(y + inverse(y))`, by so many fixed-point passes.
+/// Writes the inverse of `flow`: `inverse(y) = −flow(y + inverse(y))`, by this many fixed-point iterations.
 ///
 /// It converges wherever neighbouring points do not fold over each other. Beyond the image the border's value is used.
 pub fn invert_into(flow: &FlowField, passes: usize, inverse: &mut FlowField) {
@@ -24,8 +24,8 @@ pub fn invert_into(flow: &FlowField, passes: usize, inverse: &mut FlowField) {
     }
 }
 
-/// Writes the length of `forward(x) + backward(x + forward(x))` at every pixel, px: where the round trip does not end
-/// where it began.
+/// Writes the length of `forward(x) + backward(x + forward(x))` at every pixel, px: the distance between the end of the
+/// round trip and its start.
 pub fn round_trip_error_into(forward: &FlowField, backward: &FlowField, error: &mut Image<f32>) {
     for (y, row) in error.rows_mut().enumerate() {
         for (x, error) in row.iter_mut().enumerate() {
@@ -59,7 +59,7 @@ mod tests {
         invert_into(&squeeze, 20, &mut inverse);
         let mut error = Image::filled(60, 50, f32::NAN);
         round_trip_error_into(&squeeze, &inverse, &mut error);
-        // Along the border the way back is read between points that come from outside the image.
+        // Along the border the backward flow is read between points that come from outside the image.
         let inner = error.rows().skip(4).take(42).flat_map(|row| &row[4..56]);
         let largest = inner.copied().reduce(f32::max).unwrap();
         assert!(largest < 1e-3, "the round trip is off by {largest} px");

@@ -1,10 +1,11 @@
 //! The optics' blur and the pixel's own area, in one separable step.
 //!
-//! Optics blur before the sensor samples. Blurring whole pixels instead would first fold all detail finer than two
+//! Optics blur before the sensor samples. Blurring whole pixels instead would first alias all detail finer than two
 //! pixels into the image, and a tracker would find shifts up to 0.005 px too close to whole pixels. So the pattern is
-//! covered by [`SUB_PIXELS`] parts a pixel side, a Gaussian blurs the parts, and each pixel is the mean of its own.
+//! sampled by area with [`SUB_PIXELS`] parts per pixel side, a Gaussian blurs the parts, and each pixel is the mean of
+//! its own.
 //!
-//! The parts must reach [`Blur::margin`] of them beyond the image on every side, so the border is as right as the
+//! The parts must extend beyond the image by [`Blur::margin`] on every side, so that the border is as accurate as the
 //! middle.
 
 use fingervision_image::Image;
@@ -36,12 +37,12 @@ impl Blur {
         Self { weights: weights.iter().map(|weight| (weight / total) as f32).collect() }
     }
 
-    /// Parts that are needed before the first pixel's own and after the last pixel's.
+    /// Number of parts needed before the first pixel's own and after the last pixel's.
     pub(crate) fn margin(&self) -> usize {
         (self.weights.len() - SUB_PIXELS) / 2
     }
 
-    /// A pixel's weights of the parts along one axis, from the first to the last that it sees.
+    /// A pixel's weights of the parts along one axis, from the first to the last with a weight.
     pub(crate) fn weights(&self) -> &[f32] {
         &self.weights
     }

@@ -1,8 +1,8 @@
-//! Exact area coverage: what a pixel, or a part of one, sees of a grid of cells.
+//! Exact area coverage of the cells of a grid by a pixel, or a part of one.
 //!
-//! A pixel's four corners, taken back to the pattern, span a quadrilateral there. Cutting it at the grid lines gives
-//! one polygon a cell; the pixel is the mean of the cells' colours weighted by the polygons' areas. Nothing is sampled.
-//! The sides are straight, so a curved motion errs by the bulge of a curve one pixel long.
+//! A pixel's four corners, mapped back to the pattern, span a quadrilateral there. Cutting it at the grid lines gives one
+//! polygon per cell; the pixel is the mean of the cells' colours weighted by the polygons' areas. Nothing is sampled. The
+//! sides are straight, so for a curved motion there is an error of the bulge of a curve one pixel long.
 
 use crate::cells::Cells;
 use crate::polygon::{Point, cut, signed_area};
@@ -17,7 +17,7 @@ pub(crate) fn mean_colours(corners: &Image<Point>, pattern: &impl Cells) -> Imag
     })
 }
 
-/// Cuts polygons at grid lines; owns the polygons that this takes.
+/// Cuts polygons at grid lines; owns the memory for them.
 #[derive(Default)]
 struct Cutter {
     rest: Vec<Point>,
@@ -53,7 +53,7 @@ impl Cutter {
     }
 }
 
-/// First and last cell that the quadrilateral reaches along an axis.
+/// First and last cell covered by the quadrilateral along an axis.
 fn cell_range(quad: [Point; 4], axis: usize) -> (i64, i64) {
     let [a, b, c, d] = quad.map(|point| point[axis]);
     (a.min(b).min(c.min(d)).floor() as i64, a.max(b).max(c.max(d)).floor() as i64)

@@ -12,7 +12,7 @@ pub enum GelError {
         /// The range in words, with its unit.
         allowed: &'static str,
     },
-    /// The motion takes two points of the reference to the same place, so the image is not defined there.
+    /// The motion maps two points of the reference to the same place, so the image is not defined there.
     #[error("the motion folds: its smallest stretch is {stretch:.3}, which must be above zero")]
     Folds {
         /// Smallest ratio of a current length to its reference length along a ray from the centre, dimensionless.

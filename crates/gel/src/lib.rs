@@ -1,8 +1,8 @@
 //! The simulated sensor: images of a patterned gel **with exact truth**.
 //!
-//! Two of them. A **scene** is the whole sensor: a [`Scene`] says what presses the gel, how, and what camera looks at it.
-//! [`Simulation`] solves the press by finite elements and hands out frames with their [`Truth`]; solved presses are kept
-//! in a [`PressCache`].
+//! There are two. A **scene** is the whole sensor: a [`Scene`] describes the indenter, its motion, and the camera.
+//! [`Simulation`] solves the press by finite elements and returns frames with their [`Truth`]; solved presses are kept in
+//! a [`PressCache`].
 //!
 //! ```
 //! use fingervision_gel::{PressCache, Scene, Simulation};
@@ -18,11 +18,11 @@
 //! # Ok::<(), fingervision_gel::SceneError>(())
 //! ```
 //!
-//! A **sheet** is a pattern that is moved by a formula, without mechanics and without a camera:
+//! A **sheet** is a pattern that is displaced by a formula, without mechanics and without a camera:
 //!
-//! A [`Sheet`] says what the camera sees at rest, a [`Motion`] where every point of it goes. [`SheetRenderer`] draws the
-//! frame: every quarter of a pixel is the area-weighted mean of the pattern cells that it covers, then optics blur it,
-//! pixels collect it, light scales it, noise falls on it and it is rounded to 8 bits. [`Motion::flow`] is the
+//! A [`Sheet`] describes the image at rest, a [`Motion`] the displacement of every point. [`SheetRenderer`] draws the
+//! frame: every quarter of a pixel is the area-weighted mean of the pattern cells that it covers; then follow the blur of
+//! the optics, the mean over each pixel, the light, the noise and rounding to 8 bits. [`Motion::flow`] is the
 //! displacement that a tracker should find, exact by construction.
 //!
 //! Coordinates are image px: x right, y down, integer = pixel centre. A point at `x` in the reference lies at

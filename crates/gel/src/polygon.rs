@@ -1,6 +1,6 @@
 //! Convex polygons cut along grid lines.
 
-/// A point of the plane that is cut.
+/// A point of the plane.
 pub(crate) type Point = [f64; 2];
 
 /// Splits a polygon at the line where coordinate `axis` equals `at` (Sutherland and Hodgman, both sides at once).

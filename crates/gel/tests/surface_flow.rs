@@ -1,4 +1,4 @@
-//! Rendered surfaces against the truth that is told with them.
+//! Rendered surfaces compared with their truth.
 
 #![expect(clippy::unwrap_used, clippy::print_stdout, reason = "what the tests share is test code too")]
 

@@ -1,4 +1,4 @@
-//! From a frame's pixels to the `f32` grey levels that computation runs on.
+//! Conversion of a frame's pixels to `f32` grey levels.
 
 use crate::{Image, ImageError, Pixels, Rect};
 

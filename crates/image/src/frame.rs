@@ -1,19 +1,19 @@
-//! The frame: what a source hands out and a tracker takes.
+//! The frame: the output of a source and the input of a tracker.
 
 use crate::Image;
 
 /// One captured image and when it was taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// Place in the source's own count, from 0; a gap means frames that the source dropped.
+    /// Number in the source's own count, from 0; a gap means frames that the source dropped.
     pub sequence: u64,
-    /// When the exposure happened, in seconds on the source's own clock. Carried from the source, never read again.
+    /// Time of the exposure, in seconds on the source's own clock.
     pub capture_time_s: f64,
     /// The image.
     pub pixels: Pixels,
 }
 
-/// The pixel formats that sources hand out.
+/// The pixel formats of sources.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Pixels {
     /// 8-bit grey.

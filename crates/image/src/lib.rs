@@ -1,7 +1,7 @@
-//! Pixels: the owned image, the frame that a source hands out, and what every stage does with them.
+//! Pixels: the owned image, the frame that a source provides, and the operations that every stage needs.
 //!
 //! Integer coordinates are pixel centres, `(x, y)` in that order, x right, y down; storage is row-major
-//! `[row][column]`. Nothing here knows a sensor or a file format.
+//! `[row][column]`. Nothing here depends on a sensor or a file format.
 //!
 //! Grey levels are `f32` on the 8-bit scale, 0 to 255, whatever the frame's own depth: a 16-bit value `v` reads
 //! `v / 257`.

@@ -5,7 +5,7 @@ use crate::params::check;
 use crate::rotation::{self, Matrix};
 use crate::{CameraError, CameraParams};
 
-/// A camera at its pose.
+/// A camera with its pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     params: CameraParams,
@@ -16,7 +16,7 @@ pub struct Camera {
     position_mm: [f64; 3],
 }
 
-/// Where a point appears, and how that moves with the point.
+/// The pixel of a point, and its derivatives by the point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projection {
     /// The pixel `(u, v)`, integer at pixel centres.
@@ -25,7 +25,7 @@ pub struct Projection {
     pub by_point: [[f64; 3]; 2],
 }
 
-/// How the pixel of a point moves with every parameter of the camera. Each array has a row for u and one for v.
+/// Derivatives of the pixel of a point by every parameter of the camera. Each array has a row for u and one for v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParameterJacobian {
     /// By both focal lengths, dimensionless. One focal length for both: the sum of a row.
@@ -40,7 +40,7 @@ pub struct ParameterJacobian {
     pub by_translation: [[f64; 3]; 2],
 }
 
-/// What a pixel sees: a half-line in gel space.
+/// The ray of a pixel: a half-line in gel space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
     /// The camera's centre, mm.
@@ -49,7 +49,7 @@ pub struct Ray {
     pub direction: [f64; 3],
 }
 
-/// A point on its way through the camera.
+/// A point during its projection.
 struct Seen {
     /// `(P_x, P_y) / P_z`, dimensionless.
     direction: [f64; 2],
@@ -74,8 +74,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`CameraError`] if a value is impossible or the camera would stand in or below the surface, where the indenter
-    /// is.
+    /// [`CameraError`] if a value is impossible or the camera would be in or below the surface, where the indenter is.
     pub fn new(params: &CameraParams) -> Result<Self, CameraError> {
         params.check_values()?;
         let rotation = rotation::rotation_matrix(params.rotation_rad);
@@ -87,7 +86,7 @@ impl Camera {
         Ok(Self { params: *params, lens, rotation, from_gel, position_mm })
     }
 
-    /// What the camera was made from.
+    /// The parameters of the camera.
     #[must_use]
     pub fn params(&self) -> &CameraParams {
         &self.params
@@ -108,9 +107,9 @@ impl Camera {
         [x + tx, y + ty, z + tz]
     }
 
-    /// The pixel `(u, v)` at which a point in gel space, mm, appears, whether or not the image reaches so far.
+    /// The pixel `(u, v)` at which a point in gel space, mm, appears, even outside the image.
     ///
-    /// None behind the camera, and so far from the axis that the distortion polynomial folds back (see
+    /// None behind the camera, and so far from the axis that the distortion polynomial is not one to one (see
     /// [`Camera::ray`]).
     #[must_use]
     #[inline]
@@ -148,7 +147,7 @@ impl Camera {
         })
     }
 
-    /// What a pixel sees.
+    /// The ray of a pixel.
     ///
     /// Distortion is undone by Newton's method to a residual of 1e-13 focal lengths. None outside the range in which
     /// distortion is one to one: the image of the largest disc about the axis on which the determinant of its Jacobian
@@ -171,7 +170,7 @@ impl Camera {
         is_ahead.then(|| [0, 1].map(|axis| self.position_mm[axis] + along * direction[axis]))
     }
 
-    /// Size of a pixel on the undeformed surface, mm: the square root of the area that it sees there, for a flat gel.
+    /// Size of a pixel on the undeformed surface, mm: the square root of the area that it covers there, for a flat gel.
     ///
     /// None where [`Camera::surface_point`] gives none.
     #[must_use]
@@ -181,8 +180,8 @@ impl Camera {
         Some((by_u[0] * by_v[1] - by_u[1] * by_v[0]).abs().sqrt().recip())
     }
 
-    /// By how much a small patch of the undeformed surface grows in the image, relative to its area there, for every mm
-    /// that it moves straight towards the camera, 1/mm.
+    /// Relative growth of a small patch of the undeformed surface in the image, per mm that it moves straight towards the
+    /// camera, 1/mm.
     ///
     /// With `P` the point in camera space, `c` the gel's z axis there and `h = −P · c` the camera's height over the
     /// surface, the image of an area is `h / P_z³` times the determinant of the distortion's Jacobian, so that
@@ -230,7 +229,7 @@ impl Camera {
             .map(|[by_x, by_y]| [by_x, by_y, -(by_x * x + by_y * y)].map(|value| value / seen.distance_mm))
     }
 
-    /// Along a pixel's ray in gel space, its part along the optical axis 1.
+    /// The direction of a pixel's ray in gel space, with component 1 along the optical axis.
     fn direction(&self, px: [f64; 2]) -> Option<[f64; 3]> {
         let ([fx, fy], [cx, cy]) = (self.params.focal_length_px, self.params.principal_point_px);
         let [x, y] = self.lens.undistort([(px[0] - cx) / fx, (px[1] - cy) / fy])?;

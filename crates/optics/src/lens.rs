@@ -1,4 +1,4 @@
-//! The lens: what distortion does to a direction `(x, y)`, and how that is undone.
+//! The lens: the distortion of a direction `(x, y)`, and its inverse.
 //!
 //! With `q = (p2, p1)` the distorted direction is the gradient of the potential `∫ r f(r) dr + r² (q · (x, y))`. Its
 //! Jacobian is therefore symmetric, and the identity on the axis. On a disc about the axis where its determinant stays
@@ -11,7 +11,7 @@ use crate::{Distortion, Radial};
 const TOLERANCE: f64 = 1e-13;
 const MOST_STEPS: usize = 50;
 const MOST_HALVINGS: usize = 40;
-/// The range is searched from this radius on by this ratio, up to about 89.9° from the axis.
+/// The range is searched from this radius on with this ratio, up to about 89.9° from the axis.
 const FIRST_RADIUS: f64 = 1e-3;
 const LAST_RADIUS: f64 = 1e3;
 const RADIUS_RATIO: f64 = 1.005;
@@ -20,7 +20,7 @@ const RADIUS_RATIO: f64 = 1.005;
 pub(crate) struct Lens {
     distortion: Distortion,
     is_pinhole: bool,
-    /// Squared radius of the disc where distortion is one to one, dimensionless; infinite where nothing ends it.
+    /// Squared radius of the disc where distortion is one to one, dimensionless; infinite without limit.
     squared_range: f64,
 }
 
@@ -31,13 +31,13 @@ impl Lens {
         Self { distortion: *distortion, is_pinhole, squared_range: range(distortion).powi(2) }
     }
 
-    /// Where a lens bends a direction to; none outside its range.
+    /// The distorted direction; none outside its range.
     #[inline]
     pub(crate) fn distort(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         (x * x + y * y < self.squared_range).then(|| self.map([x, y]))
     }
 
-    /// The distorted direction, wherever it is.
+    /// The distorted direction, without a test of the range.
     #[inline]
     fn map(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         if self.is_pinhole {
@@ -93,8 +93,8 @@ impl Lens {
         ]
     }
 
-    /// The direction that the lens bends to `distorted`, by Newton's method with steps cut back until the residual
-    /// falls; none if no direction in its range is.
+    /// The direction whose distortion is `distorted`, by Newton's method with steps shortened until the residual falls;
+    /// none if there is no such direction in its range.
     pub(crate) fn undistort(&self, distorted: [f64; 2]) -> Option<[f64; 2]> {
         if self.is_pinhole {
             return distorted.iter().all(|value| value.is_finite()).then_some(distorted);
@@ -114,7 +114,7 @@ impl Lens {
         None
     }
 
-    /// The next direction and its residual; none where no step brings the residual down.
+    /// The next direction and its residual; none if no step lowers the residual.
     fn newton_step(&self, distorted: [f64; 2], from: [f64; 2], residual: [f64; 2]) -> Option<([f64; 2], [f64; 2])> {
         let [xx, xy, yy] = self.jacobian(from);
         let determinant = xx * yy - xy * xy;

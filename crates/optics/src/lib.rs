@@ -1,9 +1,9 @@
-//! The camera that looks at the gel: from a point of the gel to a pixel and back.
+//! The camera: from a point of the gel to a pixel and back.
 //!
-//! A pinhole with Brown's distortion, at a pose. [`Camera::project`] takes a point in gel space to the image,
-//! [`Camera::ray`] and [`Camera::surface_point`] take a pixel back, and the Jacobians say how a pixel moves with the
-//! point ([`Projection`]) and with every parameter ([`ParameterJacobian`]). [`Camera::area_growth_per_mm`] says how fast
-//! the surface grows in the image as it comes nearer: what perspective alone tells about depth.
+//! A pinhole with Brown's distortion and a pose. [`Camera::project`] takes a point in gel space to the image,
+//! [`Camera::ray`] and [`Camera::surface_point`] take a pixel back, and the Jacobians are the derivatives of a pixel by
+//! the point ([`Projection`]) and by every parameter ([`ParameterJacobian`]). [`Camera::area_growth_per_mm`] is the
+//! growth of the surface in the image as it comes nearer: the information about depth from perspective alone.
 //!
 //! # Spaces
 //!

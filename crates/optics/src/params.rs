@@ -1,4 +1,4 @@
-//! What describes a camera, and which values it can have.
+//! The parameters of a camera, and their possible values.
 
 use std::fmt::Debug;
 
@@ -11,9 +11,9 @@ use thiserror::Error;
 pub struct CameraParams {
     /// Focal length along x and y, px.
     pub focal_length_px: [f64; 2],
-    /// Where the optical axis meets the image, px in the region of interest.
+    /// The principal point, where the optical axis meets the image, px in the region of interest.
     pub principal_point_px: [f64; 2],
-    /// How the lens bends rays.
+    /// The distortion of the lens.
     #[serde(default)]
     pub distortion: Distortion,
     /// Rotation of the gel in camera space as a rotation vector: its direction the axis, its length the angle, rad.
@@ -31,18 +31,18 @@ pub struct CameraParams {
 pub struct Distortion {
     /// Radial, with the square of the distance from the axis.
     pub k1: f64,
-    /// Radial, with the fourth power of the distance from the axis, or what [`Distortion::radial`] says.
+    /// Radial, with the fourth power of the distance from the axis, or as given by [`Distortion::radial`].
     pub k2: f64,
     /// Tangential, along y.
     pub p1: f64,
     /// Tangential, along x.
     pub p2: f64,
-    /// Which polynomial the radial part is.
+    /// The polynomial of the radial part.
     #[serde(skip_serializing_if = "Radial::is_brown")]
     pub radial: Radial,
 }
 
-/// The polynomial by which the distance r from the axis is stretched, r dimensionless.
+/// The factor by which the distance r from the axis is stretched, r dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Radial {
@@ -60,7 +60,7 @@ impl Radial {
     }
 }
 
-/// A camera that cannot be, or that does not see the gel.
+/// A camera that is impossible, or that does not see the gel.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[error("{key} = {value} is impossible: it takes {allowed}")]
 pub struct CameraError {
@@ -68,7 +68,7 @@ pub struct CameraError {
     pub key: &'static str,
     /// The value.
     pub value: String,
-    /// What it could be, with its unit.
+    /// The possible values, with their unit.
     pub allowed: &'static str,
 }
 

@@ -14,8 +14,8 @@ pub fn rotation_matrix(vector: [f64; 3]) -> Matrix {
     series(vector, sine, versine)
 }
 
-/// How the rotation follows its vector: `R(v + dv) = R(v) R(J dv)` to first order, with
-/// `J = I − (1 − cos θ) / θ² [v] + (θ − sin θ) / θ³ [v]²`.
+/// The derivative of the rotation by its vector: `R(v + dv) = R(v) R(J dv)` to first order, with `J = I − (1 − cos θ) /
+/// θ² [v] + (θ − sin θ) / θ³ [v]²`.
 pub(crate) fn right_jacobian(vector: [f64; 3]) -> Matrix {
     let (_, versine, third) = coefficients(vector);
     series(vector, -versine, third)

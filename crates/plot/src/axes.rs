@@ -8,7 +8,7 @@ use crate::ticks::ticks;
 
 const GRID: Rgb = [224; 3];
 const AXIS: Rgb = [60, 64, 67];
-/// Numbers on the horizontal axis lie at least so far apart, px.
+/// Least distance between numbers on the horizontal axis, px.
 const LABEL_PITCH: f32 = 80.0;
 
 /// A plot area and the numbers at its edges.
@@ -19,14 +19,14 @@ pub(crate) struct Axes {
     pub(crate) low: f32,
     /// The number at the upper edge.
     pub(crate) top: f32,
-    /// Where on the horizontal axis the right edge lies; the left one is zero.
+    /// The value at the right edge of the horizontal axis; the left one is zero.
     pub(crate) last: f64,
     /// Frames on the horizontal axis, counted from zero, or seconds.
     pub(crate) counts_frames: bool,
 }
 
 impl Axes {
-    /// Where a number belongs.
+    /// The position of a value.
     pub(crate) fn place(&self, along: f64, value: f32) -> Point {
         let along = (along / self.last).clamp(0.0, 1.0) as f32;
         let up = (value - self.low) / (self.top - self.low);

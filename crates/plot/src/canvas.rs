@@ -1,4 +1,4 @@
-//! A picture to draw on: lines, filled shapes, text and other images, all smoothed at the edges.
+//! A picture to draw on: lines, filled shapes, text and other images, all anti-aliased.
 
 use fingervision_image::Image;
 use image::imageops::{FilterType, resize};
@@ -102,7 +102,7 @@ impl Canvas {
         }
     }
 
-    /// Puts an image's upper left corner at whole pixels; what reaches over the edge is left out.
+    /// Puts an image's upper left corner at whole pixels; the part beyond the edge is left out.
     pub fn copy(&mut self, image: &Image<Rgb>, left: usize, top: usize) {
         let (width, height) = (self.pixels.width() as usize, self.pixels.height() as usize);
         let pixels = self.pixels.pixels_mut();
@@ -141,7 +141,7 @@ pub fn resized(image: &Image<Rgb>, width: usize, height: usize) -> Image<Rgb> {
     Image::from_fn(width, height, |x, y| resized.get_pixel(x as u32, y as u32).0)
 }
 
-/// The image in the type of the library that scales.
+/// The image as the type of the library that scales.
 fn as_buffer(image: &Image<Rgb>) -> RgbImage {
     let levels = image.values().iter().flatten().copied().collect();
     ImageBuffer::from_raw(image.width() as u32, image.height() as u32, levels).expect("three levels a pixel")

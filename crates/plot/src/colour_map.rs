@@ -1,11 +1,11 @@
 //! Colours for one number: perceptually uniform, so that equal steps look equal.
 //!
-//! Each map is kept as 33 evenly spaced colours and interpolated linearly; that is within 5 of 255 levels of the
+//! Each map is stored as 33 evenly spaced colours and interpolated linearly; that is within 5 of 255 levels of the
 //! published tables (viridis is in the public domain, the maps of Kovesi are under CC BY 4.0).
 
 use crate::colour::Rgb;
 
-/// Colours that a map is given by.
+/// Number of colours of a map.
 const STOPS: usize = 33;
 
 /// A row of colours for numbers between two ends.
@@ -13,12 +13,12 @@ const STOPS: usize = 33;
 pub enum ColourMap {
     /// Dark violet over green to yellow, for quantities that start at zero. Smith and van der Walt 2015.
     Viridis,
-    /// Blue over white to red, for quantities of either sign; the middle stands for zero. "CET-D1", Kovesi 2015.
+    /// Blue over white to red, for quantities of either sign; the middle is zero. "CET-D1", Kovesi 2015.
     BlueWhiteRed,
 }
 
 impl ColourMap {
-    /// The colour at a place in the map, from 0 at its lower to 1 at its upper end; places beyond take the end's colour.
+    /// The colour at a place in the map, from 0 at its lower to 1 at its upper end; places beyond have the end's colour.
     #[must_use]
     pub fn colour(self, place: f32) -> Rgb {
         let stops = match self {

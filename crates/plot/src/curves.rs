@@ -8,7 +8,7 @@ use crate::page::{BACKGROUND, BODY, COLUMN, GAP, HEADING, MARGIN, NOTE, TITLE};
 use crate::text::Anchor;
 use crate::ticks::{round_up, ticks};
 
-/// Told apart by every kind of sight. Okabe and Ito, "Color Universal Design", 2008.
+/// Distinguishable with any kind of colour vision. Okabe and Ito, "Color Universal Design", 2008.
 const COLOURS: [Rgb; 6] = [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
 const LINES: [Rgb; 3] = [[32, 33, 36], [140; 3], [190; 3]];
 const GRID: Rgb = [224; 3];
@@ -43,9 +43,9 @@ pub struct StraightLine {
 /// Curves in one pair of axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurvePanel {
-    /// What they have in common.
+    /// The heading.
     pub heading: String,
-    /// Any number; after six the colours begin again.
+    /// Any number; after six the colours repeat.
     pub curves: Vec<Curve>,
 }
 
@@ -62,11 +62,11 @@ pub struct CurvePlots {
     pub y_name: String,
     /// From left to right.
     pub panels: Vec<CurvePanel>,
-    /// Up to three, drawn into every panel under the curves.
+    /// Up to three, drawn into every panel below the curves.
     pub lines: Vec<StraightLine>,
 }
 
-/// Where numbers belong in one panel.
+/// Positions of values in one panel.
 struct Frame {
     area: Area,
     x: [f32; 2],
@@ -112,7 +112,7 @@ impl CurvePlots {
     fn draw_lines(&self, canvas: &mut Canvas, frame: &Frame) {
         for (line, colour) in self.lines.iter().zip(LINES) {
             let value = |x: f32| (line.slope * f64::from(x) + line.intercept) as f32;
-            // Cut where it leaves the panel.
+            // Cut at the border of the panel.
             let [low, high] = frame.y;
             let at = |y: f32| ((f64::from(y) - line.intercept) / line.slope) as f32;
             let (from, to) = if line.slope > 0.0 { (at(low), at(high)) } else { (at(high), at(low)) };

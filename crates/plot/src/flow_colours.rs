@@ -1,9 +1,9 @@
-//! Flow as colour: hue tells the direction, strength of colour the length.
+//! Flow as colour: hue shows the direction, saturation the length.
 //!
-//! The wheel is a tilted circle in the colour space `OKLab` (Ottosson 2020), where equal distances look about equal:
-//! neighbouring directions differ by the same step all the way round, so that no edge appears that is not in the flow.
-//! The tilt goes along the axis from green to red: the one that people with a red-green deficiency do not see, who tell these
-//! directions by their lightness. White where nothing moves, darker beyond the wheel's radius.
+//! The colour wheel is a tilted circle in the colour space `OKLab` (Ottosson 2020), in which equal distances look about
+//! equal: neighbouring directions differ by the same step all the way round, so that no edge appears that is not in the
+//! flow. The tilt is along the axis from green to red, the one that people with red-green colour blindness do not see:
+//! they distinguish these directions by lightness. White where nothing moves, darker beyond the wheel's radius.
 
 use std::array::from_fn;
 
@@ -21,7 +21,7 @@ const RADIUS: f32 = 0.135;
 const LIGHTNESS: f32 = 0.7;
 /// By how much red is darker and green lighter than the centre.
 const TILT: f32 = 0.09;
-/// How much of every coordinate is left beyond the wheel.
+/// Factor for every coordinate beyond the wheel.
 const BEYOND: f32 = 0.75;
 
 /// The colours of a flow field on a wheel of radius `max_px`; [`INVALID_COLOUR`] where `valid` is 0.
@@ -62,7 +62,7 @@ fn wheel_colour(u: f32, v: f32) -> Rgb {
     }
     let (cos, sin) = if length > 0.0 { (u / length, v / length) } else { (0.0, 0.0) };
     let rim = [LIGHTNESS - TILT * cos, (RADIUS * RADIUS - TILT * TILT).sqrt() * cos, RADIUS * sin];
-    // Rounding may put the wheel's rim just outside of it.
+    // Rounding may put the wheel's rim slightly outside of it.
     let shown = if length <= 1.0 + 1e-5 {
         let strength = length.min(1.0);
         [1.0 - strength * (1.0 - rim[0]), strength * rim[1], strength * rim[2]]
@@ -119,7 +119,7 @@ mod tests {
             assert!(most < 3.5 * least, "length {length}: steps of {least} to {most} levels over ten degrees");
             let largest = steps(1).fold(0.0, f32::max);
             assert!(largest < 6.0, "length {length}: a step of {largest} levels over a degree");
-            // The direction at 0 degrees, where an angle begins again.
+            // The direction at 0 degrees, where the angle wraps around.
             let across = distance(colours[359], colours[1]);
             assert!(across <= 2.0 * largest, "length {length}: {across} levels across 0 degrees");
         }
@@ -139,7 +139,7 @@ mod tests {
         }
     }
 
-    /// A colour as another kind of sight has it.
+    /// A colour as seen with another kind of colour vision.
     fn seen(colour: [f32; 3], sight: [[f32; 3]; 3]) -> [f32; 3] {
         let linear = colour.map(|level| (level / 255.0).powf(2.2));
         let mixed = sight.map(|row| row.iter().zip(linear).map(|(part, level)| part * level).sum::<f32>());

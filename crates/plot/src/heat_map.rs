@@ -1,11 +1,11 @@
-//! A field of one number a pixel as an image.
+//! A field of one number per pixel as an image.
 
 use fingervision_image::Image;
 
 use crate::colour::{INVALID_COLOUR, Rgb};
 use crate::colour_map::ColourMap;
 
-/// Which number gets which colour.
+/// The relation between numbers and colours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeatScale {
     /// The colours.
@@ -29,7 +29,7 @@ impl HeatScale {
         Self { map: ColourMap::Viridis, low: 0.0, high: limit }
     }
 
-    /// The colour of a number; numbers beyond the ends take the end's colour, NaN is [`INVALID_COLOUR`].
+    /// The colour of a number; numbers beyond the ends have the end's colour, NaN is [`INVALID_COLOUR`].
     #[must_use]
     pub fn colour(&self, value: f32) -> Rgb {
         let place = (value - self.low) / (self.high - self.low);

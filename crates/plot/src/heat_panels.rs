@@ -9,7 +9,7 @@ use crate::keys::{draw_colour_bar, draw_invalid_key};
 use crate::page::{BACKGROUND, COLUMN, GAP, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIGHT, NOTE, PANEL_TOP, TITLE, WIDTH};
 use crate::panel::Panel;
 
-/// From the legends of a row to the panels of the next, px: room for headings.
+/// Distance between the legends of a row and the panels of the next, px: for headings.
 const ROW_GAP: f32 = 56.0;
 
 /// A field with its scale.
@@ -17,11 +17,11 @@ const ROW_GAP: f32 = 56.0;
 pub struct HeatPanel<'a> {
     /// What it is, with its unit.
     pub heading: String,
-    /// The field; what is not a number is shown as not valid.
+    /// The field; values that are not a number are shown as not valid.
     pub values: &'a Image<f32>,
     /// Its colours.
     pub scale: HeatScale,
-    /// A line on what to see in it.
+    /// A line of explanation.
     pub note: String,
 }
 

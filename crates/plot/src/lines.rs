@@ -6,16 +6,16 @@ use crate::colour::Rgb;
 use crate::page::{BODY, HEADING};
 use crate::ticks::round_up;
 
-/// Told apart by every kind of sight. Okabe and Ito, "Color Universal Design", 2008.
+/// Distinguishable with any kind of colour vision. Okabe and Ito, "Color Universal Design", 2008.
 const COLOURS: [Rgb; 4] = [[0, 114, 178], [213, 94, 0], [0, 158, 115], [86, 86, 86]];
 const MARK: Rgb = [120; 3];
 /// For the numbers on the vertical axis, px.
 const LABELS: f32 = 56.0;
 
-/// How some numbers of one kind, none of them negative, went over the frames of a run.
+/// Some numbers of one kind, none of them negative, over the frames of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FramePlot {
-    /// What is drawn, with its unit.
+    /// The quantity, with its unit.
     pub heading: String,
     /// Up to four lines: the name of each and its value in every frame, NaN where a frame has none.
     pub lines: Vec<(String, Vec<f32>)>,

@@ -25,7 +25,7 @@ impl Outline {
         Self { segments: cells.flat_map(|(x, y)| of_cell(mask, x, y)).collect() }
     }
 
-    /// Every end of a segment moved, as a function of where it is.
+    /// Moves every end of a segment by a function of its position.
     #[must_use]
     pub fn moved(self, by: impl Fn(Point) -> Point) -> Self {
         let moved = |(x, y): Point| {
@@ -46,7 +46,7 @@ impl Outline {
     }
 }
 
-/// What stands for the outline in a legend; its text starts at the returned x.
+/// The symbol of the outline in a legend; its text starts at the returned x.
 pub fn draw_outline_key(canvas: &mut Canvas, (x, y): Point) -> f32 {
     for (width, colour) in [(2.6, HALO), (1.3, LINE)] {
         canvas.line(&[(x + 1.0, y - 5.0), (x + 21.0, y - 5.0)], width, colour);

@@ -14,7 +14,7 @@ fn face(font: &'static [u8]) -> Face<'static> {
     Face::parse(font, 0).expect("the embedded font is whole")
 }
 
-/// Which part of a text stands at the place that it is given.
+/// The part of a text at its given position.
 #[derive(Debug, Clone, Copy)]
 pub enum Anchor {
     /// Its left end.
@@ -25,7 +25,7 @@ pub enum Anchor {
     Right,
 }
 
-/// How a text looks.
+/// The style of a text.
 #[derive(Debug, Clone, Copy)]
 pub struct Style {
     /// Height of the em square, px.
@@ -53,7 +53,8 @@ impl Style {
         advances.map(|advance| f32::from(advance) * scale).sum()
     }
 
-    /// The outline of a text whose anchor stands at `x` on the baseline `y`; none for a text without ink. Characters
+    /// The outline of a text with its anchor at `x` on the baseline `y`; none for a text without ink. Characters that the
+    /// typeface lacks are left out.
     /// that the typeface lacks are left out.
     pub(crate) fn outline(&self, text: &str, x: f32, y: f32) -> Option<Path> {
         let (face, scale) = self.face();

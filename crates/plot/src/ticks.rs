@@ -1,4 +1,4 @@
-//! Round numbers for axes and scales, and how they are written.
+//! Round numbers for axes and scales, and their format.
 
 /// Mantissas of the ends of scales.
 const ENDS: [f32; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
@@ -32,7 +32,7 @@ fn among(mantissas: &[f32], value: f32, is_enough: impl Fn(f32) -> bool) -> f32 
     scaled.into_iter().find(|&number| is_enough(number)).unwrap_or(10.0 * magnitude)
 }
 
-/// Evenly spaced round numbers between two ends, with at most `most` steps, and how each is written.
+/// Evenly spaced round numbers between two ends, with at most `most` steps, and their text.
 pub(crate) fn ticks(low: f32, high: f32, most: usize) -> Vec<(f32, String)> {
     let step = step_above((high - low) / most as f32);
     let (first, last) = ((low / step - 1e-3).ceil() as i64, (high / step + 1e-3).floor() as i64);
@@ -44,7 +44,7 @@ pub(crate) fn ticks(low: f32, high: f32, most: usize) -> Vec<(f32, String)> {
     (first..=last).map(tick).collect()
 }
 
-/// Three significant digits, or two behind the point for small numbers.
+/// Three significant digits, or two decimals for small numbers.
 #[must_use]
 pub fn number(value: f32) -> String {
     with_minus(match value.abs() {
@@ -54,7 +54,7 @@ pub fn number(value: f32) -> String {
     })
 }
 
-/// A round number without needless zeros.
+/// A round number without trailing zeros.
 #[must_use]
 pub fn plain(value: f32) -> String {
     with_minus(format!("{}", (f64::from(value) * 1e6).round() / 1e6))

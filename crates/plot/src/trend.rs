@@ -1,10 +1,10 @@
 //! One number over time, in bounded memory.
 
-/// Steps that are kept before neighbours are joined.
+/// Number of steps before neighbours are merged.
 const MOST_STEPS: usize = 2048;
 
-/// A number over the frames of a run, however long it is: when memory is full, neighbouring steps join and keep the
-/// larger number, so peaks survive.
+/// A number over the frames of a run, however long it is: when memory is full, neighbouring steps are merged and keep the
+/// larger number, so peaks are kept.
 #[derive(Debug)]
 pub struct Trend {
     steps: Vec<Step>,
@@ -13,7 +13,7 @@ pub struct Trend {
     start_s: f64,
 }
 
-/// Some frames in a row.
+/// Some consecutive frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// Time of the first of them since the run's first frame, s.

@@ -1,4 +1,4 @@
-//! From text to settings and back.
+//! Conversion between text and settings.
 
 use std::fs;
 use std::path::Path;
@@ -10,14 +10,14 @@ use toml::{Table, Value};
 use crate::line::line_at;
 use crate::{Place, SettingsError};
 
-/// A kind of file that holds settings.
+/// A kind of file that contains settings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Document {
     noun: &'static str,
 }
 
 impl Document {
-    /// A kind of file that messages call by `noun`, as in "profile".
+    /// A kind of file that is called `noun` in messages, as in "profile".
     #[must_use]
     pub const fn new(noun: &'static str) -> Self {
         Self { noun }
@@ -37,7 +37,7 @@ impl Document {
         })
     }
 
-    /// The settings that a text holds.
+    /// The settings in a text.
     ///
     /// # Errors
     ///
@@ -60,14 +60,14 @@ impl Document {
     ///
     /// # Panics
     ///
-    /// If they hold what TOML cannot: a map whose keys are no texts, an integer above `i64::MAX`.
+    /// If they contain what TOML cannot represent: a map with keys that are not strings, an integer above `i64::MAX`.
     #[must_use]
     pub fn to_text(&self, settings: &impl Serialize) -> String {
         toml::to_string(settings).expect("every value of the settings has a form in TOML")
     }
 
     /// The settings with some values replaced, each named by its path, as in `flow.finest_level`, and given as TOML; a
-    /// word that is no TOML value is taken as a string. Tables on the way are made.
+    /// word that is not a TOML value is taken as a string. Missing tables are created.
     ///
     /// # Errors
     ///
@@ -86,13 +86,13 @@ impl Document {
         })
     }
 
-    /// An integer that a table cannot hold: one above `i64::MAX`.
+    /// An integer that TOML cannot represent: one above `i64::MAX`.
     fn beyond_a_table(&self, error: &toml::ser::Error) -> SettingsError {
         let (key, message) = (self.noun.into(), one_line(&error.to_string()));
         SettingsError::WrongType { place: Place::default(), key, message }
     }
 
-    /// What a refusal of the deserialiser means.
+    /// The error for a message of the deserialiser.
     ///
     /// Serde names an unknown key and the known ones only in its message: ``unknown field `a`, expected `b` or `c` ``.
     fn refused(&self, place: Place, key: String, error: &toml::de::Error) -> SettingsError {
@@ -108,7 +108,7 @@ impl Document {
     }
 }
 
-/// The TOML value that a text stands for; the text itself if it stands for none.
+/// The TOML value of a text; the text itself if it is not a TOML value.
 fn value_of(text: &str) -> Value {
     let value = toml::de::ValueDeserializer::parse(text.trim()).and_then(Value::deserialize);
     value.unwrap_or_else(|_| Value::String(text.into()))

@@ -5,74 +5,74 @@ use std::path::{Path, PathBuf};
 use crate::line::line_of;
 use crate::{Place, nearest};
 
-/// What is wrong with a document.
+/// An error in a document.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
     /// The file cannot be read.
     #[error("cannot read the {noun} {}: {}", file.display(), why_unreadable(*kind))]
     Read {
-        /// What the document is called.
+        /// The kind of document.
         noun: &'static str,
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// The system's message.
         kind: io::ErrorKind,
     },
     /// The text is not TOML.
     #[error("{place}{message}")]
     Syntax {
-        /// What the document is called.
+        /// The kind of document.
         noun: &'static str,
-        /// Where.
+        /// The place.
         place: Place,
-        /// What the parser says.
+        /// The parser's message.
         message: String,
     },
-    /// A key that no such document has.
+    /// An unknown key.
     #[error("{place}unknown key {key}")]
     UnknownKey {
-        /// What the document is called.
+        /// The kind of document.
         noun: &'static str,
-        /// Where.
+        /// The place.
         place: Place,
         /// The key's path.
         key: String,
-        /// The names that its table knows.
+        /// The names known in its table.
         known: Vec<String>,
     },
-    /// A value of the wrong type, or a table without a key that it needs.
+    /// A value of the wrong type, or a table without a required key.
     #[error("{place}{key}: {message}")]
     WrongType {
-        /// Where.
+        /// The place.
         place: Place,
         /// The path of the value or table.
         key: String,
         /// What was found and what was expected.
         message: String,
     },
-    /// A value that cannot be.
+    /// An impossible value.
     #[error("{place}{key} = {value} is impossible: it takes {allowed}")]
     OutOfRange {
-        /// Where.
+        /// The place.
         place: Place,
         /// The path of the value.
         key: String,
         /// The value.
         value: String,
-        /// What is possible, with its unit.
+        /// The possible values, with their unit.
         allowed: String,
     },
 }
 
 impl SettingsError {
-    /// A value that cannot be, at no known place.
+    /// An impossible value at an unknown place.
     pub fn out_of_range(key: impl Into<String>, value: impl Debug, allowed: impl Into<String>) -> Self {
         let (key, value, allowed) = (key.into(), format!("{value:?}"), allowed.into());
         Self::OutOfRange { place: Place::default(), key, value, allowed }
     }
 
-    /// What the user can do about it, where there is something to say.
+    /// What the user can do about it, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
@@ -93,7 +93,7 @@ impl SettingsError {
         }
     }
 
-    /// The same error, in a file.
+    /// The same error, with the file's name.
     #[must_use]
     pub fn in_file(mut self, path: &Path) -> Self {
         if let Some(place) = self.place_mut() {
@@ -102,7 +102,7 @@ impl SettingsError {
         self
     }
 
-    /// The same error, with the line of `text` where the value stands that it is about, if it names none yet.
+    /// The same error, with the line of the value in `text`, if it has no line yet.
     #[must_use]
     pub fn in_text(mut self, text: &str) -> Self {
         if let Self::OutOfRange { place: Place { line: line @ None, .. }, key, .. } = &mut self {
@@ -136,7 +136,7 @@ fn why_unreadable(kind: io::ErrorKind) -> String {
     }
 }
 
-/// Suggests the known name that is most like the last part of `key`, or all of them.
+/// Suggests the known name that is most similar to the last part of `key`, or all of them.
 fn near_match(noun: &str, key: &str, known: &[String]) -> String {
     let (table, name) = key.rsplit_once('.').map_or(("", key), |(table, name)| (table, name));
     let joint = if table.is_empty() { "" } else { "." };

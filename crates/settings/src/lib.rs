@@ -1,7 +1,7 @@
-//! Settings as TOML text: read, written, single values set by path, and every fault named by path and line.
+//! Settings as TOML text: read, written, single values set by path, and every error named by path and line.
 //!
-//! A [`Document`] is a kind of file, as a sensor's profile or a simulated scene. It turns text into whatever type
-//! describes the file and back. What is wrong is a [`SettingsError`]: it knows the [`Place`], the key's path and value,
+//! A [`Document`] is a kind of file, such as a sensor's profile or a simulated scene. It converts text to the type that
+//! describes the file, and back. An error is a [`SettingsError`]: it contains the [`Place`], the key's path and value,
 //! and what the user can do about it.
 //!
 //! ```

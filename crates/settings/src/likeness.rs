@@ -1,9 +1,9 @@
-//! The name that was probably meant.
+//! Suggests the name that was probably meant.
 
-/// Names this alike, by [`strsim::jaro_winkler`], are worth suggesting, dimensionless.
+/// Similarity from which a name is suggested, by [`strsim::jaro_winkler`], dimensionless.
 const ALIKE: f64 = 0.8;
 
-/// The one of the known names that is most like `name`, if any is like it.
+/// The known name that is most similar to `name`, if any is similar enough.
 pub fn nearest<'a, S: AsRef<str>>(name: &str, known: &'a [S]) -> Option<&'a str> {
     let likeness = |known: &&str| strsim::jaro_winkler(name, known);
     let best = known.iter().map(AsRef::as_ref).max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;

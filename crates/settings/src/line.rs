@@ -1,9 +1,9 @@
-//! Where in a text a value stands.
+//! Finds the position of a value in a text.
 
 use toml::de::{DeTable, DeValue};
 
-/// The line, from 1, of what `path` leads to, as in `motion.keyframes[2].depth_mm`; the line of the innermost table on
-/// the way where the value itself is not written. Absent if nothing on the way is.
+/// The line, from 1, of the value at `path`, as in `motion.keyframes[2].depth_mm`; the line of the innermost table on the
+/// way if the value itself is not in the text. Absent if nothing on the way is.
 pub(crate) fn line_of(text: &str, path: &str) -> Option<usize> {
     let root = DeValue::Table(DeTable::parse(text).ok()?.into_inner());
     let (mut value, mut offset) = (&root, None);
@@ -23,7 +23,7 @@ pub(crate) fn line_of(text: &str, path: &str) -> Option<usize> {
     offset.map(|offset| line_at(text, offset))
 }
 
-/// The line, from 1, that holds the byte at `offset`.
+/// The line, from 1, that contains the byte at `offset`.
 pub(crate) fn line_at(text: &str, offset: usize) -> usize {
     1 + text.bytes().take(offset).filter(|&byte| byte == b'\n').count()
 }

@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use crate::line::line_of;
 
-/// Where in a document something is. Prints as a prefix such as `sensor.toml, line 7: `, empty if nothing is known.
+/// A place in a document. Prints as a prefix such as `sensor.toml, line 7: `, empty if nothing is known.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Place {
     /// The document's file; absent if it came from elsewhere.
@@ -13,7 +13,7 @@ pub struct Place {
 }
 
 impl Place {
-    /// Where in a text the value stands that a path leads to, as in `motion.keyframes[2].depth_mm`. What is not written
+    /// The place of the value at a path in a text, as in `motion.keyframes[2].depth_mm`. A value that is not in the text
     /// has the line of the innermost table on the way that is; without any, no line.
     #[must_use]
     pub fn of_key(text: &str, path: &str) -> Self {

@@ -1,4 +1,4 @@
-//! The folder that a simulated press writes: frames, their truth, and what is needed to track and to repeat it.
+//! The folder of a simulated press: frames, their truth, and what is needed to track and to repeat it.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -12,7 +12,7 @@ use crate::profile::simulated_profile;
 
 const FRAMES: &str = "frames";
 
-/// What a simulated press consists of; `scene.toml` makes it again.
+/// The contents of a simulated press; `scene.toml` reproduces it.
 const SIMULATION: FolderKind = FolderKind {
     noun: "simulation",
     marker: "scene.toml",
@@ -39,17 +39,17 @@ const FORCE_COLUMNS: [&str; 6] = ["frame", "depth_mm", "force_x_n", "force_y_n",
 ///
 /// | file | type | meaning |
 /// | --- | --- | --- |
-/// | `frames/000000.png` … | 8 bit, colour or grey | what the camera sees |
+/// | `frames/000000.png` … | 8 bit, colour or grey | the camera image |
 /// | `truth/flow.npy` | float32 `[N, H, W, 2]` | px, (x, y), reference grid |
 /// | `truth/depth.npy` | float32 `[N, H, W]` | mm, positive pressed in |
 /// | `truth/displacement.npy` | float32 `[N, H, W, 3]` | mm, gel space |
 /// | `truth/contact.npy` | uint8 `[N, H, W]` | 1 where the point touches the indenter |
 /// | `truth/visible.npy` | uint8 `[N, H, W]` | 1 where the camera sees the point |
 /// | `truth/force.csv` | | frame, depth, force on the gel, torque about the centre of contact |
-/// | `profile.toml` | | camera and gel, as the tracker reads them |
+/// | `profile.toml` | | camera and gel, for the tracker |
 /// | `scene.toml` | | the scene, every default written out |
 ///
-/// Where a pixel sees no gel, numbers are NaN and masks 0. After every frame the arrays can be read up to it.
+/// Where a pixel shows no gel, numbers are NaN and masks 0. After every frame the arrays can be read up to it.
 #[derive(Debug)]
 pub struct SimulationFolder {
     path: PathBuf,
@@ -65,7 +65,7 @@ pub struct SimulationFolder {
 }
 
 impl SimulationFolder {
-    /// Makes a folder ready for a scene, and writes the scene and the sensor's profile.
+    /// Prepares a folder for a scene, and writes the scene and the sensor's profile.
     ///
     /// A folder that holds a previous simulation is refused, or with `overwrite` its files are removed first. A folder
     /// that holds anything else is always refused. Without `has_frames` no images are to be written.
@@ -135,7 +135,7 @@ impl SimulationFolder {
         Ok(())
     }
 
-    /// Puts all that was written onto the disk and says how many frames that are.
+    /// Flushes everything to the disk and returns the number of frames.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! The picture of a simulated press: what the camera sees where it is deepest, the truth of that, and the forces.
+//! The picture of a simulated press: the camera image at the largest depth, its truth, and the forces.
 
 use std::path::Path;
 
@@ -16,15 +16,15 @@ use fingervision_sink::{SinkError, write_png};
 
 use crate::frame::SimulatedFrame;
 
-/// Frames in the strip below the panels, and what parts them, px.
+/// Number of frames in the strip below the panels, and the distance between them, px.
 const STRIP: usize = 8;
 const STRIP_GAP: f32 = 16.0;
 const STRIP_WIDTH: f32 = (WIDTH - 2.0 * MARGIN - (STRIP - 1) as f32 * STRIP_GAP) / STRIP as f32;
 const PLOT_HEIGHT: f32 = 280.0;
-/// Depth at the end of the colour scale at least, mm: rounding shall not look like touch.
+/// Least end of the colour scale of depth, mm: rounding must not look like touch.
 const LEAST_DEPTH_MM: f32 = 0.01;
 
-/// Keeps what the picture of a simulated press shows, in constant memory but for a few numbers a frame.
+/// Stores what the picture of a simulated press shows, in constant memory except for a few numbers per frame.
 #[derive(Debug)]
 pub struct SimulationPreview {
     title: String,
@@ -47,7 +47,7 @@ struct Shown {
 }
 
 impl SimulationPreview {
-    /// A preview of so many frames of a scene.
+    /// A preview for a scene with this number of frames.
     #[must_use]
     pub fn new(scene: &Scene, frames: usize) -> Self {
         Self {
@@ -61,7 +61,7 @@ impl SimulationPreview {
         }
     }
 
-    /// Looks at the next frame; the last of the deepest is the one to show.
+    /// Takes the next frame; the last of the deepest is shown.
     pub fn write(&mut self, frame: &SimulatedFrame) {
         let count = self.normal_n.len();
         let [x, y, z] = frame.force_n;
@@ -176,7 +176,7 @@ impl Shown {
         let radius_px = round_up(longest.max(LEAST_FLOW_PX));
         flow.put(canvas, "Flow", &flow.fit(&flow_colours(&field, &truth.visible, radius_px)));
         let x = draw_wheel_key(canvas, flow, radius_px);
-        draw_invalid_key(canvas, (x, flow.line(3.2)), "not seen");
+        draw_invalid_key(canvas, (x, flow.line(3.2)), "not visible");
     }
 }
 
@@ -189,7 +189,7 @@ fn contact_map(contact: &Image<u8>) -> Image<Rgb> {
     Image::from_fn(contact.width(), contact.height(), colour)
 }
 
-/// The frame as it is shown: 16 bits lose their lower eight, grey repeats.
+/// The frame for display: 16 bits lose their lower eight, grey repeats.
 fn colours(pixels: &Pixels) -> Image<Rgb> {
     let (width, height) = pixels.size();
     Image::from_fn(width, height, |x, y| pixels.levels(x, y).map(|level| level.round() as u8))

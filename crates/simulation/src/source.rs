@@ -1,4 +1,4 @@
-//! Frames of a simulated press, as if a camera saw it: `sim:circle`, `sim:my/scene.toml?fps=60`.
+//! Frames of a simulated press, like those of a camera: `sim:circle`, `sim:my/scene.toml?fps=60`.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -26,10 +26,10 @@ pub fn open(location: impl AsRef<Path>, options: &Options) -> Result<Box<dyn Sou
     Ok(Box::new(SimulatedSource::open(&scene, options, &PressCache::standard(), progress)?))
 }
 
-/// A simulated press that is asked for by a location.
+/// A simulated press given by a location.
 ///
-/// `sim:SCENE`, where the scene is a ready-made one or a file, then `?` and options parted by `&`: `fps=60` sets the
-/// rate, `draft` takes a coarse mesh.
+/// `sim:SCENE`, where the scene is a ready-made one or a file, then `?` and options separated by `&`: `fps=60` sets the
+/// rate, `draft` selects a coarse mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedLocation {
     /// The whole location.
@@ -41,12 +41,12 @@ pub struct SimulatedLocation {
 }
 
 impl SimulatedLocation {
-    /// The press that a location asks for; absent if it asks for something else.
+    /// The press at a location; absent if it is something else.
     ///
     /// # Errors
     ///
-    /// [`SourceError::NotRead`] for an option that there is not, [`SourceError::Option`] and [`SourceError::Rate`] for a rate
-    /// that is none.
+    /// [`SourceError::NotRead`] for an unknown option, [`SourceError::Option`] and [`SourceError::Rate`] for an invalid
+    /// rate.
     pub fn of(location: &Path) -> Result<Option<Self>, SourceError> {
         let Some(location) = location.to_str().filter(|location| location.starts_with(PREFIX)) else { return Ok(None) };
         let rest = &location[PREFIX.len()..];
@@ -68,17 +68,17 @@ impl SimulatedLocation {
         Ok(Some(asked))
     }
 
-    /// Whether the location names a rate.
+    /// Whether the location contains a rate.
     #[must_use]
     pub fn has_rate(&self) -> bool {
         self.frames_per_second.is_some()
     }
 
-    /// The scene that is asked for.
+    /// The scene of the location.
     ///
     /// # Errors
     ///
-    /// [`SourceError::Simulated`] if it cannot be.
+    /// [`SourceError::Simulated`] if it is impossible.
     pub fn scene(&self) -> Result<Scene, SourceError> {
         let mut scene = Scene::find(&self.scene).map_err(|error| self.refused(&error))?;
         if self.is_draft {
@@ -89,7 +89,7 @@ impl SimulatedLocation {
 
     fn unknown(&self, option: &str) -> SourceError {
         let (path, what) = (self.location.clone().into(), format!("the option {option}"));
-        SourceError::NotRead { path, what, hint: "a simulated scene takes fps=RATE and draft, parted by &".into() }
+        SourceError::NotRead { path, what, hint: "a simulated scene takes fps=RATE and draft, separated by &".into() }
     }
 
     fn refused(&self, error: &SceneError) -> SourceError {
@@ -101,25 +101,25 @@ impl SimulatedLocation {
     }
 }
 
-/// The camera's frames of a simulated press: every run of it gives the same bytes.
+/// The camera's frames of a simulated press: every run gives the same bytes.
 ///
-/// A press that cannot be solved to its end gives the frames before, then the error.
+/// A press that cannot be solved to its end gives the frames before that, then the error.
 #[derive(Debug)]
 pub struct SimulatedSource {
     location: SimulatedLocation,
     simulation: Simulation,
     frames_per_second: f64,
     next: usize,
-    /// Why there are fewer frames than the scene has, until it is told.
+    /// Why there are fewer frames than in the scene, until it is reported.
     end: Option<EarlyEnd>,
 }
 
 impl SimulatedSource {
-    /// Sets up and solves the press, or finds it in the cache; `progress` is told how far that is.
+    /// Sets up and solves the press, or takes it from the cache; `progress` gets the state of the solution.
     ///
     /// # Errors
     ///
-    /// [`SourceError::Simulated`] if the scene cannot be, or `progress` says to stop.
+    /// [`SourceError::Simulated`] if the scene is impossible, or `progress` stops it.
     pub fn open(
         location: &SimulatedLocation,
         options: &Options,

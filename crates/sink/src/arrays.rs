@@ -1,12 +1,12 @@
 //! Streams frames into a `.npy` file that can be read at any moment.
 //!
-//! The number of frames stands in the header and is not known in advance. The header has a fixed length of 128 bytes and
-//! is rewritten after each frame, data first: a run that is killed or fills the disk leaves a file that holds every
-//! frame its header counts. Bytes of an unfinished frame may follow; readers take as many values as the header says.
-//! Nothing is forced onto the disk before [`ArrayWriter::finish`], so a power cut may cost more than the last frame.
+//! The number of frames is in the header and is not known in advance. The header has a fixed length of 128 bytes and is
+//! rewritten after each frame, data first: a run that is killed or fills the disk leaves a file that contains every frame
+//! its header counts. Bytes of an unfinished frame may follow; readers take as many values as the header says. Nothing is
+//! forced onto the disk before [`ArrayWriter::finish`], so a power cut may cost more than the last frame.
 //!
-//! Format: version 1.0 of the `.npy` format. Our own writer, because `npyz` wants the whole shape before the first
-//! value and writes the header once.
+//! Format: version 1.0 of the `.npy` format. Our own writer, because `npyz` needs the whole shape before the first value
+//! and writes the header once.
 
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
@@ -22,11 +22,11 @@ const HEADER_LEN: usize = 128;
 /// Magic string, format version 1.0 and the length of what follows.
 const PREAMBLE: [u8; 10] = [0x93, b'N', b'U', b'M', b'P', b'Y', 1, 0, (HEADER_LEN - 10) as u8, 0];
 
-/// What one pixel of an array holds.
+/// The type of one pixel of an array.
 pub trait Element: Copy {
     /// The format's name of the scalar type.
     const DESCR: &'static str;
-    /// Lengths of the dimensions behind columns.
+    /// Lengths of the dimensions after columns.
     const CHANNELS: &'static [usize];
     /// Bytes of a pixel.
     const LEN: usize;
@@ -100,7 +100,7 @@ impl<T: Element> ArrayWriter<T> {
         Self::new(file, path, width, height)
     }
 
-    /// Puts all that was written onto the disk.
+    /// Flushes everything to the disk.
     ///
     /// # Errors
     ///
@@ -179,7 +179,7 @@ impl<T: Element, W: Write + Seek> ArrayWriter<T, W> {
         written.map_err(SinkError::writing(&self.path))
     }
 
-    /// Writes the array's type and shape; 117 bytes hold five dimensions of any file that fits a disk.
+    /// Writes the array's type and shape; 117 bytes are enough for five dimensions of any file that fits a disk.
     fn describe(&self, mut dictionary: &mut [u8]) -> std::io::Result<()> {
         let (frames, height, width) = (self.frames, self.height, self.width);
         write!(dictionary, "{{'descr': '{}', 'fortran_order': False, 'shape': (", T::DESCR)?;

@@ -1,11 +1,11 @@
 //! Writes motion JPEG into an AVI file that can be played at any moment.
 //!
-//! The headers are rewritten after each frame, data first, so that a run that is killed leaves a video up to its last frame;
-//! it then only lacks the index for jumping. Files beyond 1 GiB go on in further parts, each with an index of its own
-//! (`OpenDML` 1.02, "AVI file format extensions"), so neither length nor memory is bounded by the format: what is held is the
-//! index of one part, 8 bytes a frame.
+//! The headers are rewritten after each frame, data first, so that a run that is killed leaves a video up to its last
+//! frame; it then only lacks the index for seeking. Files beyond 1 GiB continue in further parts, each with its own index
+//! (`OpenDML` 1.02, "AVI file format extensions"), so neither length nor memory is bounded by the format: only the index
+//! of one part is kept in memory, 8 bytes per frame.
 //!
-//! Written here because it is a page of headers, and encoders of other codecs want a C++ compiler.
+//! Implemented here because it is a page of headers, and encoders of other codecs need a C++ compiler.
 
 mod header;
 
@@ -16,13 +16,13 @@ use std::path::{Path, PathBuf};
 use crate::SinkError;
 use header::{HEADER_LEN, Header, IndexPart, MOST_PARTS, chunk};
 
-/// A part is closed once its frames are so long, bytes.
+/// A part is closed once its frames have this length, bytes.
 const PART_LEN: u64 = 1 << 30;
 /// A part's `RIFF`, its name, and the `LIST` of frames with its name, bytes.
 const PART_HEADER_LEN: u64 = 24;
 /// Frames are JPEG pictures of the first stream.
 const FRAME: [u8; 4] = *b"00dc";
-/// Every frame stands alone.
+/// Every frame is a keyframe.
 const KEY_FRAME: u32 = 0x10;
 
 /// A video that grows frame by frame.
@@ -52,7 +52,7 @@ impl AviWriter {
         Self::new(file, path, size, PART_LEN)
     }
 
-    /// Writes the index and puts all onto the disk.
+    /// Writes the index and flushes everything to the disk.
     ///
     /// # Errors
     ///
@@ -78,7 +78,7 @@ impl<W: Write + Seek> AviWriter<W> {
     ///
     /// # Errors
     ///
-    /// [`SinkError::Write`] if the file cannot take it; the video then ends with the frame before.
+    /// [`SinkError::Write`] if the file cannot take it; the video then ends with the previous frame.
     pub(crate) fn write(&mut self, jpeg: &[u8], period_s: f64) -> Result<(), SinkError> {
         self.append(jpeg, period_s).map_err(SinkError::writing(&self.path))
     }
@@ -95,7 +95,7 @@ impl<W: Write + Seek> AviWriter<W> {
         self.commit()
     }
 
-    /// Counts what was written.
+    /// Updates the counts of written frames.
     fn commit(&mut self) -> io::Result<()> {
         let header = self.header.bytes();
         self.write_at(8, &header)?;
@@ -117,7 +117,7 @@ impl<W: Write + Seek> AviWriter<W> {
         self.write_part_header(self.end)
     }
 
-    /// Writes a part's index into it, and for the first part the index that older players want behind it.
+    /// Writes a part's index into it, and after the first part the index that older players need.
     fn close_part(&mut self) -> io::Result<()> {
         let frames = std::mem::take(&mut self.frames);
         if self.header.parts.len() < MOST_PARTS && !frames.is_empty() {

@@ -1,4 +1,4 @@
-//! A folder of our own: made, found empty, or emptied of what an earlier command wrote there, and locked meanwhile.
+//! An output folder: created, found empty, or cleared of the files of an earlier command, and locked meanwhile.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{ErrorKind, Write as _};
@@ -9,30 +9,30 @@ use crate::SinkError;
 /// What a command writes into a folder.
 #[derive(Debug)]
 pub struct FolderKind {
-    /// What the folder is then called.
+    /// The noun for such a folder.
     pub noun: &'static str,
-    /// The file that tells such a folder from any other. It is removed last: a clearing that is cut short still leaves a
-    /// folder of this kind.
+    /// The file that identifies such a folder. It is removed last: after an interrupted clearing the folder is still
+    /// recognised.
     pub marker: &'static str,
-    /// What else it may hold, a path each.
+    /// Other files it may contain, as paths.
     pub files: &'static [&'static str],
-    /// A folder in it that holds nothing but numbered images, if there is one.
+    /// A folder in it that contains only numbered images, if there is one.
     pub images: Option<&'static str>,
-    /// Folders in it that are removed where nothing is left in them.
+    /// Folders in it that are removed if nothing is left in them.
     pub folders: &'static [&'static str],
 }
 
-/// Keeps other commands from writing into a folder while it lasts. The system releases it when a process is killed.
+/// Keeps other commands from writing into a folder while it exists. The system releases it when a process is killed.
 #[derive(Debug)]
 pub struct FolderLock {
-    /// Absent where the system locks no folders.
+    /// Absent if the file system has no locks.
     _folder: Option<File>,
 }
 
 impl FolderLock {
-    /// Locks a folder that is there.
+    /// Locks an existing folder.
     fn take(path: &Path) -> Result<Self, SinkError> {
-        // Not every file system knows locks: what cannot be locked is written without.
+        // Not every file system has locks: without them, writing goes ahead.
         let Ok(folder) = File::open(path) else { return Ok(Self { _folder: None }) };
         match folder.try_lock() {
             Err(TryLockError::WouldBlock) => Err(SinkError::Busy { path: path.to_path_buf() }),
@@ -43,7 +43,7 @@ impl FolderLock {
 }
 
 impl FolderKind {
-    /// Makes the folder, locks it and sees that it is empty, or empties it of what an earlier command wrote.
+    /// Creates the folder, locks it and makes sure that it is empty, or clears it of the files of an earlier command.
     ///
     /// # Errors
     ///
@@ -73,7 +73,7 @@ impl FolderKind {
         }
         self.files.iter().try_for_each(|name| remove(&path.join(name)))?;
         for folder in self.folders.iter().copied().chain(self.images) {
-            // A folder that holds what others put there stays.
+            // A folder that contains other files is kept.
             let _ = fs::remove_dir(path.join(folder));
         }
         remove(&path.join(self.marker))
@@ -94,7 +94,7 @@ fn remove(path: &Path) -> Result<(), SinkError> {
     }
 }
 
-/// Writes a whole small file onto the disk.
+/// Writes a small file to the disk.
 ///
 /// # Errors
 ///

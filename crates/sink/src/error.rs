@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SinkError {
-    /// The folder holds what an earlier command wrote and overwriting was not asked for.
+    /// The folder contains the output of an earlier command and overwriting was not requested.
     #[error("folder {} holds a previous {noun}", .path.display())]
     Previous {
         /// The folder.
         path: PathBuf,
-        /// What it holds: a run, a simulation.
+        /// Its content: a run, a simulation.
         noun: &'static str,
     },
-    /// The folder holds something else, so nothing in it may be replaced.
+    /// The folder contains something else, so nothing in it may be replaced.
     #[error("folder {} holds files that are not a {noun}", .path.display())]
     FolderNotEmpty {
         /// The folder.
@@ -32,7 +32,7 @@ pub enum SinkError {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// What the operating system said.
+        /// The system's message.
         error: io::Error,
     },
     /// A field has another size than the run began with.
@@ -50,16 +50,16 @@ pub enum SinkError {
     FieldAbsent {
         /// The field's name.
         field: &'static str,
-        /// The frame's place in its source's count.
+        /// The frame's number in its source.
         sequence: u64,
     },
-    /// There is nothing to draw: no reading was ever written.
+    /// There is nothing to draw: no reading was written.
     #[error("no frame was read, so there is nothing to draw")]
     NoReadings,
 }
 
 impl SinkError {
-    /// What the person at the keyboard can do about it, where there is something to say.
+    /// What the user can do about it, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<&'static str> {
         match self {
@@ -69,11 +69,11 @@ impl SinkError {
             Self::Write { error, .. } => Some(hint_for(error.kind())),
             Self::SizeMismatch { .. } => Some("start a new run for every size of image"),
             Self::FieldAbsent { .. } => Some("leave the field out of --fields, or calibrate the profile for it"),
-            Self::NoReadings => Some("check that the source hands out frames"),
+            Self::NoReadings => Some("check that the source provides frames"),
         }
     }
 
-    /// Names the file in what the operating system said.
+    /// Adds the file's name to the system's message.
     pub fn writing(path: &Path) -> impl FnOnce(io::Error) -> Self {
         move |error| Self::Write { path: path.to_path_buf(), error }
     }
@@ -84,8 +84,8 @@ fn hint_for(kind: ErrorKind) -> &'static str {
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
             "free some space or choose a folder on another disk; what was written so far can be read"
         }
-        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a folder that you may write to",
-        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "a file stands in the folder's place: choose another",
-        _ => "check the folder and the disk that it lies on",
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a writable folder",
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "there is a file of that name: choose another folder",
+        _ => "check the folder and its disk",
     }
 }

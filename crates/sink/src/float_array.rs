@@ -1,4 +1,4 @@
-//! Arrays of floating-point numbers, as the tracker has them or with half of the bytes.
+//! Arrays of floating-point numbers, in single or half precision.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use half::f16;
 use crate::arrays::{ArrayWriter, Element};
 use crate::{Precision, RunOptions, SinkError};
 
-/// A pixel that can be written in half of the bytes.
+/// A pixel type that can be written in half precision.
 pub(crate) trait Narrow: Element {
     type Half: Element;
 

@@ -1,7 +1,9 @@
 //! Readings out: arrays, a table and pictures.
 //!
-//! A [`Sink`] is handed every reading of a run. [`RunFolder`] streams them into files that can be read at any moment;
-//! [`Preview`] keeps the strongest frame and draws it as one picture, [`Overlay`] makes a video of all.
+//! A [`Sink`] receives every reading of a run. [`RunFolder`] streams them into files that can be read at any moment;
+//! [`Preview`] keeps the strongest frame and draws it as one picture, [`Overlay`] makes a video of all. [`Comparison`]
+//! shows estimated fields beside true ones. `SimulationFolder` (feature `simulate`) takes a simulated press with its
+//! truth. The parts of these pictures, [`flow_colours`] and [`heat_map`], can be used separately.
 
 mod arrays;
 mod avi;

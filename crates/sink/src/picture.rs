@@ -1,4 +1,4 @@
-//! Pictures: people look before they read.
+//! Pictures of runs, simulations and comparisons.
 
 mod course;
 mod overlay;
@@ -39,7 +39,7 @@ pub fn png(image: &Image<Rgb>) -> Result<Vec<u8>, SinkError> {
         .map_err(SinkError::writing(Path::new("a picture")))
 }
 
-/// Writes a frame's pixels as PNG, their bits as they are: a folder of them is a recording.
+/// Writes a frame's pixels as PNG without changing their values: a folder of them is a recording.
 ///
 /// # Errors
 ///
@@ -54,7 +54,7 @@ pub fn write_pixels(pixels: &Pixels, path: &Path) -> Result<(), SinkError> {
     }
 }
 
-/// The library takes 16 bits in the machine's own order.
+/// The library expects 16 bits in the machine's byte order.
 fn bytes(levels: &[u16]) -> Vec<u8> {
     levels.iter().flat_map(|level| level.to_ne_bytes()).collect()
 }

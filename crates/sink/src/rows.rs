@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use crate::SinkError;
 
-/// A file of rows. Each reaches the file at once; one that does not fit the disk is cut off again, so no half number is
-/// left.
+/// A file of rows. Each is written to the file at once; one that does not fit the disk is cut off again, so no partial
+/// number is left.
 #[derive(Debug)]
 pub struct Rows {
     path: PathBuf,
@@ -41,7 +41,7 @@ impl Rows {
         self.append()
     }
 
-    /// Puts all that was written onto the disk.
+    /// Flushes everything to the disk.
     ///
     /// # Errors
     ///
@@ -59,7 +59,7 @@ impl Rows {
     fn append(&mut self) -> Result<(), SinkError> {
         self.row.push('\n');
         if let Err(error) = self.file.write_all(self.row.as_bytes()) {
-            // The first error is the one to report; should the cut fail too, the row merely stays incomplete.
+            // The first error is reported; if the cut fails too, the row only stays incomplete.
             let _ = self.file.set_len(self.len).and_then(|()| self.file.seek(SeekFrom::Start(self.len)));
             return Err(SinkError::Write { path: self.path.clone(), error });
         }

@@ -1,4 +1,4 @@
-//! The arrays that a run keeps, one a field. Where float32 is said, a run of half precision has float16.
+//! The arrays of a run, one for each field. Where float32 is stated, a run of half precision has float16.
 
 use std::path::Path;
 
@@ -88,7 +88,7 @@ impl RunFields {
         self.valid.stage(expect_size(&reading.valid, "valid", size)?.iter().copied())
     }
 
-    /// Counts what was staged.
+    /// Counts the staged frame.
     ///
     /// # Errors
     ///
@@ -110,7 +110,7 @@ impl RunFields {
         flow + scalars + vectors + masks + self.valid.len_bytes()
     }
 
-    /// Puts all that was written onto the disk.
+    /// Flushes everything to the disk.
     ///
     /// # Errors
     ///
@@ -123,14 +123,14 @@ impl RunFields {
         self.valid.finish()
     }
 
-    /// The fields that are kept, but the flow, which every reading has.
+    /// The fields that are kept, except the flow, which every reading has.
     fn fields(&self) -> impl Iterator<Item = Field> {
         let scalars = self.scalars.iter().map(|(field, _)| *field);
         scalars.chain(self.vectors.iter().map(|(field, _)| *field)).chain(self.masks.iter().map(|(field, _)| *field))
     }
 }
 
-/// The field of one number a pixel.
+/// The field of one number per pixel.
 fn scalar(reading: &Reading, field: Field) -> Option<&Image<f32>> {
     match field {
         Field::Density => reading.density.as_ref(),

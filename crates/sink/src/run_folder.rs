@@ -1,4 +1,4 @@
-//! The folder that a run writes: arrays, the table and `run.toml`.
+//! The folder of a run: arrays, the table and `run.toml`.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use crate::claim::{FolderKind, FolderLock, write_file};
 use crate::run_fields::RunFields;
 use crate::{RunOptions, Sink, SinkError, Table};
 
-/// What a run consists of; `run.toml` says how it was made.
+/// The contents of a run; `run.toml` describes how it was made.
 const RUN: FolderKind = FolderKind {
     noun: "run",
     marker: "run.toml",
@@ -48,8 +48,8 @@ pub struct RunSummary {
 
 /// A folder that takes readings, one after another, in constant memory.
 ///
-/// After every reading the files can be read up to and including it. Should the run end between two files, one of them
-/// may be a frame ahead: the shortest says how many are whole.
+/// After every reading the files can be read up to and including it. If the run ends between two files, one of them may
+/// be a frame ahead: the shortest one determines the number of complete frames.
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
@@ -60,7 +60,7 @@ pub struct RunFolder {
 }
 
 impl RunFolder {
-    /// Makes a folder ready for a run and writes `run_toml`, which says how the run is made.
+    /// Prepares a folder for a run and writes `run_toml`, which describes how the run is made.
     ///
     /// A folder that holds a previous run is refused, or with [`RunOptions::overwrite`] its files are removed first.
     /// A folder that holds anything else is always refused.
@@ -83,7 +83,7 @@ impl RunFolder {
         &self.path
     }
 
-    /// Puts all that was written onto the disk and says what it is.
+    /// Flushes everything to the disk and returns a summary.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! `readings.csv`: the numbers of each reading, a row a frame.
+//! `readings.csv`: the numbers of each reading, one row per frame.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -27,7 +27,8 @@ pub const COLUMNS: [&str; 13] = [
 
 /// A table with a row for each reading; an absent value is an empty cell.
 ///
-/// Each row reaches the file at once. A row that does not fit the disk is cut off again, so no half number is left.
+/// Each row is written to the file at once. A row that does not fit the disk is cut off again, so no partial number is
+/// left.
 #[derive(Debug)]
 pub struct Table {
     rows: Rows,
@@ -52,7 +53,7 @@ impl Table {
         self.rows.write(|row| write_row(row, reading))
     }
 
-    /// Puts all that was written onto the disk.
+    /// Flushes everything to the disk.
     ///
     /// # Errors
     ///

@@ -1,11 +1,11 @@
 //! AVI files: which chunks are the frames of the video.
 //!
 //! A RIFF file is a sequence of chunks, each four letters, a length and its content; lists are chunks whose content is
-//! again a sequence. All that is wanted here are leaves, so lists are simply entered and the file read as one flat
-//! sequence. That covers the later parts of files beyond 1 GiB (`AVIX`) and needs no index, so that a recording that was
-//! never closed can be read up to where it stops.
+//! again a sequence. Only leaves are needed here, so lists are entered and the file is read as one flat sequence. That
+//! covers the later parts of files beyond 1 GiB (`AVIX`) and needs no index, so that a recording that was never closed
+//! can be read up to its end.
 //!
-//! Only motion JPEG is read. An empty chunk stands for a frame that the recorder dropped: its number is left out.
+//! Only motion JPEG is read. An empty chunk represents a frame that the recorder dropped: its number is skipped.
 
 use crate::fault::Fault;
 use crate::track::{Codec, Sample, Shown, Track, Turn};
@@ -14,9 +14,9 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 
 /// Length of a chunk's four letters and its size, bytes.
 const HEADER_LEN: u64 = 8;
-/// Bytes of `strh` and `strf` that are looked at.
+/// Bytes of `strh` and `strf` that are read.
 const STREAM_HEADER_LEN: usize = 28;
-/// Names that motion JPEG goes by.
+/// Names of motion JPEG.
 const MOTION_JPEG: [&[u8; 4]; 5] = [b"MJPG", b"mjpg", b"JPEG", b"jpeg", b"dmb1"];
 
 /// Reads the video track of an AVI file.
@@ -35,7 +35,7 @@ pub(crate) fn read_track(file: &mut File) -> Result<Track, Fault> {
         }
         walk.skip(&chunk);
     }
-    // Neither a file that ends within its frames nor one whose chunks lead astray may pass for a shorter film.
+    // A file that ends within its frames, or whose chunks are inconsistent, must not pass for a shorter film.
     let is_cut_off = walk.frames_end > walk.at.min(file_len);
     let video = streams.video.ok_or(Fault::NotRead("an AVI file without video".into()))?;
     if !MOTION_JPEG.contains(&&video.codec) {
@@ -70,7 +70,7 @@ struct Walk<R> {
     /// Where the next chunk starts, bytes.
     at: u64,
     file_len: u64,
-    /// Where the last list of frames ends by its own word, bytes.
+    /// End of the last list of frames by its own header, bytes.
     frames_end: u64,
 }
 
@@ -81,12 +81,12 @@ impl<R: Read + Seek> Walk<BufReader<R>> {
         }
         let [a, b, c, d, len @ ..] = self.read_array::<8>(self.at)?;
         let kind = [a, b, c, d];
-        // A recorder that was killed leaves zeros behind the last chunk.
+        // A recorder that was killed leaves zeros after the last chunk.
         let is_chunk = kind.iter().all(|letter| (b' '..=b'~').contains(letter));
         Ok(is_chunk.then_some(Chunk { kind, content: self.at + HEADER_LEN, len: u32::from_le_bytes(len) }))
     }
 
-    /// Notes where a list of frames ends.
+    /// Stores where a list of frames ends.
     fn enter(&mut self, list: &Chunk) -> Result<(), Fault> {
         if list.content + 4 <= self.file_len && self.read_array(list.content)? == *b"movi" {
             self.frames_end = list.content + u64::from(list.len);
@@ -94,7 +94,7 @@ impl<R: Read + Seek> Walk<BufReader<R>> {
         Ok(())
     }
 
-    /// Moves on: behind the name of a list, behind the content of everything else.
+    /// Moves on: past the name of a list, past the content of everything else.
     fn skip(&mut self, chunk: &Chunk) {
         let is_list = matches!(&chunk.kind, b"LIST" | b"RIFF");
         let len = u64::from(chunk.len);
@@ -119,7 +119,7 @@ impl<R: Read + Seek> Walk<BufReader<R>> {
 
     fn seek(&mut self, at: u64) -> Result<(), Fault> {
         let now = self.reader.stream_position()?;
-        // Keeps the buffer where the place lies in it; plain seeking would read the file anew for every chunk.
+        // Keeps the buffer if it contains the place; plain seeking would read the file again for every chunk.
         match i64::try_from(at).ok().zip(i64::try_from(now).ok()) {
             Some((at, now)) => self.reader.seek_relative(at - now)?,
             None => drop(self.reader.seek(SeekFrom::Start(at))?),
@@ -161,7 +161,7 @@ impl Streams {
         }
     }
 
-    /// The two digits that open the name of every frame's chunk.
+    /// The two digits at the start of the name of every frame's chunk.
     fn video_number(&self) -> Option<[u8; 2]> {
         let number = self.video.as_ref()?.number;
         Some([b'0' + number / 10 % 10, b'0' + number % 10])

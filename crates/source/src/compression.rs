@@ -1,11 +1,11 @@
-//! Which images of a folder are compressed with loss.
+//! Which images of a folder have lossy compression.
 
 use std::path::PathBuf;
 
-/// What there is to say of a folder that holds images both with and without loss; none if all are of one kind.
+/// A note for a folder that contains images both with and without loss; none if all are of one kind.
 ///
-/// JPEG moves edges by parts of a pixel in its own way. Where all images are JPEG that is alike in all, and mostly cancels;
-/// between an image with and one without it, it is flow that is not there.
+/// JPEG shifts edges by parts of a pixel in its own way. If all images are JPEG, this is the same in all and mostly
+/// cancels; between an image with and one without it, it appears as flow that does not exist.
 pub(crate) fn mixed(files: &[PathBuf]) -> Option<String> {
     let is_lossy = |file: &&PathBuf| {
         let ending = file.extension().unwrap_or_default();

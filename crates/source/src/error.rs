@@ -1,4 +1,4 @@
-//! What can go wrong between a path and its frames.
+//! Errors between a path and its frames.
 
 use crate::FrameFormat;
 use std::io;
@@ -8,14 +8,14 @@ use std::path::{Path, PathBuf};
 const READ: &str = "folders of PNG, JPEG, TIFF or BMP images and videos are read: H.264 in MP4 or MOV, motion JPEG in AVI, MP4 \
                     or MOV";
 
-/// Why a source cannot be opened or read on.
+/// Why a source cannot be opened or read further.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SourceError {
-    /// Nothing lies at the path.
+    /// There is nothing at the path.
     #[error("{}: no such file or folder", path.display())]
     NotFound {
-        /// The path asked for.
+        /// The requested path.
         path: PathBuf,
     },
     /// The system refuses to read a file or folder.
@@ -23,15 +23,15 @@ pub enum SourceError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         error: io::Error,
     },
-    /// Something that is not read, or not read yet.
+    /// A format that is not read, or not yet.
     #[error("{}: {what} is not read", path.display())]
     NotRead {
         /// The file, folder or name.
         path: PathBuf,
-        /// What was found there, as a noun.
+        /// The actual content, as a noun.
         what: String,
         /// What to do instead.
         hint: String,
@@ -41,7 +41,7 @@ pub enum SourceError {
     TooFewFrames {
         /// The folder or video file.
         path: PathBuf,
-        /// How many were found.
+        /// Number of frames.
         count: u64,
     },
     /// A video file whose index is damaged or missing, so that no frame can be found.
@@ -88,34 +88,34 @@ pub enum SourceError {
         /// The format of the first frame.
         expected: FrameFormat,
     },
-    /// A simulated scene that cannot be, or cannot be solved.
+    /// A simulated scene that is impossible, or cannot be solved.
     #[error("{location}: {reason}")]
     Simulated {
-        /// The location asked for.
+        /// The requested location.
         location: String,
         /// What is wrong.
         reason: String,
-        /// What to do about it, where there is something to say.
+        /// What to do about it, if anything.
         hint: Option<String>,
     },
-    /// A rate that no camera has.
+    /// An impossible frame rate.
     #[error("{frames_per_second} frames per second: a rate is a positive number")]
     Rate {
-        /// The rate asked for, frames per second.
+        /// The requested rate, frames per second.
         frames_per_second: f64,
     },
-    /// An option of a simulated scene whose value is none.
+    /// An option of a simulated scene with an invalid value.
     #[error("{location}: {value} is no number of frames per second")]
     Option {
-        /// The location asked for.
+        /// The requested location.
         location: String,
-        /// What was given.
+        /// The given value.
         value: String,
     },
 }
 
 impl SourceError {
-    /// What the user can do about it, where there is something to say.
+    /// What the user can do about it, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
@@ -123,13 +123,13 @@ impl SourceError {
             Self::NotRead { hint, .. } => Some(hint.clone()),
             Self::TooFewFrames { path, count } => Some(too_few_hint(path, *count)),
             Self::Container { .. } => Some("the recording may not have been closed; record again".into()),
-            Self::Frame { .. } => Some("the frames before it are whole: record it again, or leave it out".into()),
+            Self::Frame { .. } => Some("the frames before it are complete: record it again, or skip it".into()),
             Self::PixelRange { .. } => Some("scale the images to 0 to 1, or store them with 8 or 16 bit".into()),
             Self::FormatChanged { .. } => Some(
                 "keep frames of one size and one pixel format in a folder, and track the others on their own".into(),
             ),
             Self::Simulated { hint, .. } => hint.clone(),
-            Self::Io { .. } => Some("check that the file exists, and that you may read it".into()),
+            Self::Io { .. } => Some("check that the file exists and is readable".into()),
             Self::Rate { .. } | Self::Option { .. } => {
                 Some("give a number above 0, as in --fps 60 or sim:letter?fps=60".into())
             }
@@ -165,7 +165,7 @@ impl SourceError {
     }
 }
 
-/// The command that makes a video of it that is read.
+/// The command that converts it to a video that is read.
 fn conversion(path: &Path, filter: &str) -> String {
     let (input, output) = (path.display(), path.with_extension("h264.mp4"));
     let output = output.display();

@@ -1,4 +1,4 @@
-//! What readers and decoders report before anyone knows which file and frame they worked on.
+//! Errors of readers and decoders, before the file and the frame are known.
 
 use crate::SourceError;
 use std::io;
@@ -35,9 +35,9 @@ impl Fault {
 
 /// Runs foreign decoding code; a panic in there becomes an error.
 ///
-/// The H.264 decoder is young and meets files from anywhere. No damaged file is known to make it panic, but one that
-/// does must not take down a robot's process. What panicked is in an unknown state and must not be used again: a
-/// source that goes on after an error does so with a new decoder.
+/// The H.264 decoder is new and gets files from anywhere. No damaged file is known to make it panic, but a panic must not
+/// end a robot's process. After a panic the decoder is in an unknown state and must not be used again: a source that
+/// continues after an error does so with a new decoder.
 pub(crate) fn guarded<T>(decode: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(decode)).map_err(|_| "damaged beyond what the decoder can bear".into())
+    catch_unwind(AssertUnwindSafe(decode)).map_err(|_| "damaged so much that the decoder fails".into())
 }

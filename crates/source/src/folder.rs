@@ -1,4 +1,4 @@
-//! A folder of images, one frame a file.
+//! A folder of images, one frame per file.
 
 use crate::compression::mixed;
 use crate::natural::natural_order;
@@ -9,7 +9,7 @@ use fingervision_image::Frame;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Files with these extensions are frames; all others are left alone.
+/// Files with these extensions are frames; all others are ignored.
 const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "tif", "tiff", "bmp"];
 
 /// Reads the images of a folder in natural order, one at a time.
@@ -22,9 +22,9 @@ pub(crate) struct FolderSource {
     format: FrameFormat,
     /// The first frame, read when the folder was opened.
     first: Option<Frame>,
-    /// The next file to read; past the last after an error.
+    /// The next file to read; after the last one after an error.
     next: usize,
-    /// The file that an error was given for.
+    /// The file that caused an error.
     failed: Option<usize>,
 }
 
@@ -100,7 +100,7 @@ impl Source for FolderSource {
     }
 }
 
-/// The image files of a folder in natural order; hidden files and folders are left out.
+/// The image files of a folder in natural order; hidden files and folders are ignored.
 fn images_in(folder: &Path) -> Result<Vec<PathBuf>, SourceError> {
     let io = |error| SourceError::io(folder, error);
     let mut names = Vec::new();
@@ -116,7 +116,7 @@ fn images_in(folder: &Path) -> Result<Vec<PathBuf>, SourceError> {
     Ok(names.into_iter().map(|(_, path)| path).collect())
 }
 
-/// The files' sequence numbers: those in their names where these count, else their places in the folder.
+/// The files' sequence numbers: those in their names if these count, otherwise their places in the folder.
 fn sequences(files: &[PathBuf]) -> Vec<u64> {
     let stems: Option<Vec<&str>> = files.iter().map(|file| file.file_stem()?.to_str()).collect();
     stems.and_then(numbering::by_names).unwrap_or_else(|| (0..files.len() as u64).collect())

@@ -1,7 +1,7 @@
-//! H.264 as it lies in MP4: parameter sets in the `avcC` box, samples of length-prefixed units.
+//! H.264 in MP4: parameter sets in the `avcC` box, samples of length-prefixed units.
 //!
-//! One sample is one picture. It is flushed out of the decoder at once, so that a picture is never taken for its
-//! neighbour; the order in which pictures are shown is the caller's, from the container's times.
+//! One sample is one picture. It is flushed out of the decoder at once, so that a picture is never confused with its
+//! neighbour; the display order is determined by the caller, from the container's times.
 
 use crate::decoder::Decoder;
 use crate::fault::{Fault, guarded};
@@ -24,9 +24,9 @@ pub(crate) struct H264 {
     bitstream: Bitstream,
     /// Bytes of the length in front of every unit.
     length_size: usize,
-    /// What the container says about colour; the stream's own word goes first.
+    /// Colour information of the container; that of the stream takes precedence.
     colour: Option<Colour>,
-    /// The stream's size and colour conversion, once its parameters came.
+    /// The stream's size and colour conversion, once its parameters have been read.
     stream: Option<(SpsInfo, YuvToRgb)>,
 }
 
@@ -45,7 +45,7 @@ impl H264 {
         Ok(decoder)
     }
 
-    /// Hands one unit to the decoder; a picture comes out where the unit starts the next one.
+    /// Passes one unit to the decoder; a picture is returned when the unit starts the next one.
     fn feed(&mut self, unit: &NalUnit) -> Result<Option<Frame>, UnitFault> {
         if unit.nal_unit_type == NalUnitType::Sps {
             let info = guarded(|| parse_sps_info(unit))??;
@@ -113,9 +113,9 @@ impl From<DecodeError> for UnitFault {
     }
 }
 
-/// Checks that a stream can be decoded within bounds, and chooses its colour conversion.
+/// Checks that a stream can be decoded within limits, and selects its colour conversion.
 ///
-/// Sizes are checked before the decoder sees them: it allocates whatever a damaged file asks for.
+/// Sizes are checked before the decoder gets them: it allocates whatever a damaged file requests.
 fn admit(info: &SpsInfo, container: Option<Colour>) -> Result<YuvToRgb, UnitFault> {
     if (info.bit_depth_luma, info.bit_depth_chroma) != (8, 8) {
         return Err(UnitFault::NotRead(format!("H.264 with {} bits a channel", info.bit_depth_luma)));
@@ -133,7 +133,7 @@ fn admit(info: &SpsInfo, container: Option<Colour>) -> Result<YuvToRgb, UnitFaul
     conversion.ok_or_else(|| UnitFault::NotRead(format!("H.264 with colour matrix {}", info.matrix)))
 }
 
-/// The stream's own word first, then the container's, then BT.601 in limited range, as `FFmpeg` and `OpenCV` take it.
+/// The stream's own information first, then the container's, then BT.601 in limited range, as in `FFmpeg` and `OpenCV`.
 fn colour_of(info: &SpsInfo, container: Option<Colour>) -> Colour {
     let matrix = match (info.matrix, container) {
         (UNSPECIFIED, Some(colour)) => colour.matrix,
@@ -142,7 +142,7 @@ fn colour_of(info: &SpsInfo, container: Option<Colour>) -> Colour {
     Colour { matrix, is_full_range: info.full_range || container.is_some_and(|colour| colour.is_full_range) }
 }
 
-/// Checks that the units fill the sample exactly; the parser would drop a cut one without a word.
+/// Checks that the units fill the sample exactly; the parser would drop an incomplete one silently.
 fn check_lengths(mut sample: &[u8], length_size: usize) -> Result<(), UnitFault> {
     const DAMAGED: &str = "the lengths of the H.264 units do not fit the sample";
     while !sample.is_empty() {

@@ -1,4 +1,4 @@
-//! JPEG pictures, as files and as the frames of a video.
+//! JPEG pictures, in separate files and as the frames of a motion JPEG video.
 
 use image::metadata::Orientation;
 use image::{DynamicImage, GrayImage, RgbImage};
@@ -7,9 +7,9 @@ use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
 
-/// Decodes a JPEG to 8-bit grey or colour, and tells how the camera was held.
+/// Decodes a JPEG to 8-bit grey or colour, and returns the orientation of the camera.
 ///
-/// A picture without its end is refused: decoders like to fill the missing rows with grey.
+/// A picture without its end is refused: decoders may fill the missing rows with grey.
 pub(crate) fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), String> {
     if !is_whole(bytes) {
         return Err("the JPEG picture is cut off".into());
@@ -41,13 +41,13 @@ fn is_whole(bytes: &[u8]) -> bool {
 
 /// Whether a second picture follows the first: the two fields of an interlaced frame.
 ///
-/// A decoder stops behind the first, and half of the rows would pass for the frame.
+/// A decoder stops after the first, and half of the rows would pass for the frame.
 pub(crate) fn has_two_fields(sample: &[u8]) -> bool {
     let behind = end_of_picture(sample).and_then(|end| sample.get(end..)).unwrap_or_default();
     behind.windows(3).any(|start| start == [0xff, 0xd8, 0xff])
 }
 
-/// Where the first picture ends, by its markers: a thumbnail's end lies within a segment that is skipped.
+/// The end of the first picture, by its markers: a thumbnail's end lies within a segment that is skipped.
 fn end_of_picture(picture: &[u8]) -> Option<usize> {
     let mut at = 2;
     loop {

@@ -1,6 +1,6 @@
-//! Frames in: whatever takes the pictures, every command reads it through [`Source`].
+//! Frame sources: every command reads its frames through [`Source`].
 //!
-//! [`open`] looks at what lies at a path and picks the reader. Two kinds are read:
+//! [`open`] examines the path and selects the reader. Two kinds are read:
 //!
 //! - A **folder of images**: PNG, JPEG, TIFF and BMP, one frame a file, in natural order (`frame2` before `frame10`).
 //!   Grey and colour, 8 and 16 bit, are kept as they are stored; floating-point TIFF must lie in 0 to 1 and becomes
@@ -13,8 +13,8 @@
 //! Luma and chroma become RGB by the matrix and range that the video names; where it names none, by BT.601 in limited
 //! range. Bytes damaged within a compressed H.264 frame may go unnoticed: the format has no checksums.
 //!
-//! Pictures are turned upright where the file says that the camera was held sideways. A source holds one frame in memory
-//! (a video with B-frames up to seventeen), and ends with an error, not in silence, where a file is cut off.
+//! Pictures are rotated upright if the file contains the camera's orientation. A source keeps one frame in memory (a
+//! video with B-frames up to seventeen), and ends with an error, not silently, where a file is cut off.
 //!
 //! Not read: H.265, VP9, AV1, Matroska, `WebM`, 10-bit and 4:4:4 H.264, H.264 in AVI. The error says so, and its
 //! [hint](SourceError::hint) gives the command that converts the file.

@@ -1,4 +1,4 @@
-//! Natural order of file names: digits compare by the number that they write.
+//! Natural order of file names: digits are compared as numbers.
 
 use std::cmp::Ordering;
 

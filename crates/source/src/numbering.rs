@@ -1,20 +1,20 @@
 //! Sequence numbers that show where frames are missing.
 //!
-//! A frame's sequence number is its place in what was recorded, not in what is left of it: where images or times leave a
-//! gap, the numbers leave one too, and whoever tracks the frames can count those that are missing.
+//! A frame's sequence number is its place in the recording, not among the remaining frames: if images or times have a
+//! gap, the numbers have one too, and the tracker can count the missing frames.
 
 /// A gap between two frames is a missing frame if it is longer than this many usual intervals, dimensionless.
 const LONGEST_INTERVAL: f64 = 1.5;
 
-/// Most frames that a gap stands for: a damaged time must not make numbers overflow.
+/// Largest number of missing frames in a gap: a damaged time must not make numbers overflow.
 const MOST_MISSING: f64 = 1e9;
 
 /// Sequence numbers by the numbers in file names: from 0, with a gap for every number that is missing.
 ///
-/// Names count frames if they are one common text, a number that grows from file to file, and one common text. The usual
-/// step between two numbers is the smallest; every other step must be a multiple of it and it must be that of half the
-/// files or more. Every tenth image of a recording is thus complete. Names that do not count, as times of day, say nothing
-/// about gaps: none if they do not.
+/// Names count frames if they consist of a common text, a number that grows from file to file, and a common text. The
+/// usual step between two numbers is the smallest; every other step must be a multiple of it, and at least half of the
+/// steps must equal it. A recording with every tenth image is thus complete. Names that do not count, such as times of
+/// day, contain no information about gaps: none for these.
 pub(crate) fn by_names<'a>(stems: impl IntoIterator<Item = &'a str>) -> Option<Vec<u64>> {
     let parts: Vec<Parts> = stems.into_iter().map(Parts::of).collect::<Option<_>>()?;
     let first = parts.first()?;
@@ -31,7 +31,7 @@ pub(crate) fn by_names<'a>(stems: impl IntoIterator<Item = &'a str>) -> Option<V
 
 /// Sequence numbers by times in ascending order, s: from 0, with a gap where times jump.
 ///
-/// An interval that is longer than 1.5 times the usual one, the median, stands for as many frames as usual intervals fit
+/// An interval that is longer than 1.5 times the usual one, the median, counts as the number of usual intervals that fit
 /// into it.
 pub(crate) fn by_times(times_s: &[f64]) -> Vec<u64> {
     let mut intervals: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();

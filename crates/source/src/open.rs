@@ -1,4 +1,4 @@
-//! From what the user names to the source that reads it.
+//! Opens the source that the user names.
 
 use crate::folder::FolderSource;
 use crate::video::VideoSource;
@@ -7,7 +7,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-/// How many bytes tell what a file is.
+/// Number of bytes by which a file is recognised.
 const SIGNATURE_LEN: u64 = 64;
 
 /// Opens a folder of images or a video file, by content and not by name.
@@ -33,7 +33,7 @@ pub fn open(location: impl AsRef<Path>, options: &Options) -> Result<Box<dyn Sou
     open_file(path)
 }
 
-/// Locations that name no file to look into.
+/// Locations that are not files.
 fn promised(path: &Path) -> Option<&'static str> {
     let name = path.to_string_lossy();
     match name.as_ref() {
@@ -58,7 +58,7 @@ fn open_file(path: &Path) -> Result<Box<dyn Source>, SourceError> {
     Ok(Box::new(VideoSource::open(path, reader)?))
 }
 
-/// What a file holds, by its first bytes.
+/// The content of a file, by its first bytes.
 #[derive(Debug, PartialEq)]
 enum Content {
     Mp4,
@@ -72,7 +72,7 @@ enum Content {
 
 fn content(signature: &[u8]) -> Content {
     let at = |offset: usize, text: &[u8]| signature.get(offset..).is_some_and(|rest| rest.starts_with(text));
-    // A QuickTime file may open without `ftyp`.
+    // A QuickTime file may start without `ftyp`.
     let mp4 = [b"ftyp", b"moov", b"mdat", b"wide", b"free", b"skip"];
     match () {
         () if mp4.iter().any(|kind| at(4, *kind)) => Content::Mp4,

@@ -14,10 +14,10 @@ const MAX_BYTES: u64 = 1 << 30;
 /// TIFF's code for floating-point samples.
 const FLOATING_POINT: u16 = 3;
 
-/// Why an image file yields no pixels.
+/// Why an image file cannot be read.
 #[derive(Debug)]
 pub(crate) enum PictureFault {
-    /// Not an image that is read, or not a whole one.
+    /// Not a readable image, or not a complete one.
     Damaged(String),
     /// A floating-point value outside 0 to 1.
     Range { x: usize, y: usize, value: f64 },
@@ -41,7 +41,8 @@ impl From<String> for PictureFault {
     }
 }
 
-/// Decodes PNG, JPEG, TIFF or BMP, told apart by content, and turns the picture upright where the file says how.
+/// Decodes PNG, JPEG, TIFF or BMP, recognised by content, and rotates the picture upright if the file gives its
+/// orientation.
 pub(crate) fn decode(bytes: &[u8]) -> Result<Pixels, PictureFault> {
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(image::ImageError::IoError)?;
     let (mut image, orientation) = match reader.format() {
@@ -59,7 +60,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Pixels, PictureFault> {
     Ok(pixels(image)?)
 }
 
-/// Refuses sizes that only a damaged file asks for, before memory is taken.
+/// Refuses sizes that only a damaged file requests, before memory is allocated.
 fn check_size(decoder: &impl ImageDecoder) -> Result<(), PictureFault> {
     let (width, height) = decoder.dimensions();
     if decoder.total_bytes() <= MAX_BYTES {

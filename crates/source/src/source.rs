@@ -1,18 +1,19 @@
-//! What every source offers, whatever takes the pictures.
+//! The interface of all sources.
 
 use crate::SourceError;
 use fingervision_image::Frame;
 use serde::{Deserialize, Serialize};
 
-/// Where frames come from: a folder of images, a video file.
+/// A source of frames: a folder of images, a video file.
 ///
 /// All frames of a source have one size and one pixel format. A source can be read on another thread than the one
 /// that opened it.
 pub trait Source: Send {
     /// The next frame, or `None` after the last.
     ///
-    /// Frames are read one at a time and handed over whole. After an error the source is at its end: the frames
-    /// handed out so far stand, and every further call returns `None`, unless [`resume`](Self::resume) goes on behind it.
+    /// Frames are read one at a time and returned completely. After an error the source is at its end: the frames
+    /// returned so far are valid, and every further call returns `None`, unless [`resume`](Self::resume) continues after
+    /// it.
     ///
     /// # Errors
     ///

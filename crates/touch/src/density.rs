@@ -1,4 +1,4 @@
-//! Density: how closely the points of the surface lie in the image.
+//! Density: how close together the points of the surface lie in the image.
 //!
 //! Every reference pixel `x` moves to `x' = x + flow(x)` and carries a Gaussian of standard deviation σ there
 //! ([Du2021]). Their sum `D(y) = 1/(2πσ²) Σ exp(−|y − x'|² / 2σ²)` is 1 where the surface is at rest and `1/det J` where
@@ -8,15 +8,16 @@
 //! **Grid.** `D` is a field of the current image. Fields of a reading belong to points of the gel, so `D` is read at the
 //! moved places: `D(x + flow(x))`, on the reference grid. [`DensityEstimator::current_density_into`] gives `D` itself.
 //!
-//! **Border.** The gel goes on outside the image, its points do not: at rest `D` falls to ½ at the image's edge and to ¼
-//! in its corners. Which neighbours are missing is a property of the *reference* pixel, wherever it moves, so the density
-//! is divided there by its value at zero flow, `D₀(x)`. A shifted surface then has density 1 up to its last pixel. Within
-//! 3σ of the border a stretch still reads close to `1/det J`, but not exactly: the missing neighbours have moved too.
+//! **Border.** The gel continues outside the image, its points do not: at rest `D` falls to ½ at the image's edge and to
+//! ¼ in its corners. Which neighbours are missing is a property of the *reference* pixel, wherever it moves, so the
+//! density is divided there by its value at zero flow, `D₀(x)`. A shifted surface then has density 1 up to its last
+//! pixel. Within 3σ of the border a stretch still reads close to `1/det J`, but not exactly: the missing neighbours have
+//! moved too.
 //!
-//! **Out of sight.** A point that moves outside the image still adds its Gaussian to those inside, exactly as in the
-//! definition. Its own density is that of a place which no camera sees: it reads as at rest and invalid. Gel that enters
-//! the image has no reference pixel and adds nothing; the points that it pushes inwards are those of the border, whose
-//! missing neighbours `D₀` already allows for.
+//! **Outside the image.** A point that moves outside the image still adds its Gaussian to those inside, exactly as in the
+//! definition. Its own density belongs to a place that the camera does not see: it reads as at rest and invalid. Gel that
+//! enters the image has no reference pixel and adds nothing; the points that it pushes inwards are those of the border,
+//! for whose missing neighbours `D₀` already accounts.
 //!
 //! [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
 
@@ -41,13 +42,13 @@ use crate::ParameterError;
 use fast::SplineSum;
 use spacing::Spacings;
 
-/// What the density of one flow tells, on the reference grid.
+/// The density of one flow, on the reference grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DensityField {
-    /// The feature `1 − density`, dimensionless: 0 at rest, positive where the surface spreads, negative where it
-    /// gathers.
+    /// The feature `1 − density`, dimensionless: 0 at rest, positive where the surface expands, negative where it
+    /// contracts.
     pub feature: Image<f32>,
-    /// 1 where the feature holds; 0 where a neighbour lies 3σ or more away, where the point has left the image, and
+    /// 1 where the feature is valid; 0 where a neighbour lies 3σ or more away, where the point has left the image, and
     /// where the flow is not finite.
     pub valid: Image<u8>,
     /// M: the largest distance between the moved places of two neighbouring pixels, px; 1 at rest.
@@ -71,8 +72,8 @@ impl DensityField {
 
 /// Turns flows of one size into densities.
 ///
-/// Owns its scratch: [`DensityMethod::Fast`] allocates nothing per frame. The same flow gives the same bits on every
-/// instruction set.
+/// Owns its scratch memory: [`DensityMethod::Fast`] allocates nothing per frame. The same flow gives the same bits on
+/// every instruction set.
 #[derive(Debug, Clone)]
 pub struct DensityEstimator {
     width: usize,
@@ -116,7 +117,7 @@ impl DensityEstimator {
         })
     }
 
-    /// Writes the density feature `1 − D(x + flow(x)) / D₀(x)` of a flow, and where it holds.
+    /// Writes the density feature `1 − D(x + flow(x)) / D₀(x)` of a flow, and where it is valid.
     ///
     /// # Panics
     ///
@@ -134,8 +135,8 @@ impl DensityEstimator {
         field.has_gap = field.largest_spacing_px >= self.limit_px();
     }
 
-    /// Writes the density `D` of a flow at every pixel of the current image, as the definition has it: not normalised
-    /// at the border, 1 at rest, dimensionless.
+    /// Writes the density `D` of a flow at every pixel of the current image, by its definition: not normalised at the
+    /// border, 1 at rest, dimensionless.
     ///
     /// # Panics
     ///
@@ -150,12 +151,12 @@ impl DensityEstimator {
         }
     }
 
-    /// The spacing at which neighbouring Gaussians part: 3σ, px.
+    /// The spacing at which neighbouring Gaussians no longer overlap: 3σ, px.
     fn limit_px(&self) -> f32 {
         (3.0 * self.sigma) as f32
     }
 
-    /// Turns the density at the moved places, in `field.feature`, into the feature, and marks where it holds.
+    /// Turns the density at the moved places, in `field.feature`, into the feature, and marks where it is valid.
     #[simd]
     fn finish<S: Simd>(&mut self, simd: S, flow: &FlowField, field: &mut DensityField) {
         let limit = self.limit_px();

@@ -1,8 +1,8 @@
 //! From the density feature to depth: a fitted line, or the camera's perspective with a fitted gain.
 //!
-//! [Du2021] fits one line over presses of known depth. The feature goes with the inverse of the surface's areal
-//! stretch, so the line is a small-range approximation: deep presses read too shallow. It also reads expansion as depth
-//! whatever caused it, so its slope depends on where one presses; an intercept lands on every untouched pixel.
+//! [Du2021] fits one line over presses of known depth. The feature follows the inverse of the surface's areal stretch, so
+//! the line is a small-range approximation: deep presses read too shallow. It also treats any expansion as depth,
+//! whatever caused it, so its slope depends on the place of the press; an intercept is added to every untouched pixel.
 //!
 //! [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
 
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::ParameterError;
 
-/// How depth follows from the density feature; a fit that belongs to one sensor.
+/// The relation from density feature to depth; a fit that belongs to one sensor.
 ///
 /// In a profile it is a line, `density = { slope_mm = 15.2, intercept_mm = 0.0 }`, or the camera's perspective,
 /// `density = { gain = 0.7 }`. A line through the origin has the intercept 0.
@@ -30,12 +30,12 @@ pub enum DepthLaw {
 pub struct DepthLine {
     /// Depth per unit of the feature `1 − density`, mm.
     pub slope_mm: f64,
-    /// Depth where the density is at rest, mm. It lands on every untouched pixel.
+    /// Depth where the density is at rest, mm. It is added to every untouched pixel.
     pub intercept_mm: f64,
 }
 
-/// `depth = gain · feature / s(m)`, with `s(m)` the growth of a surface patch in the image, at the pixel m, for every mm
-/// that it comes nearer: [`Camera::area_growth_per_mm`], `2 / z₀` for an untilted pinhole at the distance z₀.
+/// `depth = gain · feature / s(m)`, with `s(m)` the relative growth of a surface patch in the image, at the pixel m, per
+/// mm of approach: [`Camera::area_growth_per_mm`], `2 / z₀` for an untilted pinhole at the distance z₀.
 ///
 /// A face that moves straight towards the camera without any strain lowers the density by `s · depth` to first order, so
 /// its gain is 1; a gel that spreads under the face as well has a smaller one.
@@ -45,7 +45,7 @@ pub struct PerspectiveGain {
     pub gain: f64,
 }
 
-/// The keys of both laws, as they stand in a profile.
+/// The keys of both laws, as in a profile.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Keys {
@@ -62,7 +62,9 @@ impl TryFrom<Keys> for DepthLaw {
             (Some(slope_mm), Some(intercept_mm), None) => Ok(Self::Line(DepthLine { slope_mm, intercept_mm })),
             (None, None, Some(gain)) => Ok(Self::Perspective(PerspectiveGain { gain })),
             (None, None, None) => Err("missing slope_mm and intercept_mm, or gain"),
-            (_, _, Some(_)) => Err("gain stands alone: a line has slope_mm and intercept_mm, perspective has gain"),
+            (_, _, Some(_)) => {
+                Err("gain cannot be combined: a line has slope_mm and intercept_mm, perspective has gain")
+            }
             (None, ..) => Err("missing slope_mm beside intercept_mm"),
             (_, None, _) => Err("missing intercept_mm beside slope_mm"),
         }
@@ -91,7 +93,7 @@ impl DepthLaw {
         }
     }
 
-    /// Whether the law needs to know how the camera sees the gel.
+    /// Whether the law needs the camera.
     #[must_use]
     pub fn needs_camera(&self) -> bool {
         matches!(self, Self::Perspective(_))
@@ -117,11 +119,11 @@ impl DepthLine {
     }
 }
 
-/// Depth for every mm of which perspective alone gives a feature of 1, `1 / s(m)`, mm, at every pixel of an image: 12.5 mm
-/// for an untilted pinhole 25 mm away. Not finite where the camera does not see the undeformed surface, or sees it shrink
-/// as it comes nearer, which a strong lens does at its edge.
+/// Depth at which perspective alone gives a feature of 1, `1 / s(m)`, mm, at every pixel of an image: 12.5 mm for an
+/// untilted pinhole 25 mm away. Not finite where the camera does not see the undeformed surface, or sees it shrink as it
+/// comes nearer, as a strong lens does at its edge.
 ///
-/// None if the camera cannot be.
+/// None if the camera is impossible.
 #[must_use]
 pub fn perspective_slopes_mm(camera: &CameraParams, (width, height): (usize, usize)) -> Option<Image<f32>> {
     let camera = Camera::new(camera).ok()?;
@@ -132,7 +134,7 @@ pub fn perspective_slopes_mm(camera: &CameraParams, (width, height): (usize, usi
     Some(Image::from_fn(width, height, slope))
 }
 
-/// A law made ready for images of one size: the per-frame call allocates nothing.
+/// A law prepared for images of one size: the per-frame call allocates nothing.
 #[derive(Debug, Clone)]
 pub struct DepthMap {
     size: (usize, usize),
@@ -149,7 +151,7 @@ enum Form {
 impl DepthMap {
     /// The law for features of this size, seen by this camera.
     ///
-    /// None where the law needs a camera and there is none, or it sees the surface nowhere in the image.
+    /// None if the law needs a camera and there is none, or the camera sees the surface nowhere in the image.
     #[must_use]
     pub fn new(law: &DepthLaw, camera: Option<&CameraParams>, size: (usize, usize)) -> Option<Self> {
         let form = match law {
@@ -256,7 +258,7 @@ mod tests {
     #[test]
     fn a_mixture_of_laws_is_refused() {
         let refusal = |text: &str| toml::from_str::<DepthLaw>(text).unwrap_err().message().to_owned();
-        assert!(refusal("slope_mm = 1.0\ngain = 1.0").starts_with("gain stands alone"));
+        assert!(refusal("slope_mm = 1.0\ngain = 1.0").starts_with("gain cannot be combined"));
         assert_eq!(refusal("slope_mm = 1.0"), "missing intercept_mm beside slope_mm");
         assert_eq!(refusal("intercept_mm = 1.0"), "missing slope_mm beside intercept_mm");
         assert_eq!(refusal(""), "missing slope_mm and intercept_mm, or gain");

@@ -2,11 +2,11 @@ use crate::{ParameterError, ProfileError};
 use fingervision_flow::FlowError;
 use fingervision_image::ImageError;
 
-/// What keeps a frame from being tracked.
+/// Why a frame cannot be tracked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TrackError {
-    /// The profile does not fit the frames or itself.
+    /// The profile does not fit the frames or is inconsistent.
     #[error(transparent)]
     Profile(#[from] ProfileError),
     /// A parameter is out of range.
@@ -32,9 +32,9 @@ pub enum TrackError {
         width: usize,
         /// Its rows, px.
         height: usize,
-        /// Columns of the frames before, px.
+        /// Columns of the previous frames, px.
         expected_width: usize,
-        /// Rows of the frames before, px.
+        /// Rows of the previous frames, px.
         expected_height: usize,
     },
     /// A frame came after one with the same or a later number, or a later time.
@@ -44,21 +44,21 @@ pub enum TrackError {
         sequence: u64,
         /// Its capture time, s.
         time_s: f64,
-        /// Sequence number of the frame before.
+        /// Sequence number of the previous frame.
         previous: u64,
-        /// Capture time of the frame before, s.
+        /// Capture time of the previous frame, s.
         previous_time_s: f64,
     },
-    /// The way to depth needs what the camera does not see.
+    /// The method for depth needs a gel surface that the camera does not see.
     #[error("depth: the camera sees the undeformed gel in no pixel of the region")]
     NoSurface,
-    /// The gel's elasticity cannot be had.
+    /// The gel's elastic model cannot be made.
     #[error("gel: {0}")]
     Gel(#[from] fingervision_elastic::LayerError),
 }
 
 impl TrackError {
-    /// What to do about it, where there is something to say.
+    /// What to do about it, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
@@ -76,8 +76,8 @@ impl TrackError {
             Self::Image { .. } => {
                 Some("correct image.region_of_interest = [x, y, width, height], or leave [image] out".into())
             }
-            Self::SizeChanged { .. } => Some("record with one camera mode, or track the parts on their own".into()),
-            Self::OutOfOrder { .. } => Some("hand frames over in the order of capture".into()),
+            Self::SizeChanged { .. } => Some("record with one camera mode, or track the parts separately".into()),
+            Self::OutOfOrder { .. } => Some("pass frames in the order of capture".into()),
             Self::NoSurface => Some(
                 "correct [camera], or set depth.method=density and give depth.density a slope_mm and an intercept_mm"
                     .into(),

@@ -7,8 +7,8 @@
 //! an image subsampled by the mean of cells: He, Sun, "Fast Guided Filter", arXiv 1505.00996, 2015.
 //!
 //! The radius is one of the full-size image and is divided by the subsampling here; `OpenCV` takes it as one of the
-//! subsampled image. Pixels that do not hold weigh nothing in any window: what they contain, even if it is not a
-//! number, reaches no other pixel.
+//! subsampled image. Invalid pixels have no weight in any window: their values, even if not a number, affect no other
+//! pixel.
 
 use fearless_simd::{Level, dispatch, prelude::*};
 use fearless_simd_macros::simd;
@@ -58,7 +58,7 @@ impl GuidedFilterParams {
 
 /// Filters images of one size.
 ///
-/// Owns its scratch: nothing is allocated per frame. The same image gives the same bits on every instruction set.
+/// Owns its scratch memory: nothing is allocated per frame. The same image gives the same bits on every instruction set.
 #[derive(Debug, Clone)]
 pub struct GuidedFilter {
     /// Side of a cell, px.
@@ -83,7 +83,7 @@ pub struct GuidedFilter {
     lines: [LineRow; 2],
 }
 
-/// A place between the centres of two neighbouring cells, and its distance from the first as a share.
+/// A position between the centres of two neighbouring cells, and its distance from the first as a fraction.
 #[derive(Debug, Clone, Copy)]
 struct Between {
     first: usize,
@@ -189,7 +189,7 @@ impl GuidedFilter {
 }
 
 impl LineRow {
-    /// Takes the mean lines `[n, Σ a, Σ b, 0] / n` of a row of cells to its pixels.
+    /// Interpolates the mean lines `[n, Σ a, Σ b, 0] / n` of a row of cells to its pixels.
     #[simd]
     fn interpolate<S: Simd>(&mut self, _: S, windows: &[[f64; 4]], across: &[Between]) {
         let mean = |[n, slope, offset, _]: [f64; 4]| {

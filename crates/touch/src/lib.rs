@@ -2,8 +2,9 @@
 //!
 //! A [`Profile`] describes one sensor. A [`Tracker`] made from it takes [`Frame`](fingervision_image::Frame)s and gives a
 //! [`Reading`] for each: displacement in px, its deviation and validity, the density feature and, where the profile
-//! knows the sensor, depth in mm: by a law of the density feature, or with camera and gel by the gel's elasticity
-//! ([`ElasticDepth`]), which also tells contact, 3-D displacement and force. All fields lie on the reference grid: they belong to points of the gel.
+//! describes the sensor, depth in mm: by a law of the density feature, or with camera and gel by the gel's elasticity
+//! ([`ElasticDepth`]), which also gives contact, 3-D displacement and force. All fields lie on the reference grid: they
+//! belong to points of the gel.
 //!
 //! The parts can be used on their own: the references and their policies ([`ReferenceParams`]), the Gaussian density
 //! ([`DensityEstimator`]), the guided filter ([`GuidedFilter`]) and the law from the feature to depth ([`DepthLaw`]).
@@ -22,8 +23,8 @@ mod tracker;
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams};
 pub use depth_law::{DepthLaw, DepthLine, DepthMap, PerspectiveGain, perspective_slopes_mm};
 pub use elastic_depth::{
-    Around, Cells, CoarseGrid, ElasticDepth, ElasticFields, ElasticMode, ElasticParams, LEARNED_FROM, Limits,
-    MOST_UNEXPLAINED, Seen, Strain, TractionGrid, Tractions,
+    Around, Cells, CoarseGrid, ElasticDepth, ElasticFields, ElasticMode, ElasticParams, Limits, MOST_UNEXPLAINED, Seen,
+    Strain, TRAINING_RANGE, TractionGrid, Tractions,
 };
 pub use error::TrackError;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};

@@ -1,8 +1,8 @@
 //! The profile: one file that describes one sensor.
 //!
-//! Every part but the algorithms' parameters may be absent, which switches off what needs it: without `[image]` the
-//! whole frame is used, without camera and gel or a depth law there is no depth. Lengths are in mm, positions in the image in px of the
-//! region of interest.
+//! Every part except the algorithms' parameters may be absent; what needs it is then not computed: without `[image]` the
+//! whole frame is used, without camera and gel or a depth law there is no depth. Lengths are in mm, positions in the
+//! image in px of the region of interest.
 //!
 //! ```
 //! use fingervision_touch::Profile;
@@ -42,7 +42,23 @@ use run_record::RunRecord;
 
 const PROFILE: Document = Document::new("profile");
 
-/// One sensor: what it is made of, how it was calibrated and how it is read.
+/// The profile of the documentation.
+#[cfg(test)]
+const SENSOR: &str = "
+    [image]
+    region_of_interest = [15, 15, 610, 450]
+    [camera]
+    focal_length_px = [400.0, 400.0]
+    principal_point_px = [304.5, 224.5]
+    translation_mm = [0.0, 0.0, 25.0]
+    [gel]
+    size_mm = [30.0, 30.0]
+    thickness_mm = 10.0
+    poissons_ratio = 0.48
+    youngs_modulus_mpa = 0.6
+";
+
+/// One sensor: its parts, its calibration and the parameters of tracking.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Profile {
@@ -51,10 +67,10 @@ pub struct Profile {
     /// Which part of the camera image shows the gel; absent: all of it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub image: Option<ImageSection>,
-    /// How the camera sees the gel.
+    /// The camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<CameraParams>,
-    /// What the gel is.
+    /// The gel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gel: Option<GelBlock>,
     /// How depth is found.
@@ -84,12 +100,12 @@ pub struct DepthSection {
     /// The method; absent: the one that [`Profile::depth_method`] chooses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<DepthMethod>,
-    /// How depth follows from the density feature; without it the density gives no depth.
+    /// The relation from density feature to depth; without it the density gives no depth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<DepthLaw>,
 }
 
-/// A way to find depth.
+/// A method to find depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DepthMethod {
@@ -111,7 +127,7 @@ impl DepthMethod {
 }
 
 impl Default for Profile {
-    /// A sensor that nothing is known about: tracked over the whole image, without depth.
+    /// A sensor without calibration: tracked over the whole image, without depth.
     fn default() -> Self {
         Self {
             name: "unnamed".into(),
@@ -128,11 +144,11 @@ impl Default for Profile {
 }
 
 impl Profile {
-    /// Reads a profile from a file: a profile's own, or the `run.toml` of a run, whose `[profile]` is taken.
+    /// Reads a profile from a file: either a profile, or the `run.toml` of a run, of which `[profile]` is used.
     ///
     /// # Errors
     ///
-    /// [`ProfileError`] with the file's name, and with the line where one is to blame.
+    /// [`ProfileError`] with the file's name, and with the line that causes it, if there is one.
     pub fn load(path: &Path) -> Result<Self, ProfileError> {
         let text = PROFILE.read(path)?;
         Self::from_toml(&text).map_err(|error| error.in_file(path))
@@ -150,7 +166,7 @@ impl Profile {
         Ok(profile)
     }
 
-    /// Whether a text is that of a `run.toml`, which holds the profile that was in force in a table of its own.
+    /// Whether a text is that of a `run.toml`, which contains the profile in force in a table of its own.
     #[must_use]
     pub fn is_run_record(text: &str) -> bool {
         run_record::is_run_record(text)
@@ -164,7 +180,7 @@ impl Profile {
 
     /// Sets one value by its path, as in `flow.finest_level` to `1`.
     ///
-    /// `value_text` is read as TOML; a word that is no TOML value is taken as a string. Tables on the way are made.
+    /// `value_text` is read as TOML; a word that is not a TOML value is taken as a string. Missing tables are created.
     ///
     /// # Errors
     ///
@@ -173,8 +189,8 @@ impl Profile {
         self.set_all([(path, value_text)])
     }
 
-    /// Sets several values by their paths, all before any is checked: a table whose keys belong together can be given
-    /// key by key. After an error the profile is as it was.
+    /// Sets several values by their paths and checks them together: keys of a table that depend on each other can be
+    /// given one by one. After an error the profile is unchanged.
     ///
     /// # Errors
     ///
@@ -215,19 +231,20 @@ impl Profile {
         }
     }
 
-    /// The method in force: what `depth.method` says; without it elastic where camera and gel are known, density
-    /// elsewhere.
+    /// The method in force: the value of `depth.method`; without it elastic if camera and gel are known, otherwise
+    /// density.
     #[must_use]
     pub fn depth_method(&self) -> DepthMethod {
         let is_known = self.camera.is_some() && self.gel.is_some();
         self.depth.method.unwrap_or(if is_known { DepthMethod::Elastic } else { DepthMethod::Density })
     }
 
-    /// Camera and gel, which the elastic inverse stands on.
+    /// Camera and gel, which the elastic inverse needs.
     ///
     /// # Errors
     ///
-    /// [`ProfileError::ElasticNeeds`] naming the first table that is absent; [`ProfileError::Settings`] if the camera is none.
+    /// [`ProfileError::ElasticNeeds`] naming the first table that is absent; [`ProfileError::Settings`] if the camera is
+    /// impossible.
     pub fn elastic_sensor(&self) -> Result<(Camera, GelBlock), ProfileError> {
         let absent = |table| ProfileError::ElasticNeeds { table };
         let params = self.camera.ok_or(absent("camera"))?;

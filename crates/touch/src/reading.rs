@@ -1,4 +1,4 @@
-//! The reading: everything that one frame tells, made at once.
+//! The reading: everything that is computed from one frame.
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
@@ -9,7 +9,7 @@ use crate::TractionGrid;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Reading {
-    /// The frame's place in its source's count.
+    /// The frame's number in its source.
     pub sequence: u64,
     /// When the frame was exposed, s, on the source's clock.
     pub capture_time_s: f64,
@@ -19,35 +19,35 @@ pub struct Reading {
     pub reference_id: u64,
     /// References held when the frame was matched.
     pub reference_count: usize,
-    /// Photometric error, grey levels: under the stack policy the largest of the coarse check that decides about
-    /// references, otherwise the root mean square of what the matching patches leave unexplained.
+    /// Photometric error, grey levels: under the stack policy the largest error of the coarse check that decides about
+    /// references, otherwise the root mean square of the matching patches' residuals.
     pub photometric_error: f32,
-    /// Time from the frame's arrival to this reading, ms. The one value that differs from run to run.
+    /// Time from the frame's arrival to this reading, ms. The only value that differs from run to run.
     pub latency_ms: f64,
-    /// What is out of order.
+    /// What is wrong with the reading.
     pub flags: Flags,
     /// Displacement, px.
     pub flow: FlowField,
     /// Predicted standard deviation of the flow, px; infinite where there is no measurement.
     pub deviation: Image<f32>,
-    /// 1 where flow and density hold, and so does a depth made from them; 0 elsewhere. Elastic depth fills in what the
-    /// flow leaves open: where it holds, [`Reading::depth_deviation`] is finite.
+    /// 1 where flow and density are valid, and a depth made from density; 0 elsewhere. Elastic depth also exists where
+    /// the flow is not valid: it is valid where [`Reading::depth_deviation`] is finite.
     pub valid: Image<u8>,
     /// Density feature `1 − density` after the guided filter, dimensionless, 0 at rest, positive where the surface
-    /// spreads, 0 where it is not valid; if asked for.
+    /// expands, 0 where it is not valid; if requested.
     pub density: Option<Image<f32>>,
-    /// Depth, mm, positive pressed in; if asked for and the profile is calibrated.
+    /// Depth, mm, positive pressed in; if requested and the profile is calibrated.
     pub depth: Option<Image<f32>>,
-    /// Expected error of an elastic depth (one standard deviation), mm; infinite where it does not hold: beside the gel,
-    /// and everywhere in a frame that is lost or does not fit. Elsewhere it holds, valid flow or not.
+    /// Expected error of an elastic depth (one standard deviation), mm; infinite where depth is not valid: beside the
+    /// gel, and everywhere in a frame that is lost or does not fit. Elsewhere depth is valid, whether or not the flow is.
     pub depth_deviation: Option<Image<f32>>,
     /// 1 where the gel touches something; with elastic depth.
     pub contact: Option<Image<u8>>,
-    /// Displacement `(x, y, z)` in gel space, mm; if asked for, with elastic depth.
+    /// Displacement `(x, y, z)` in gel space, mm; if requested, with elastic depth.
     pub displacement: Option<[Image<f32>; 3]>,
-    /// Traction on the gel, `MPa`; if asked for, with elastic depth and a known Young's modulus.
+    /// Traction on the gel, `MPa`; if requested, with elastic depth and a known Young's modulus.
     pub traction: Option<TractionGrid>,
-    /// Largest depth where it holds, mm.
+    /// Largest depth where it is valid, mm.
     pub max_depth_mm: Option<f32>,
     /// Area of contact in the undeformed surface, mm²; with elastic depth.
     pub contact_area_mm2: Option<f32>,
@@ -58,8 +58,8 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// A reading at rest on a reference grid of this size, without the fields that have to be asked for. A tracker makes
-    /// readings; this one is for whoever tests what takes them.
+    /// A reading at rest on a reference grid of this size, without the fields that have to be requested. Readings come
+    /// from a tracker; this one is for tests of code that takes readings.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         Self {
@@ -88,12 +88,12 @@ impl Reading {
     }
 }
 
-/// One thing that can be out of order in a reading.
+/// One thing that can be wrong with a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 #[non_exhaustive]
 pub enum Flag {
-    /// Most of the image does not match the reference: the fields do not hold.
+    /// Most of the image does not match the reference: the fields are not valid.
     Lost,
     /// The source skipped frames just before this one.
     Dropped,
@@ -101,29 +101,29 @@ pub enum Flag {
     NoTexture,
     /// The gel already moves in the first frames: the reference may show a pressed gel.
     PressedAtStart,
-    /// Mean light differs by a factor above 1.25, either way, from the reference's.
+    /// The mean brightness differs from the reference's by a factor above 1.25, up or down.
     LightChanged,
     /// The density's Gaussians do not overlap somewhere (3σ ≤ M).
     DensityGap,
-    /// The gel is strained beyond the range of linear elasticity, on which depth and force stand.
+    /// The gel is strained beyond the range of linear elasticity, on which depth and force are based.
     BeyondLinear,
-    /// Contact reaches the border of what the camera sees: area, force and torque are those of the part that is seen.
+    /// Contact reaches the border of the field of view: area, force and torque are those of the visible part.
     ContactCut,
-    /// The flow cannot be that of this gel before this camera: there is no depth and no force.
+    /// The flow cannot be that of this gel and camera: there is no depth and no force.
     GelMisfit,
-    /// Nothing like this gel before this camera was learned from: depth, contact and force are as good as elasticity alone
-    /// makes them, or worse than their deviation says.
-    OutsideLearned,
-    /// The flow holds in less than a tenth of contact, as where it moves too fast to be followed, or strains too much: depth
-    /// there rests on what is around it.
+    /// Gel and camera are outside the network's training range: depth, contact and force can be worse than their
+    /// deviation says.
+    OutsideTraining,
+    /// The flow is valid in less than a tenth of contact, because it moves too fast or strains too much: depth there is
+    /// derived from the gel around it.
     ContactUntracked,
     /// The image is blurred more than the reference, by lost focus or by motion.
     OutOfFocus,
-    /// Noise and motion do not explain how the image differs from the reference: it is blurred, compressed, or one of another
-    /// sensor. Deviations are larger accordingly.
+    /// Noise and motion do not explain how the image differs from the reference: blur, compression, or an image of
+    /// another sensor. Deviations are larger accordingly.
     ImageMismatch,
-    /// The flow's deviation is more than 2.5 times that of the images which elastic depth was trained on: depth, contact and force are
-    /// less certain than their deviation says.
+    /// The flow's deviation is more than 2.5 times that of the images elastic depth was trained on: depth, contact and
+    /// force are less certain than their deviation says.
     UncertainFlow,
 }
 
@@ -139,7 +139,7 @@ impl Flag {
         Self::BeyondLinear,
         Self::ContactCut,
         Self::GelMisfit,
-        Self::OutsideLearned,
+        Self::OutsideTraining,
         Self::ContactUntracked,
         Self::OutOfFocus,
         Self::ImageMismatch,
@@ -159,7 +159,7 @@ impl Flag {
             Self::BeyondLinear => "beyond-linear",
             Self::ContactCut => "contact-cut",
             Self::GelMisfit => "gel-misfit",
-            Self::OutsideLearned => "outside-learned",
+            Self::OutsideTraining => "outside-training",
             Self::ContactUntracked => "contact-untracked",
             Self::OutOfFocus => "out-of-focus",
             Self::ImageMismatch => "image-mismatch",
@@ -168,7 +168,7 @@ impl Flag {
     }
 }
 
-/// A set of [`Flag`]s. Prints as names joined by `+`, empty where all is well.
+/// A set of [`Flag`]s. Prints as names joined by `+`, empty if there is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Flags(u16);
 
@@ -178,13 +178,13 @@ impl Flags {
         self.0 |= 1 << flag as u8;
     }
 
-    /// Whether a flag is up.
+    /// Whether a flag is set.
     #[must_use]
     pub fn has(self, flag: Flag) -> bool {
         self.0 & (1 << flag as u8) != 0
     }
 
-    /// The flags that are up.
+    /// The flags that are set.
     pub fn iter(self) -> impl Iterator<Item = Flag> {
         Flag::ALL.into_iter().filter(move |&flag| self.has(flag))
     }

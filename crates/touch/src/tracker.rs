@@ -11,7 +11,7 @@ use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture};
 use fingervision_image::{Frame, Image, Rect};
 use std::time::Instant;
 
-/// Which fields a tracker computes beside the flow and its validity.
+/// Which fields a tracker computes in addition to the flow and its validity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each field is asked for on its own")]
 pub struct Fields {
@@ -26,7 +26,7 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// The flow and its validity alone.
+    /// Only the flow and its validity.
     pub const NONE: Self = Self { density: false, depth: false, displacement: false, traction: false };
 }
 
@@ -39,7 +39,7 @@ impl Default for Fields {
 
 /// Tracks the gel through a stream of frames.
 ///
-/// It owns all scratch and the reading that it hands out: a frame that needs no new reference allocates nothing. The
+/// It owns all scratch memory and the reading that it returns: a frame that needs no new reference allocates nothing. The
 /// same frames give the same bits, whatever their source; only [`Reading::latency_ms`] differs.
 #[derive(Debug)]
 pub struct Tracker {
@@ -55,17 +55,18 @@ pub struct Tracker {
     reading: Reading,
 }
 
-/// A stream is lost where less than this part of the textured patches match.
+/// A stream is lost if less than this part of the textured patches match.
 const LOST_BELOW: f32 = 0.5;
-/// An image has too little texture where less than this part of its patches can be measured.
+/// An image has too little texture if less than this part of its patches can be measured.
 const LEAST_TEXTURED: f32 = 0.1;
-/// Mean light that differs by more than this factor, either way, from the reference's is flagged.
+/// A mean brightness that differs from the reference's by more than this factor, up or down, is flagged.
 const LIGHT_FACTOR: f32 = 1.25;
-/// An image less sharp than the reference by more than this factor is flagged. Presses, real ones and simulated ones, change it
-/// by up to 1.23; blur with a standard deviation of 1 px on images that have 0.7 px by 1.35 and more.
+/// An image less sharp than the reference by more than this factor is flagged. Presses, real and simulated ones, change
+/// the sharpness by a factor of up to 1.23; blur with a standard deviation of 1 px, on images that have 0.7 px, by 1.35
+/// and more.
 const SHARPNESS_FACTOR: f32 = 1.3;
-/// An image in which half of the patches leave more than this part of their variance unexplained is flagged. Presses leave up to
-/// 0.014.
+/// An image is flagged if the unexplained part of the variance exceeds this in half of the patches. For presses it is up
+/// to 0.014.
 const MOST_UNEXPLAINED: f32 = 0.05;
 
 impl Tracker {
@@ -119,7 +120,7 @@ impl Tracker {
         self.reading.depth.is_some()
     }
 
-    /// The last reading; before the first frame one at rest, whose fields are those that every reading will have.
+    /// The last reading; before the first frame one at rest, with the fields that every reading will have.
     #[must_use]
     pub fn reading(&self) -> &Reading {
         &self.reading
@@ -147,12 +148,12 @@ impl Tracker {
         reading.reference_id = matched.reference_id;
         reading.reference_count = matched.reference_count;
         reading.photometric_error = matched.photometric_error;
-        // The estimate is written anew for every frame: its fields can be handed over.
+        // The estimate is overwritten for every frame: its fields can be moved out.
         std::mem::swap(&mut reading.flow, &mut self.estimate.flow);
         std::mem::swap(&mut reading.deviation, &mut self.estimate.deviation);
         std::mem::swap(&mut reading.valid, &mut self.estimate.valid);
         reading.flags = flags;
-        // The inverse judges the flow alone: first, before the density's own gaps count as not valid.
+        // The inverse uses the validity of the flow alone: it runs before the gaps of the density count as not valid.
         if let Some(stage) = &mut self.elastic {
             stage.run(&mut self.reading);
             self.references.note_press(self.reading.contact_area_mm2.is_some_and(|area| area > 0.0));
@@ -167,7 +168,7 @@ impl Tracker {
         Ok(&self.reading)
     }
 
-    /// Refuses a frame that does not follow the one before; returns how many are missing between them.
+    /// Refuses a frame that does not follow the previous one; returns the number of missing frames between them.
     fn check_order(&self, frame: &Frame) -> Result<u64, TrackError> {
         let (width, height) = frame.pixels.size();
         let (expected_width, expected_height) = self.frame_size;
@@ -176,7 +177,7 @@ impl Tracker {
             return Err(TrackError::SizeChanged { sequence, width, height, expected_width, expected_height });
         }
         let Some((previous, previous_time_s)) = self.previous else { return Ok(0) };
-        // A time that is not a number is in no order.
+        // A time that is not a number has no order.
         let is_in_time = frame.capture_time_s >= previous_time_s || previous_time_s.is_nan();
         if frame.sequence <= previous || !is_in_time {
             let (sequence, time_s) = (frame.sequence, frame.capture_time_s);

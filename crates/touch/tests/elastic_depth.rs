@@ -209,9 +209,9 @@ fn mean_difference(left: &Image<f32>, right: &Image<f32>) -> f64 {
 }
 
 #[test]
-fn without_what_was_learned_a_stuck_face_is_found_by_its_motion() {
+fn without_the_network_a_stuck_face_is_found_by_its_motion() {
     let press = stuck_circle();
-    let params = ElasticParams { learned: false, ..ElasticParams::default() };
+    let params = ElasticParams { network: false, ..ElasticParams::default() };
     let mut inverse = ElasticDepth::new(&press.camera, &press.gel, SIZE, &params).unwrap();
     let (error_mm, overlap) = press.judge(inverse.solve(&press.flow, &press.deviation, &press.valid));
     assert!(error_mm < 0.03 && overlap > 0.6, "{error_mm} mm, {overlap}");
@@ -288,9 +288,9 @@ fn depth_is_as_uncertain_as_its_flow() {
 }
 
 #[test]
-fn without_what_was_learned_and_without_a_face_nothing_is_known() {
+fn without_the_network_and_without_a_face_nothing_is_known() {
     let press = stuck_circle();
-    let params = ElasticParams { learned: false, ..ElasticParams::default() };
+    let params = ElasticParams { network: false, ..ElasticParams::default() };
     let mut inverse = ElasticDepth::new(&press.camera, &press.gel, SIZE, &params).unwrap();
     // No face is drawn out along x and together along y.
     let flow = FlowField {

@@ -155,16 +155,16 @@ fn contact_at_the_border_of_the_view_is_flagged_and_told_as_far_as_it_is_seen() 
 }
 
 #[test]
-fn a_gel_that_nothing_was_learned_from_is_flagged_once_it_moves() {
+fn a_gel_outside_the_training_range_is_flagged_once_it_moves() {
     let mut press = Press::of_a_ball("thickness_mm = 5.0", 0.8);
     let mut tracker = press.tracker();
     assert_eq!(press.show(0, &mut tracker).flags.to_string(), "");
     let reading = press.show_all(&mut tracker);
-    assert!(reading.flags.has(Flag::OutsideLearned), "{}", reading.flags);
-    press.profile.elastic.learned = false;
+    assert!(reading.flags.has(Flag::OutsideTraining), "{}", reading.flags);
+    press.profile.elastic.network = false;
     let mut tracker = press.tracker();
     let reading = press.show_all(&mut tracker);
-    assert!(!reading.flags.has(Flag::OutsideLearned), "it was not asked for: {}", reading.flags);
+    assert!(!reading.flags.has(Flag::OutsideTraining), "it was not asked for: {}", reading.flags);
 }
 
 /// A sensor of half or twice the size gives the same images. Its depths scale with it, its forces with its square, and its
@@ -176,7 +176,7 @@ fn a_scaled_sensor_gives_scaled_depths_and_the_same_flags() {
     for (mut press, learned) in
         [(Press::of_a_ball("", 0.3), true), (Press::of_a_ball("", 2.6), true), (Press::new(square), false)]
     {
-        press.profile.elastic.learned = learned;
+        press.profile.elastic.network = learned;
         let camera = press.profile.camera.unwrap();
         let gel = press.profile.gel.unwrap();
         let mut readings = [1.0, 0.5, 2.0].map(|scale| {

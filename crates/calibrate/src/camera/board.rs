@@ -1,4 +1,4 @@
-//! From images of a sliding board to its mean flow on a grid.
+//! Computes the mean flow of a sliding board on a grid.
 
 use std::mem::swap;
 
@@ -14,7 +14,7 @@ pub const GRID: usize = 100;
 /// Texture must cover this part of an image, and this part of the texture must be found again.
 const LEAST_TEXTURED: f32 = 0.2;
 const LEAST_MATCHED: f32 = 0.3;
-/// This part of the grid must be followed.
+/// This part of the grid must be tracked.
 const LEAST_SEEN: f64 = 0.3;
 /// A node's flow is a mean over this part of the pairs at least.
 const LEAST_PAIRS: f64 = 0.5;
@@ -44,14 +44,14 @@ pub struct BoardFlow {
     pub slide: Slide,
     /// The flow of the usual step, median over the image, px.
     pub usual_px: [f64; 2],
-    /// The nodes that were followed in enough of the pairs, row by row.
+    /// The nodes that were tracked in enough of the pairs, row by row.
     pub nodes: Vec<Node>,
 }
 
-/// Follows a board from image to image: it is given the frames in order, then gives its flow.
+/// Tracks a board from image to image: it takes the frames in order, then gives the mean flow.
 ///
-/// Every pair is matched on its own, from nowhere, so a wrong step does no harm to the next. Only what the flow calls a
-/// measurement enters a node's mean.
+/// Every pair is matched independently, without a start, so a wrong step does not affect the next. Only valid flow enters
+/// a node's mean.
 #[derive(Debug)]
 pub struct BoardTracker {
     region: Rect,
@@ -93,7 +93,7 @@ impl BoardTracker {
     ///
     /// # Errors
     ///
-    /// [`BoardError::NoTexture`] and [`BoardError::NoMatch`] if it cannot be followed, [`BoardError::Image`] if its size
+    /// [`BoardError::NoTexture`] and [`BoardError::NoMatch`] if it cannot be tracked, [`BoardError::Image`] if its size
     /// is another.
     pub fn push(&mut self, frame: &Frame) -> Result<(), BoardError> {
         swap(&mut self.current, &mut self.before);
@@ -141,8 +141,8 @@ impl BoardTracker {
         Ok(())
     }
 
-    /// The mean flow, once the steps are found to be what they should; `known_flow_px` is the flow that the slide has
-    /// by a camera that is known, px.
+    /// The mean flow, after the steps have been checked; `known_flow_px` is the flow of the slide predicted by a known
+    /// camera, px.
     ///
     /// # Errors
     ///
@@ -177,7 +177,7 @@ pub(super) fn pixel(place: [usize; 2], region: &Rect) -> [usize; 2] {
     [along(place[0], region.width), along(place[1], region.height)]
 }
 
-/// The mean of what lies near the median.
+/// The mean of the values near the median.
 fn robust_mean(values: impl Iterator<Item = f32>) -> f64 {
     let values: Vec<f64> = values.map(f64::from).collect();
     let middle = median(values.clone());

@@ -1,4 +1,4 @@
-//! Why corners give no camera.
+//! Why corners do not determine a camera.
 
 use thiserror::Error;
 
@@ -9,25 +9,25 @@ pub(super) const LEAST_CORNERS: usize = 6;
 /// The first line of a file of corners.
 pub(super) const HEADER: &str = "image,x_mm,y_mm,u_px,v_px";
 
-/// Why corners give no camera.
+/// Why corners do not determine a camera.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CornerError {
-    /// The file's first line is another.
+    /// The file's first line is not the header.
     #[error("line 1 is not {HEADER}")]
     NoHeader,
     /// A line is not five numbers.
-    #[error("line {line}: \"{text}\" is not five numbers parted by commas")]
+    #[error("line {line}: \"{text}\" is not five numbers separated by commas")]
     Line {
         /// The line, counted from 1.
         line: usize,
-        /// What stands there.
+        /// The line's content.
         text: String,
     },
     /// There are too few images.
     #[error("the corners are of {images} images: at least {LEAST_POSES} are needed")]
     TooFewImages {
-        /// How many there are.
+        /// Number of them.
         images: usize,
     },
     /// An image has too few corners.
@@ -35,14 +35,14 @@ pub enum CornerError {
     TooFewCorners {
         /// The image, counted from 0 in the order of the file.
         image: usize,
-        /// How many there are.
+        /// Number of them.
         corners: usize,
     },
     /// The corners of an image lie on a line.
     #[error("the corners of an image lie on one line")]
     NoPlane,
-    /// The board was held parallel to the image throughout.
-    #[error("the board is not tilted in any image: its corners do not tell the focal length")]
+    /// The board was parallel to the image in all images.
+    #[error("the board is not tilted in any image: its corners do not determine the focal length")]
     NoTilt,
     /// No camera explains the corners.
     #[error("no camera explains the corners: the best misses them by {residual_px:.1} px on average")]
@@ -64,7 +64,7 @@ impl CornerError {
             Self::TooFewCorners { .. } | Self::NoPlane => "leave the image out, or detect all its corners",
             Self::NoTilt => "tilt the board by 15° to 40° to different sides",
             Self::NotConverged { .. } => {
-                "no profile was written: check the order of the corners, and that x goes right and y down on the board"
+                "no profile was written: check the order of the corners, and that x points right and y down on the board"
             }
         }
     }

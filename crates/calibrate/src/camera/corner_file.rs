@@ -45,7 +45,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_corner_is_named_with_its_line() {
+    fn an_invalid_corner_is_named_with_its_line() {
         assert_eq!(read_corners("x,y"), Err(CornerError::NoHeader));
         let header = "image,x_mm,y_mm,u_px,v_px\n";
         for line in ["0,1,2,3", "0,1,2,3,x", "0,1,2,3,nan", "0,1,2,3,4,5"] {

@@ -1,4 +1,4 @@
-//! The camera from corners of a checkerboard in several poses: what slides do not tell, these do.
+//! The camera from corners of a checkerboard in several poses: they determine what slides do not.
 
 use fingervision_optics::{Camera, CameraParams, Radial};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
@@ -12,12 +12,12 @@ use super::unknowns::{Unknowns, camera_params, row_by_unknowns};
 /// Focal length, principal point and distortion stand first, then six numbers for each pose.
 const LENS: usize = 7;
 const POSE: usize = 6;
-/// Where lens and pose have their places among the unknowns of a camera.
+/// Indices of lens and pose among the unknowns of a camera.
 pub(super) const LENS_PLACES: [usize; LENS] = [6, 7, 8, 9, 10, 11, 12];
 pub(super) const POSE_PLACES: [usize; POSE] = [0, 1, 2, 3, 4, 5];
-/// What a corner behind the camera is charged, px.
+/// Residual of a corner behind the camera, px.
 const UNSEEN_PX: f64 = 1e4;
-/// A camera that misses the corners by more than this on average is none, px.
+/// A camera that misses the corners by more than this on average is rejected, px.
 const MOST_RESIDUAL_PX: f64 = 2.0;
 
 /// A corner that was detected in an image.
@@ -37,13 +37,13 @@ pub struct CornerFit {
     pub params: CameraParams,
     /// How many images there are.
     pub images: usize,
-    /// Distance from where the camera expects a corner to where it was seen, px.
+    /// Distance between the predicted and the detected corners, px.
     pub reprojection: Residuals,
     /// Standard uncertainties of k1, k2, p1, p2, focal length and principal point, then of rotation and translation.
     pub uncertainty: Vec<f64>,
 }
 
-/// Fits lens and poses to the corners of several images, an item for each image ([Zhang2000]).
+/// Fits lens and poses to the corners of several images, one item for each image ([Zhang2000]).
 ///
 /// A homography for each image gives a first focal length and pose, with the principal point in the middle of the
 /// corners; Levenberg–Marquardt then minimises the squared distances of all corners, with distortion.
@@ -113,7 +113,8 @@ impl CornerProblem<'_> {
         Residuals::of(self.residual_vectors())
     }
 
-    /// Of the lens and the first pose, `σ √diag (JᵀJ)⁻¹` with σ from the residuals; infinite where nothing tells.
+    /// Of the lens and the first pose, `σ √diag (JᵀJ)⁻¹` with σ from the residuals; infinite where a value is not
+    /// determined.
     fn uncertainty(&self, reprojection: &Residuals) -> Vec<f64> {
         let Some(jacobian) = self.jacobian() else { return vec![f64::INFINITY; LENS + POSE] };
         let free = (2 * self.corners()).saturating_sub(self.at.len()).max(1) as f64;
@@ -170,7 +171,7 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for CornerProblem<'_> {
     }
 }
 
-/// A lens without distortion and the poses that go with it.
+/// A lens without distortion, and the poses for it.
 fn start(images: &[Vec<Corner>]) -> Result<DVector<f64>, CornerError> {
     let all = || images.iter().flatten();
     let middle = [0, 1].map(|axis| {
@@ -190,7 +191,7 @@ fn start(images: &[Vec<Corner>]) -> Result<DVector<f64>, CornerError> {
 /// The matrix that takes `(x, y, 1)` on the board to the pixel from the middle, by the smallest singular vector.
 fn homography(corners: &[Corner], middle: [f64; 2]) -> Option<Matrix3<f64>> {
     let mut rows = DMatrix::zeros(2 * corners.len(), 9);
-    // Both sides are brought to about 1, without which the singular values are ill-conditioned.
+    // Both sides are scaled to about 1; otherwise the singular values are ill-conditioned.
     let (size_mm, size_px) = corners.iter().fold((0.0_f64, 0.0_f64), |(mm, px), corner| {
         (
             mm.max(corner.board_mm[0].hypot(corner.board_mm[1])),
@@ -210,7 +211,7 @@ fn homography(corners: &[Corner], middle: [f64; 2]) -> Option<Matrix3<f64>> {
     let eigen = rows.tr_mul(&rows).symmetric_eigen();
     let mut order: Vec<usize> = (0..9).collect();
     order.sort_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
-    // Corners on a line leave more than one matrix.
+    // Corners on a line determine no unique matrix.
     if eigen.eigenvalues[order[1]] < 1e-9 * eigen.eigenvalues[order[8]] {
         return None;
     }
@@ -219,11 +220,11 @@ fn homography(corners: &[Corner], middle: [f64; 2]) -> Option<Matrix3<f64>> {
     let to_px = Matrix3::from_diagonal(&Vector3::new(size_px, size_px, 1.0));
     let to_unit = Matrix3::from_diagonal(&Vector3::new(size_mm.recip(), size_mm.recip(), 1.0));
     let matrix = to_px * scaled * to_unit;
-    // The board lies in front of the camera.
+    // The board is in front of the camera.
     Some(if matrix[(2, 2)] < 0.0 { -matrix } else { matrix })
 }
 
-/// The first two columns of a homography are images of equally long vectors at a right angle: least squares for 1/f².
+/// The first two columns of a homography are images of equally long, orthogonal vectors: least squares for 1/f².
 fn focal_length(homographies: &[Matrix3<f64>]) -> Option<f64> {
     let (mut numerator, mut denominator) = (0.0, 0.0);
     for matrix in homographies {

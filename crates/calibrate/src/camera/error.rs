@@ -5,17 +5,17 @@ use thiserror::Error;
 /// Fewer images show too few steps to tell a wrong one from the others.
 pub const LEAST_IMAGES: usize = 6;
 
-/// Why a recording of a board gives no camera.
+/// Why a recording of a board does not determine a camera.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BoardError {
     /// The recording is too short.
     #[error("the board is shown in {images} images: at least {LEAST_IMAGES} are needed")]
     TooFewImages {
-        /// How many there are.
+        /// Number of images.
         images: usize,
     },
-    /// There is nothing to follow.
+    /// There is too little texture.
     #[error("only {:.0} % of image {image} has texture that can be followed", 100.0 * textured)]
     NoTexture {
         /// The image, counted from 1.
@@ -45,7 +45,7 @@ pub enum BoardError {
         /// The step's length in typical steps.
         steps: f64,
     },
-    /// The board moves elsewhere than it is told.
+    /// The board moves in another direction than given.
     #[error("the board moves towards {found_deg:.0}° in the image, not towards {expected_deg:.0}°")]
     WrongDirection {
         /// Where it moves, degrees from x towards y.
@@ -53,15 +53,15 @@ pub enum BoardError {
         /// Where it should, degrees from x towards y.
         expected_deg: f64,
     },
-    /// The board moves by another length than it is told.
+    /// The board moves by another length than given.
     #[error("by what is known of the camera the board moves {found_mm:.3} mm from image to image, not {step_mm} mm")]
     WrongStep {
-        /// What it moves by the camera that is known, mm.
+        /// The step by the known camera, mm.
         found_mm: f64,
-        /// What is said, mm.
+        /// The given step, mm.
         step_mm: f64,
     },
-    /// Too little of the image could be followed in enough of the pairs.
+    /// Too little of the image could be tracked in enough of the pairs.
     #[error("only {:.0} % of the image could be followed through the recording", 100.0 * part)]
     TooLittleSeen {
         /// The part of the grid's nodes that have a flow, 0 to 1.
@@ -72,31 +72,31 @@ pub enum BoardError {
     NotConverged {
         /// Why it ended.
         reason: String,
-        /// How often the model was evaluated.
+        /// Number of evaluations of the model.
         evaluations: usize,
-        /// Mean length of the residual where it ended, px.
+        /// Mean length of the residual at its end, px.
         residual_px: f64,
     },
-    /// A camera that nobody has.
+    /// A camera that no sensor can have.
     #[error("the fit gives an impossible camera: a {what} of {value:.3} {unit}, {} to {} are possible", range[0], range[1])]
     Impossible {
-        /// What is impossible of it.
+        /// The impossible quantity.
         what: &'static str,
         /// Its value.
         value: f64,
         /// The value's unit.
         unit: &'static str,
-        /// What it could be.
+        /// Its possible range.
         range: [f64; 2],
     },
     /// A camera that does not explain the images.
     #[error(
-        "no camera explains the images: {residual_px:.3} px of a step's flow are left, {most_px} px at most may be"
+        "no camera explains the images: the residual of a step's flow is {residual_px:.3} px, at most {most_px} px are allowed"
     )]
     Useless {
         /// Mean length of the residual, px.
         residual_px: f64,
-        /// What may be left, px.
+        /// Allowed residual, px.
         most_px: f64,
     },
     /// The flow's parameters or the size of its images.
@@ -108,7 +108,7 @@ pub enum BoardError {
 }
 
 impl BoardError {
-    /// What to do about it, where there is something to say.
+    /// What to do about it, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         let hint = match self {
@@ -117,29 +117,29 @@ impl BoardError {
                 "use a board with a dense random pattern that fills the image, sharp and evenly lit; fingervision pattern prints one"
             }
             Self::NoMatch { .. } => {
-                "keep light and exposure as they are, slide by less than a fifth of the image a step, and let nothing but the board move"
+                "do not change light and exposure, slide by less than a fifth of the image a step, and let nothing but the board move"
             }
             Self::Still { .. } => {
                 "slide the board by the same step between any two images, far enough that it moves 3 to 30 px"
             }
             Self::UnevenStep { steps, .. } => uneven_hint(*steps),
             Self::WrongDirection { .. } => {
-                "name the direction with --direction x, y or degrees from x towards y, or turn the order of the images round"
+                "name the direction with --direction x, y or degrees from x towards y, or reverse the order of the images"
             }
             Self::WrongStep { .. } => {
-                "check --step-mm; if the step is right, the profile's [camera] or the given prior is another camera's: remove it"
+                "check --step-mm; if the step is right, the profile's [camera] or the given prior belongs to another camera: remove it"
             }
             Self::TooLittleSeen { .. } => {
-                "let the board fill the image at both ends of the slide, or set image.region_of_interest to the part that it fills"
+                "let the board fill the image at both ends of the slide, or set image.region_of_interest to the part that it covers"
             }
             Self::NotConverged { .. } => {
-                "no profile was written: check --step-mm, --direction and the priors, or start from a [camera] in the profile that is near"
+                "no profile was written: check --step-mm, --direction and the priors, or start from a [camera] in the profile that is close to the solution"
             }
             Self::Impossible { .. } => {
                 "nothing was written: check --step-mm and the priors; all lengths are in mm, a distance of 2.5 cm is 25 mm"
             }
             Self::Useless { .. } => {
-                "nothing was written: take the recording again with a flat board and equal steps, and leave what is not the board out of image.region_of_interest"
+                "nothing was written: take the recording again with a flat board and equal steps, and restrict image.region_of_interest to the board"
             }
             Self::Flow(_) => "correct [flow] or image.region_of_interest in the profile, as named",
             Self::Image(_) => "take all images of the slide with the same camera at the same size",

@@ -14,26 +14,27 @@ use super::{BoardError, BoardFlow};
 
 /// This part of the nodes is fitted, the rest is kept for the test, as published.
 const FITTED_PART: f64 = 0.8;
-/// Decides which nodes are kept for the test.
+/// Seed for the choice of the nodes kept for the test.
 const SPLIT_SEED: u64 = 1;
-/// What a component of a node's flow counts for beside the priors, px: more than its noise, which neighbours share.
+/// Standard deviation of a component of a node's flow relative to the priors, px: more than its noise, which neighbours
+/// share.
 const COUNTED_DEVIATION_PX: f64 = 0.05;
-/// A camera that leaves more than this part of the flow unexplained is none.
+/// A camera that leaves more than this part of the flow unexplained is rejected.
 const UNEXPLAINED_PART: f64 = 0.05;
-/// The deviation is never taken for less than this, px: flow is not better.
+/// Least assumed deviation, px: the flow is not more accurate.
 const LEAST_DEVIATION_PX: f64 = 1e-4;
 
 /// Where the fit begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Start {
-    /// The plain camera: upright, without distortion, its scale the one of the mean flow.
+    /// The plain camera: upright, without distortion, its scale that of the mean flow.
     #[default]
     Plain,
-    /// As published: all zero but a distance of 50 mm and a focal length of 50, here px.
+    /// As published: all zero except a distance of 50 mm and a focal length of 50, here px.
     Published,
 }
 
-/// How the camera is fitted.
+/// Options of the fit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FitOptions {
     /// The radial distortion's form.
@@ -42,22 +43,22 @@ pub struct FitOptions {
     pub start: Start,
 }
 
-/// A camera that was fitted, and what it is worth.
+/// A fitted camera and its accuracy.
 #[derive(Debug, Clone)]
 pub struct CameraFit {
     /// The camera.
     pub params: CameraParams,
     /// The residuals before and after, of fitted nodes and of those kept for the test.
     pub table: ResidualTable,
-    /// What the slides say about every unknown, and what they do not say.
+    /// What the slides determine about every unknown, and what they do not.
     pub knowledge: Knowledge,
-    /// Standard deviation of a component of a node's flow, px, neighbours' correlation allowed for.
+    /// Standard deviation of a component of a node's flow, px, corrected for the correlation of neighbours.
     pub deviation_px: f64,
     /// Pixels of a millimetre in the middle of the picture.
     pub px_per_mm: f64,
-    /// How often the flow of all nodes was computed.
+    /// Number of evaluations of the flow of all nodes.
     pub evaluations: usize,
-    /// Whether the origin was put where the middle of the picture looks.
+    /// Whether the origin was set to the point that the middle of the picture shows.
     pub origin_is_middle: bool,
     /// Of each slide the residuals on its grid.
     pub maps: Vec<ResidualMap>,
@@ -65,8 +66,8 @@ pub struct CameraFit {
 
 /// Mean and standard deviation of the residual's length.
 ///
-/// *Before* is the plain camera: upright, without distortion, its scale the one of the mean flow. That is the published
-/// start, whose focal length equals its distance, with a pixel's unit taken from the data.
+/// *Before* is the plain camera: upright, without distortion, its scale that of the mean flow. This is the published
+/// start, whose focal length equals its distance, with the unit of a pixel taken from the data.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ResidualTable {
     /// Fitted nodes, plain camera.
@@ -81,14 +82,14 @@ pub struct ResidualTable {
 
 /// Fits the camera to the flow of one slide, or of several of one board by one camera.
 ///
-/// Levenberg–Marquardt minimises the squared residuals of the flow, each in a standard deviation, plus those of the
-/// priors ([Du2021], where the priors are absent); first over scale and twist alone, then over all unknowns. A fifth of
-/// the nodes is kept for the test. The slides do not show where on the board the origin is: unless
-/// a prior is given for it, it is put where the middle of the picture looks.
+/// Levenberg–Marquardt minimises the squared residuals of the flow, each divided by its standard deviation, plus those of
+/// the priors ([Du2021] if there are no priors); first over scale and twist alone, then over all unknowns. A fifth of the
+/// nodes is kept for the test. The slides do not show where on the board the origin is: unless a prior is given for it,
+/// it is set to the point that the middle of the picture shows.
 ///
 /// # Errors
 ///
-/// [`BoardError::NotConverged`], also where the fit ends but leaves a twentieth of the flow unexplained;
+/// [`BoardError::NotConverged`], also if the fit ends but leaves a twentieth of the flow unexplained;
 /// [`BoardError::TooLittleSeen`] without any flow.
 ///
 /// [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
@@ -146,7 +147,7 @@ pub fn fit_camera(flows: &[BoardFlow], priors: &Priors, options: FitOptions) -> 
     })
 }
 
-/// What stays the same from stage to stage.
+/// What is the same in all stages.
 struct Fit<'a> {
     priors: &'a Priors,
     coordinates: Coordinates,
@@ -155,7 +156,7 @@ struct Fit<'a> {
 
 impl Fit<'_> {
     fn minimize(&self, start: &Unknowns) -> Result<Ending, BoardError> {
-        // Far from its scale, a camera mends its flow by absurd distortion.
+        // Far from the right scale, the fit would use absurd distortion to explain the flow.
         let scaled = self.problem(start).only(&[Unknown::FocalLength, Unknown::RotationZ]).minimize();
         if !scaled.has_converged {
             return Err(self.lost(&scaled));
@@ -195,8 +196,8 @@ fn split(samples: &[Sample]) -> (Vec<Sample>, Vec<Sample>) {
     samples.iter().partition(|_| random.next_u32() <= threshold)
 }
 
-/// The plain camera at the distance that is thought most likely. Where a focal length was given and a distance was not,
-/// the distance follows.
+/// The plain camera at the most likely distance. If a focal length was given and a distance was not, the distance follows
+/// from it.
 fn plain_camera(samples: &[Sample], priors: &Priors) -> Unknowns {
     let mut unknowns = Unknowns::zeros();
     let length = |[x, y]: [f64; 2]| x.hypot(y);
@@ -217,7 +218,7 @@ fn plain_camera(samples: &[Sample], priors: &Priors) -> Unknowns {
     unknowns
 }
 
-/// The same camera with the gel's origin moved along the surface to where a pixel looks.
+/// The same camera with the gel's origin moved along the surface to the point that a pixel shows.
 fn with_origin_at(unknowns: &Unknowns, px: [f64; 2], radial: Radial) -> Unknowns {
     let params = camera_params(unknowns, radial);
     let Ok(camera) = Camera::new(&params) else { return *unknowns };

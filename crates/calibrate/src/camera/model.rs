@@ -1,4 +1,4 @@
-//! What a camera says about the flow of a board that slides.
+//! The flow of a sliding board, predicted by a camera.
 
 use fingervision_optics::Camera;
 
@@ -6,8 +6,8 @@ use super::unknowns::{UNKNOWNS, row_by_unknowns};
 
 /// The flow at a pixel, px, when the board moves by `step_mm` along the surface.
 ///
-/// The pixel's ray meets the board at X; the point that is there appears next at the image of X + step. None where
-/// either is not seen.
+/// The pixel's ray meets the board at X; the point there appears next at the image of X + step. None where either is not
+/// visible.
 #[must_use]
 pub fn board_flow(camera: &Camera, px: [f64; 2], step_mm: [f64; 2]) -> Option<[f64; 2]> {
     let [x, y] = camera.surface_point(px, 0.0)?;
@@ -26,7 +26,7 @@ pub struct BoardFlowJacobian {
 
 /// As [`board_flow`], with the derivatives.
 ///
-/// The pixel stays while the camera changes, so the point X that it sees moves on the board: with A the derivative of
+/// The pixel is fixed while the camera changes, so the point X that it sees moves on the board: with A the derivative of
 /// the image by the board's x and y and J that by the unknowns,
 ///
 /// ```text
@@ -46,7 +46,7 @@ pub fn board_flow_with_jacobian(camera: &Camera, px: [f64; 2], step_mm: [f64; 2]
     Some(BoardFlowJacobian { flow_px: [seen_there.px[0] - px[0], seen_there.px[1] - px[1]], by_unknowns })
 }
 
-/// `A(there) A(here)⁻¹`: how far the image moves there when the board's point moves by what is one pixel here.
+/// `A(there) A(here)⁻¹`: motion in the image there, when the board's point moves by one pixel here.
 fn carry(here: &[[f64; 3]; 2], there: &[[f64; 3]; 2]) -> [[f64; 2]; 2] {
     let [[a, b, _], [c, d, _]] = *here;
     let determinant = a * d - b * c;

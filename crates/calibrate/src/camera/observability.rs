@@ -1,4 +1,4 @@
-//! What a slide says about a camera, and what it cannot say.
+//! What a slide determines about a camera, and what it does not.
 
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
@@ -6,14 +6,14 @@ use serde::Serialize;
 use super::prior::Priors;
 use super::unknowns::{UNKNOWNS, Unknown, Unknowns, UnknownsMatrix};
 
-/// All unknowns but the origin along the board, which no slide shows.
+/// All unknowns except the origin along the board, which no slide shows.
 const SHOWN: usize = UNKNOWNS - 2;
-/// Where they are among all.
+/// Their indices among all unknowns.
 const PLACES: [usize; SHOWN] = [0, 1, 2, 5, 6, 7, 8, 9, 10, 11, 12];
 /// Unknowns with less than this part of a direction are not named.
 const NAMED_PART: f64 = 0.2;
 
-/// What is known of one unknown after the fit.
+/// The result for one unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimate {
     /// Its name, with its unit.
@@ -22,33 +22,33 @@ pub struct Estimate {
     pub value: f64,
     /// Its standard uncertainty, priors included; absent where the value is a definition.
     pub uncertainty: Option<f64>,
-    /// The part of the prior's variance that the slides took away, 0 to 1: near 0 the value is the prior's.
-    pub learned: Option<f64>,
+    /// The part of the prior's variance that the slides removed, 0 to 1: near 0 the value is that of the prior.
+    pub determined: Option<f64>,
 }
 
-/// A combination of unknowns that the slides do not determine: all change together and the flow stays as it is.
+/// A combination of unknowns that the slides do not determine: all change together and the flow does not change.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BlindDirection {
-    /// How far the slides alone leave it open, in typical sizes of the unknowns; absent: altogether.
+    /// Uncertainty from the slides alone, in typical sizes of the unknowns; absent if it is infinite.
     pub open: Option<f64>,
     /// The unknowns and how they change together, by name.
     pub change: Vec<(&'static str, f64)>,
-    /// What that means.
+    /// Its meaning.
     pub meaning: &'static str,
-    /// What would show it.
+    /// What would determine it.
     pub remedy: &'static str,
 }
 
-/// What is known after the fit.
+/// The result of the fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Knowledge {
     /// Every unknown.
     pub estimates: Vec<Estimate>,
-    /// What the slides alone leave open, the most open first.
+    /// The combinations that the slides alone do not determine, the least determined first.
     pub blind: Vec<BlindDirection>,
 }
 
-/// Sizes by which a camera typically differs from the next of its kind: what counts as not determined.
+/// Sizes by which a camera typically differs from another of its kind: the scale for what counts as not determined.
 fn typical_sizes(unknowns: &Unknowns, priors: &Priors) -> Unknowns {
     let part = 0.1;
     let (distance, focal) = (part * unknowns[5], part * unknowns[10]);
@@ -59,10 +59,10 @@ fn typical_sizes(unknowns: &Unknowns, priors: &Priors) -> Unknowns {
     Unknowns::from([[0.1, 0.1, 0.1, 5.0, 5.0, distance, 0.1, 0.1, 0.01, 0.01, focal, x, y]])
 }
 
-/// Judges the fit at its end by the information of the flows, `JᵀJ` in standard deviations.
+/// Evaluates the fit at its end by the information of the flows, `JᵀJ` in standard deviations.
 ///
-/// With S the typical sizes, the eigenvalues λ of `S JᵀJ S` say how well the flows alone determine a combination: to
-/// 1/√λ typical sizes. Above 1 they leave it open. The uncertainties are those of `(JᵀJ + priors)⁻¹`.
+/// With S the typical sizes, the eigenvalues λ of `S JᵀJ S` show how well the flows alone determine a combination: to
+/// 1/√λ typical sizes. Above 1 it is not determined. The uncertainties are those of `(JᵀJ + priors)⁻¹`.
 pub(super) fn knowledge(unknowns: &Unknowns, information: &UnknownsMatrix, priors: &Priors) -> Knowledge {
     let sizes = typical_sizes(unknowns, priors);
     let scaled = SMatrix::<f64, SHOWN, SHOWN>::from_fn(|row, column| {
@@ -89,7 +89,7 @@ fn estimates(unknowns: &Unknowns, information: &UnknownsMatrix, priors: &Priors)
     for (place, index) in PLACES.into_iter().enumerate() {
         precision[(place, place)] += weights[index].powi(2);
     }
-    // Columns differ by many orders of magnitude: the inverse is taken of the matrix with ones along its diagonal.
+    // Columns differ by many orders of magnitude: the matrix is scaled to ones along its diagonal before it is inverted.
     let scale = precision.diagonal().map(|value| value.sqrt().recip());
     let scaled =
         SMatrix::<f64, SHOWN, SHOWN>::from_fn(|row, column| precision[(row, column)] * scale[row] * scale[column]);
@@ -97,8 +97,8 @@ fn estimates(unknowns: &Unknowns, information: &UnknownsMatrix, priors: &Priors)
     let estimate = |(index, unknown): (usize, Unknown)| {
         let place = PLACES.iter().position(|&shown| shown == index);
         let uncertainty = place.and_then(|place| Some(inverse?[(place, place)].max(0.0).sqrt() * scale[place]));
-        let learned = uncertainty.map(|uncertainty| (1.0 - (uncertainty * weights[index]).powi(2)).max(0.0));
-        Estimate { name: unknown.name(), value: unknowns[index], uncertainty, learned }
+        let determined = uncertainty.map(|uncertainty| (1.0 - (uncertainty * weights[index]).powi(2)).max(0.0));
+        Estimate { name: unknown.name(), value: unknowns[index], uncertainty, determined }
     };
     Unknown::ALL.into_iter().enumerate().map(estimate).collect()
 }
@@ -113,23 +113,23 @@ fn blind_direction(open: Option<f64>, vector: &SVector<f64, SHOWN>, sizes: &Unkn
     let radial = [Unknown::K1, Unknown::K2];
     let (meaning, remedy) = if part(&scale) > 0.5 {
         (
-            "focal length against distance: a longer lens before a board farther away, tilted more, shows the same flow; only their ratio is seen",
-            "measure one of them and give it, as in --prior distance_mm=25±0.5; a second slide across the first helps only if the board is tilted by 15° or more",
+            "focal length against distance: a longer lens and a board farther away and more tilted give the same flow; only their ratio is determined",
+            "measure one of them and give it, as in --prior distance_mm=25±0.5; a second slide perpendicular to the first helps only if the board is tilted by 15° or more",
         )
     } else if part(&centre) > 0.4 {
         (
-            "principal point against tangential distortion and tilt: a lens that is set off bends the flow like one that is turned",
-            "give the principal point, as in --prior principal_x_px=240±3, or add a second slide across the first",
+            "principal point against tangential distortion and tilt: a shifted lens distorts the flow like a rotated one",
+            "give the principal point, as in --prior principal_x_px=240±3, or add a second slide perpendicular to the first",
         )
     } else if part(&radial) > 0.4 {
         (
-            "the two radial coefficients against each other: the picture does not reach far enough from the axis",
-            "let the region of interest reach into the corners, or give k2, as in --prior k2=0±0.02",
+            "the two radial coefficients against each other: the image does not extend far enough from the axis",
+            "extend the region of interest into the corners, or give k2, as in --prior k2=0±0.02",
         )
     } else {
         (
-            "a combination of pose and lens that leaves the flow as it is",
-            "add a second slide across the first, tilt the board, or give a prior for one of these unknowns",
+            "a combination of pose and lens that does not change the flow",
+            "add a second slide perpendicular to the first, tilt the board, or give a prior for one of these unknowns",
         )
     };
     // The named change with the largest part is positive.

@@ -5,7 +5,7 @@ use fingervision_plot::{HeatPanel, HeatPanels, HeatScale};
 
 use super::report::CameraReport;
 
-/// So much of a map lies within its scale.
+/// This part of a map lies within its scale.
 const SHOWN_PART: f64 = 0.995;
 
 impl CameraReport {
@@ -37,7 +37,7 @@ impl CameraReport {
             vec![
                 panel(&map.before_px, "Before", limit_px, "The plain camera: upright, no distortion."),
                 panel(&map.after_px, "After", limit_px, "The fitted camera, on the same scale."),
-                panel(&map.after_px, "After", limit(&map.after_px), "The fitted camera, on a scale of its own."),
+                panel(&map.after_px, "After", limit(&map.after_px), "The fitted camera, on its own scale."),
             ]
         });
         let size = maps.first().map_or((1, 1), |map| map.size);

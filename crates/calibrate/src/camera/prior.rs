@@ -1,10 +1,10 @@
-//! What is known of a camera before it is fitted.
+//! Prior knowledge of a camera, before it is fitted.
 
 use serde::Serialize;
 
 use super::unknowns::{UNKNOWNS, Unknown, Unknowns};
 
-/// What is known of one number: a value and a standard deviation, in its unit. Infinite: nothing is known.
+/// Prior knowledge of one number: a value and a standard deviation, in its unit. Infinite: no prior.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Prior {
     /// The most likely value.
@@ -13,16 +13,16 @@ pub struct Prior {
     pub deviation: f64,
 }
 
-/// What is known of every unknown.
+/// Prior knowledge of every unknown.
 ///
-/// A slide does not show all of a camera, so something must be known beforehand. What is not given is weak:
+/// A slide does not determine all of a camera, so priors are needed. Defaults are weak:
 ///
 /// | unknown | value | standard deviation |
 /// | --- | --- | --- |
 /// | tilt about x and y | 0 | 0.2 rad |
 /// | twist about z | 0 | 0.5 rad |
-/// | origin along x and y | 0 | 5 mm; it is put into the middle of the picture afterwards |
-/// | distance | 50 mm, where the published fit begins | 25 mm |
+/// | origin along x and y | 0 | 5 mm; it is set to the middle of the picture afterwards |
+/// | distance | 50 mm, the start of the published fit | 25 mm |
 /// | k1, k2 | 0 | 0.5 |
 /// | p1, p2 | 0 | 0.01 |
 /// | focal length | – | – |
@@ -34,11 +34,11 @@ pub struct Priors {
     given: [bool; UNKNOWNS],
 }
 
-/// Distance from which the published fit begins, mm; its focal length in px is the same number.
+/// Distance at the start of the published fit, mm; its focal length in px is the same number.
 pub(super) const PUBLISHED_START: f64 = 50.0;
 
 impl Priors {
-    /// Weak priors for a picture of so many columns, with the middle of the camera image at `middle_px`.
+    /// Weak priors for a picture of this many columns, with the middle of the camera image at `middle_px`.
     #[must_use]
     pub fn weak(columns: usize, middle_px: [f64; 2]) -> Self {
         let [x, y] = middle_px;
@@ -65,7 +65,7 @@ impl Priors {
         }
     }
 
-    /// Says what is known of one unknown.
+    /// Sets the prior of one unknown.
     pub fn give(&mut self, unknown: Unknown, prior: Prior) {
         let index = unknown.index();
         self.values[index] = prior.value;
@@ -73,14 +73,14 @@ impl Priors {
         self.given[index] = true;
     }
 
-    /// What is known of one unknown.
+    /// The prior of one unknown.
     #[must_use]
     pub fn of(&self, unknown: Unknown) -> Prior {
         let index = unknown.index();
         Prior { value: self.values[index], deviation: self.deviations[index] }
     }
 
-    /// Whether somebody said what is known of it.
+    /// Whether the user gave a prior.
     #[must_use]
     pub fn is_given(&self, unknown: Unknown) -> bool {
         self.given[unknown.index()]
@@ -90,24 +90,24 @@ impl Priors {
         &self.values
     }
 
-    /// One over the standard deviations; zero where nothing is known.
+    /// One over the standard deviations; zero without a prior.
     pub(super) fn weights(&self) -> Unknowns {
         self.deviations.map(f64::recip)
     }
 }
 
 impl Prior {
-    /// Reads `NAME=VALUE±DEVIATION`, as in `distance_mm=25±0.5`; `+-` will do for `±`.
+    /// Reads `NAME=VALUE±DEVIATION`, as in `distance_mm=25±0.5`; `+-` can be written for `±`.
     ///
     /// # Errors
     ///
-    /// What it takes instead, in words.
+    /// The expected form, in words.
     pub fn parse(text: &str) -> Result<(Unknown, Self), String> {
-        let form = || "it takes NAME=VALUE±DEVIATION, as in distance_mm=25±0.5 (+- will do for ±)".to_string();
+        let form = || "it takes NAME=VALUE±DEVIATION, as in distance_mm=25±0.5 (+- can be written for ±)".to_string();
         let (name, number) = text.split_once('=').ok_or_else(form)?;
         let names = || Unknown::ALL.map(Unknown::name).join(", ");
         let unknown = Unknown::ALL.into_iter().find(|unknown| unknown.name() == name.trim());
-        let unknown = unknown.ok_or_else(|| format!("there is no {}; there is {}", name.trim(), names()))?;
+        let unknown = unknown.ok_or_else(|| format!("there is no unknown {}; known are {}", name.trim(), names()))?;
         let number = number.replace("+-", "±");
         let (value, deviation) = number.split_once('±').ok_or_else(form)?;
         let parse = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(form);
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_prior_is_explained() {
+    fn an_invalid_prior_is_explained() {
         for text in ["distance_mm", "distance_mm=25", "distance_mm=25±x", "k1=1±inf"] {
             assert!(Prior::parse(text).unwrap_err().starts_with("it takes NAME=VALUE"), "{text}");
         }

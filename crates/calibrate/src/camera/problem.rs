@@ -1,4 +1,4 @@
-//! The least-squares problem: flows of the board and what is known beforehand, both in standard deviations.
+//! The least-squares problem: flows of the board and priors, both in standard deviations.
 
 use fingervision_optics::Camera;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
@@ -8,14 +8,14 @@ use super::model::{board_flow, board_flow_with_jacobian};
 use super::prior::Priors;
 use super::unknowns::{Coordinates, UNKNOWNS, Unknown, Unknowns, UnknownsMatrix, camera_params};
 
-/// What a camera that does not see a node is charged for it, px: more than any that does.
+/// Residual of a node that the camera does not see, px: more than for any that does.
 const UNSEEN_PX: f64 = 1e4;
 /// Changes of the cost or the unknowns below this part end the fit.
 const TOLERANCE: f64 = 1e-10;
-/// So many evaluations per unknown and no more.
+/// Largest number of evaluations per unknown.
 const PATIENCE: usize = 30;
 
-/// A flow that was seen.
+/// A measured flow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sample {
     pub(super) px: [f64; 2],
@@ -24,14 +24,14 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// What the camera says less what was seen, px.
+    /// Predicted minus measured flow, px.
     pub(super) fn residual_px(&self, camera: &Camera) -> Option<[f64; 2]> {
         let [u, v] = board_flow(camera, self.px, self.step_mm)?;
         Some([u - self.flow_px[0], v - self.flow_px[1]])
     }
 }
 
-/// How a fit ended.
+/// The end of a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ending {
     pub(super) unknowns: Unknowns,
@@ -49,7 +49,7 @@ pub(super) struct Problem<'a> {
     pub(super) deviation_px: f64,
     pub(super) coordinates: Coordinates,
     at: Unknowns,
-    /// 1 for a coordinate that is sought, 0 for one that stays.
+    /// 1 for a fitted coordinate, 0 for a fixed one.
     sought: Unknowns,
 }
 
@@ -65,7 +65,7 @@ impl<'a> Problem<'a> {
         Self { samples, priors, deviation_px, coordinates, at: coordinates.of(start), sought }
     }
 
-    /// The same with all but some of the coordinates held.
+    /// The same with only some of the coordinates fitted.
     pub(super) fn only(mut self, sought: &[Unknown]) -> Self {
         self.sought.fill(0.0);
         for unknown in sought {
@@ -124,7 +124,7 @@ impl LeastSquaresProblem<f64, Dyn, U13> for Problem<'_> {
         self.at
     }
 
-    /// A camera that cannot be costs so much that the method steps back from it.
+    /// An impossible camera has such a large cost that the method steps back from it.
     fn residuals(&self) -> Option<DVector<f64>> {
         let unseen = [UNSEEN_PX; 2];
         let camera = self.camera();
@@ -162,11 +162,11 @@ fn in_words(reason: &TerminationReason) -> String {
             "converged".into()
         }
         TerminationReason::NoImprovementPossible(_) => "no improvement is possible in double precision".into(),
-        TerminationReason::LostPatience => "it went on without an end".into(),
-        TerminationReason::Numerical(what) => format!("{what} is no finite number"),
-        TerminationReason::User(_) => "the start is no camera".into(),
+        TerminationReason::LostPatience => "it did not end".into(),
+        TerminationReason::Numerical(what) => format!("{what} is not finite"),
+        TerminationReason::User(_) => "the start is an impossible camera".into(),
         TerminationReason::NoParameters | TerminationReason::NoResiduals | TerminationReason::WrongDimensions(_) => {
-            "nothing is there to fit".into()
+            "there is nothing to fit".into()
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a calibration of the camera came to, for people and for programs.
+//! The result of a camera calibration, for people and for programs.
 
 use fingervision_optics::CameraParams;
 use serde::Serialize;
@@ -7,18 +7,18 @@ use super::observability::Knowledge;
 use super::prior::Priors;
 use super::{BoardError, BoardFlow, CameraFit, Prior, ResidualMap, ResidualTable, Unknown};
 
-/// A camera that leaves more than this of a step's flow, px, is not the one that took the images: a good recording leaves a
+/// A camera with a residual above this for a step's flow, px, is not the one that took the images: a good recording has a
 /// hundredth.
 const MOST_RESIDUAL_PX: f64 = 0.5;
 /// Distances from a lens to a gel, mm.
 const DISTANCES_MM: [f64; 2] = [1.0, 2000.0];
-/// Focal lengths over the image's width: a fisheye lens has less, a telescope more.
+/// Focal lengths over the image's width: a fisheye lens has less, a telephoto lens more.
 const FOCAL_LENGTHS: [f64; 2] = [0.15, 20.0];
 
-/// A fitted camera with all that is to be said about it. `Display` is the report for people.
+/// A fitted camera with everything reported about it. `Display` is the report for people.
 #[derive(Debug, Clone, Serialize)]
 pub struct CameraReport {
-    /// The camera, as it goes into a profile.
+    /// The camera, as written to a profile.
     pub camera: CameraParams,
     /// The slides that it was fitted to.
     pub slides: Vec<SlideReport>,
@@ -32,33 +32,33 @@ pub struct CameraReport {
     pub test_over_after: f64,
     /// Pixels of a millimetre in the middle of the picture.
     pub px_per_mm: f64,
-    /// Every unknown, and what the slides leave open.
+    /// Every unknown, and the combinations that the slides do not determine.
     #[serde(flatten)]
     pub knowledge: Knowledge,
-    /// What was known beforehand, by name.
+    /// The priors, by name.
     pub priors: Vec<(&'static str, Prior)>,
-    /// Whether the origin was put where the middle of the picture looks.
+    /// Whether the origin was set to the point that the middle of the picture shows.
     pub origin_is_middle: bool,
-    /// How often the flow of all nodes was computed.
+    /// Number of evaluations of the flow of all nodes.
     pub evaluations: usize,
     #[serde(skip)]
     fit: CameraFit,
 }
 
-/// A slide that was fitted.
+/// A fitted slide.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlideReport {
-    /// How many images there are.
+    /// Number of images.
     pub images: usize,
     /// Columns and rows of the region of interest, px.
     pub size: (usize, usize),
     /// Length of a step, mm.
     pub step_mm: f64,
-    /// Where to, degrees from x towards y.
+    /// Direction, degrees from x towards y.
     pub direction_deg: f64,
     /// The flow of a step, median over the image, px.
     pub usual_px: [f64; 2],
-    /// Nodes of the grid that were followed.
+    /// Tracked nodes of the grid.
     pub nodes: usize,
 }
 
@@ -92,7 +92,7 @@ impl CameraReport {
         }
     }
 
-    /// Refuses a camera that nobody has, or that does not explain its recordings.
+    /// Refuses a camera that no sensor can have, or that does not explain its recordings.
     ///
     /// # Errors
     ///

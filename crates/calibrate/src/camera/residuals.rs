@@ -1,4 +1,4 @@
-//! What the camera leaves unexplained.
+//! The residuals of the camera.
 
 use fingervision_image::Image;
 use fingervision_optics::Camera;
@@ -11,7 +11,7 @@ use super::{BoardFlow, Node};
 /// Mean and standard deviation of the residual's length, px.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Residuals {
-    /// How many nodes there are.
+    /// Number of nodes.
     pub nodes: usize,
     /// Mean, px.
     pub mean_px: f64,
@@ -22,7 +22,7 @@ pub struct Residuals {
 }
 
 impl Residuals {
-    /// Of residual vectors, px; what is not seen is left out.
+    /// Statistics of residual vectors, px; nodes that are not visible are skipped.
     pub(super) fn of(residuals: impl Iterator<Item = Option<[f64; 2]>>) -> Self {
         let lengths: Vec<f64> = residuals.flatten().map(|[x, y]| x.hypot(y)).collect();
         let count = lengths.len() as f64;
@@ -39,7 +39,7 @@ impl Residuals {
     }
 }
 
-/// Lengths of the residuals on the grid, px; not a number where the board was not followed.
+/// Lengths of the residuals on the grid, px; not a number where the board was not tracked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualMap {
     /// Columns and rows of the region of interest, px.
@@ -70,10 +70,10 @@ fn residual_px(flow: &BoardFlow, node: &Node, camera: &Camera) -> Option<[f64; 2
     Some([u - node.flow_px[0], v - node.flow_px[1]])
 }
 
-/// How many nodes share one error: patches of the flow cover several, and what the model lacks is smooth.
+/// Number of nodes that share one error: patches of the flow cover several, and the error of the model is smooth.
 ///
-/// `(1 + 2 Σ ρ_x)(1 + 2 Σ ρ_y)` with the correlation ρ of residuals so many columns or rows apart, summed to where it
-/// first falls below 0.05.
+/// `(1 + 2 Σ ρ_x)(1 + 2 Σ ρ_y)` with the correlation ρ of residuals at this distance in columns or rows, summed to where
+/// it first falls below 0.05.
 pub(super) fn correlated_samples(flow: &BoardFlow, camera: &Camera) -> f64 {
     const MOST_LAGS: usize = GRID / 4;
     const LEAST_CORRELATION: f64 = 0.05;

@@ -1,11 +1,11 @@
 use serde::Serialize;
 
-/// How a board is slid along the surface between neighbouring images.
+/// The motion of a board along the surface between consecutive images.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Slide {
     /// Length of a step, mm.
     pub step_mm: f64,
-    /// Where to, in gel space, rad from x towards y.
+    /// Direction in gel space, rad from x towards y.
     pub direction_rad: f64,
 }
 

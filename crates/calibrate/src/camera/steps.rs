@@ -1,17 +1,17 @@
-//! Whether a recording shows the slide that it is said to show.
+//! Checks whether a recording shows the slide that was given.
 
 use super::{BoardError, Slide};
 
-/// A step that differs by more than this part from the usual one is none.
+/// A step that differs from the usual one by more than this part is a fault.
 const STEP_TOLERANCE: f64 = 0.1;
-/// Below this the board rests, px.
+/// Below this the board is at rest, px.
 const LEAST_FLOW_PX: f64 = 0.3;
-/// How far the board may go from where it should, degrees.
+/// Allowed deviation of the direction, degrees.
 const DIRECTION_TOLERANCE_DEG: f64 = 30.0;
-/// By what factor a known camera may be off.
+/// Allowed deviation from a known camera, as a factor.
 const SCALE_TOLERANCE: f64 = 1.25;
 
-/// Checks the steps between neighbouring images, given by the median flow of each pair, px; returns the usual one.
+/// Checks the steps between consecutive images, given by the median flow of each pair, px; returns the usual one.
 pub(super) fn usual_step(pairs: &[[f64; 2]]) -> Result<[f64; 2], BoardError> {
     let usual = [0, 1].map(|axis| median(pairs.iter().map(|pair| pair[axis]).collect()));
     let length = usual[0].hypot(usual[1]);
@@ -37,7 +37,7 @@ pub(super) fn usual_step(pairs: &[[f64; 2]]) -> Result<[f64; 2], BoardError> {
     }
 }
 
-/// Checks the usual step against what is said about it and, where a camera is known, against its flow, px.
+/// Checks the usual step against the given one and, if a camera is known, against its predicted flow, px.
 pub(super) fn check_slide(usual: [f64; 2], slide: Slide, known_flow_px: Option<[f64; 2]>) -> Result<(), BoardError> {
     let [x, y] = known_flow_px.unwrap_or(slide.step_vector_mm());
     let angle = |[x, y]: [f64; 2]| y.atan2(x).to_degrees();
@@ -55,7 +55,7 @@ pub(super) fn check_slide(usual: [f64; 2], slide: Slide, known_flow_px: Option<[
     }
 }
 
-/// The middle value; not a number where there is none.
+/// The median; not a number if there is none.
 pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     if values.is_empty() {
         return f64::NAN;
@@ -70,7 +70,7 @@ pub(crate) fn median(mut values: Vec<f64>) -> f64 {
 mod tests {
     use super::*;
 
-    /// The board's place in each image, in steps of 8 px.
+    /// The board's position in each image, in steps of 8 px.
     fn refusal(places: &[f64]) -> String {
         let pairs: Vec<_> = places.windows(2).map(|pair| [8.0 * (pair[1] - pair[0]), 0.1]).collect();
         usual_step(&pairs).unwrap_err().to_string()
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slide_is_held_to_what_is_said_of_it() {
+    fn a_slide_is_compared_with_what_was_given() {
         let slide = Slide { step_mm: 0.5, direction_rad: 0.0 };
         assert_eq!(check_slide([8.0, 1.0], slide, None), Ok(()));
         assert_eq!(check_slide([8.0, 1.0], slide, Some([8.3, 0.5])), Ok(()));

@@ -8,8 +8,8 @@ use super::report::CameraReport;
 use super::residuals::Residuals;
 use super::unknowns::{Unknown, unknowns_of};
 
-/// Above this the slides took so little of the prior's variance away that the value is the prior's.
-const LEARNED: f64 = 0.5;
+/// Below this the slides removed so little of the prior's variance that the value is that of the prior.
+const DETERMINED: f64 = 0.5;
 
 impl fmt::Display for CameraReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -17,7 +17,7 @@ impl fmt::Display for CameraReport {
             let ((width, height), [x, y]) = (slide.size, slide.usual_px);
             writeln!(
                 f,
-                "slide     {} images of {width}x{height} px, {} mm a step along {:.0}°: {:.2} px a step, {} nodes followed",
+                "slide     {} images of {width}x{height} px, {} mm a step along {:.0}°: {:.2} px a step, {} nodes tracked",
                 slide.images,
                 slide.step_mm,
                 slide.direction_deg,
@@ -50,13 +50,13 @@ impl CameraReport {
             f,
             "Du et al. 2021 print 4.57e-3 before, 2.23e-3 after, 2.16e-3 in the test (st. dev. 4.37e-3, 1.34e-3, 1.27e-3) and\n\
              name no unit: compare ratios, 0.49 and 0.97. Before is the plain camera, upright and without distortion, its\n\
-             scale taken from the mean flow: the published start, with a pixel's size left to the data."
+             scale taken from the mean flow: the published start, with the size of a pixel taken from the data."
         )
     }
 
     fn write_estimates(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "\nunknown                  value   uncertainty   prior")?;
-        for Estimate { name, value, uncertainty, learned } in &self.knowledge.estimates {
+        for Estimate { name, value, uncertainty, determined } in &self.knowledge.estimates {
             let prior = self.priors.iter().find(|(known, _)| known == name);
             let prior = prior.map_or_else(
                 || "none".into(),
@@ -64,32 +64,35 @@ impl CameraReport {
             );
             let Some(uncertainty) = uncertainty else {
                 let source = if self.origin_is_middle {
-                    "set: the origin is where the middle of the picture looks"
+                    "set: the origin is the point that the middle of the picture shows"
                 } else {
                     "as given"
                 };
                 writeln!(f, "{name:<18} {value:>11.5}             -   {source}")?;
                 continue;
             };
-            let is_prior = learned.is_some_and(|learned| learned < LEARNED);
-            let remark = if is_prior { ", which it stands on: the slides hardly tell" } else { "" };
+            let is_prior = determined.is_some_and(|determined| determined < DETERMINED);
+            let remark = if is_prior { ", which determines it: the slides contain little information" } else { "" };
             writeln!(f, "{name:<18} {value:>11.5} {uncertainty:>13.5}   {prior}{remark}")?;
         }
         Ok(())
     }
 
     fn write_blind(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\nnot seen  where on the board the origin is: every place of it slides alike")?;
+        writeln!(f, "\nnot determined  where on the board the origin is: every place slides in the same way")?;
         for BlindDirection { open, change, meaning, remedy } in &self.knowledge.blind {
-            writeln!(f, "not seen  {meaning}")?;
+            writeln!(f, "not determined  {meaning}")?;
             let change: Vec<String> = change.iter().map(|(name, by)| format!("{name} {}", signed(*by))).collect();
-            let open = open.map_or_else(|| "at all".into(), |open| format!("to better than {open:.1} times this"));
-            writeln!(f, "          {} leave the flow as it is; it is not told {open}", change.join(", "))?;
+            let open = open.map_or_else(
+                || "not determined at all".into(),
+                |open| format!("determined only to {open:.1} times this"),
+            );
+            writeln!(f, "          together {} do not change the flow; this is {open}", change.join(", "))?;
             writeln!(f, "          what helps: {remedy}")?;
         }
         writeln!(
             f,
-            "not seen  whether the step is right: a step that is 1 % wrong makes focal length / distance 1 % wrong"
+            "not determined  whether the step is right: a step that is 1 % wrong makes focal length / distance 1 % wrong"
         )
     }
 }
@@ -98,7 +101,7 @@ impl fmt::Display for CornerFit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Residuals { nodes, mean_px, deviation_px, largest_px } = self.reprojection;
         writeln!(f, "corners   {nodes} in {} images", self.images)?;
-        writeln!(f, "missed by {mean_px:.4} px on average, st. dev. {deviation_px:.4} px, {largest_px:.3} px at most")?;
+        writeln!(f, "error     {mean_px:.4} px on average, st. dev. {deviation_px:.4} px, {largest_px:.3} px at most")?;
         writeln!(f, "\nunknown                  value   uncertainty")?;
         let values = unknowns_of(&self.params);
         for (place, uncertainty) in LENS_PLACES.into_iter().chain(POSE_PLACES).zip(&self.uncertainty) {

@@ -1,9 +1,9 @@
-//! The thirteen unknowns of a camera, and the coordinates in which they are sought.
+//! The thirteen unknowns of a camera, and the coordinates in which they are fitted.
 
 use fingervision_optics::{CameraParams, Distortion, ParameterJacobian, Radial};
 use nalgebra::{SMatrix, SVector};
 
-/// How many unknowns a camera has: one focal length for both axes.
+/// Number of unknowns of a camera: one focal length for both axes.
 pub const UNKNOWNS: usize = 13;
 
 /// A number for each unknown, in the order of [`Unknown::ALL`].
@@ -24,7 +24,7 @@ pub enum Unknown {
     TranslationX,
     /// The origin along y in camera space, mm.
     TranslationY,
-    /// The origin along the optical axis, mm: how far the surface is.
+    /// The origin along the optical axis, mm: the distance of the surface.
     Distance,
     /// Radial distortion, dimensionless.
     K1,
@@ -100,7 +100,7 @@ pub fn camera_params(unknowns: &Unknowns, radial: Radial) -> CameraParams {
     }
 }
 
-/// The unknowns of a camera; of two focal lengths their mean.
+/// The unknowns of a camera; for two focal lengths their mean.
 #[must_use]
 pub fn unknowns_of(params: &CameraParams) -> Unknowns {
     let ([a, b, c], [x, y, z]) = (params.rotation_rad, params.translation_mm);
@@ -121,17 +121,17 @@ pub(super) fn row_by_unknowns(jacobian: &ParameterJacobian) -> [[f64; UNKNOWNS];
     })
 }
 
-/// Coordinates in which the flow of a sliding board is nearly linear, and in which what it does not tell is one
-/// coordinate and not a curved valley.
+/// Coordinates in which the flow of a sliding board is nearly linear, and in which the undetermined combination is one
+/// coordinate instead of a curved valley.
 ///
-/// A longer focal length f before a board farther away shows the same flow if distortion and tilt grow with it. So the
+/// A longer focal length f with a board farther away gives the same flow if distortion and tilt grow with it. So the
 /// coordinates, with the half diagonal h of the picture in px, are
 ///
 /// ```text
 /// tilt · h/f    twist    T_x/T_z, T_y/T_z    log T_z    k1 (h/f)²    k2 (h/f)⁴    p1 h/f    p2 h/f    f/T_z    u/h
 /// ```
 ///
-/// and the logarithm alone is along the valley. With the printed radial form k2 goes with h/f.
+/// and only the logarithm is along the valley. With the printed radial form k2 goes with h/f.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Coordinates {
     /// Half the diagonal of the picture, px.
@@ -140,7 +140,7 @@ pub(super) struct Coordinates {
 }
 
 impl Coordinates {
-    /// Powers of f/h by which tilt and distortion grow.
+    /// Powers of f/h with which tilt and distortion grow.
     fn powers(&self) -> [(usize, i32); 6] {
         let second = match self.radial {
             Radial::Brown => 4,

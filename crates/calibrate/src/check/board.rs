@@ -9,9 +9,9 @@ use super::fault::{Fault, RecordingCheck, What};
 use super::samples::{Samples, unsharp};
 use crate::camera::{BoardError, BoardTracker, Slide};
 
-/// As many images as were published: 20 steps, whose mean has a quarter of one step's noise.
+/// The published number of images: 20 steps, whose mean has a quarter of one step's noise.
 pub const BOARD_IMAGES: usize = 21;
-/// A step below this, px, is lost in the unevenness of a hand-driven stage.
+/// A step below this, px, is smaller than the unevenness of a hand-driven stage.
 const LEAST_STEP_PX: f64 = 0.5;
 /// A step above this part of the image's smaller side leaves too little of the board in both images.
 const LARGEST_STEP: f64 = 0.2;
@@ -25,12 +25,12 @@ pub struct BoardCheck {
     least_side: usize,
     /// Median deviation of the worst pair, px; none before there is one.
     deviation_px: Option<f64>,
-    /// What is wrong with the images so far: the rest is not followed.
+    /// What is wrong with the images so far: once there is a fault, further images are not tracked.
     fault: Option<Fault>,
 }
 
 impl BoardCheck {
-    /// A check of the region of interest of frames in grey or colour, for a board that slides like this.
+    /// A check of the region of interest of frames in grey or colour, for a board with this slide.
     ///
     /// # Errors
     ///
@@ -68,11 +68,13 @@ impl BoardCheck {
         let measured = format!("the board moves by {length:.2} px a step");
         let largest = LARGEST_STEP * self.least_side as f64;
         if length < LEAST_STEP_PX {
-            let remedy = "take a longer step and say so with --step-mm: it should move the board by 3 to 30 px";
+            let remedy =
+                "take a longer step and give its length with --step-mm: it should move the board by 3 to 30 px";
             return Err(Fault::new(What::StepTooSmall, measured, format!("at least {LEAST_STEP_PX} px"), remedy));
         }
         if length > largest {
-            let remedy = "take a shorter step and say so with --step-mm: it should move the board by 3 to 30 px";
+            let remedy =
+                "take a shorter step and give its length with --step-mm: it should move the board by 3 to 30 px";
             return Err(Fault::new(What::StepTooLarge, measured, format!("at most {largest:.0} px"), remedy));
         }
         Ok(Some(length))

@@ -4,16 +4,16 @@ use fingervision_image::{Frame, Rect};
 
 use super::fault::{Fault, RecordingCheck, What};
 
-/// At most this part of an image's values may be at either end of their range. A pattern whose colours are spread over
-/// all of the range has half of it there.
+/// At most this part of an image's values may be at either end of their range. A pattern whose colours fill the whole
+/// range has half of it there.
 const LARGEST_CLIPPED: f64 = 0.01;
-/// Mean grey level within which a pattern has room both ways. A camera's noise does not shrink with the light, so below
-/// the least the pattern is worth less than half of what it could be.
+/// Range of the mean grey level in which a pattern is exposed well. A camera's noise does not shrink with the light, so
+/// below the minimum the pattern has less than half of the possible contrast over noise.
 const MEAN_LEVELS: [f64; 2] = [40.0, 215.0];
-/// Every so many pixels either way are looked at.
+/// Distance between the tested pixels along both axes.
 const STEP: usize = 2;
 
-/// What is known of the light so far.
+/// The brightness statistics so far.
 #[derive(Debug)]
 pub(super) struct Exposure {
     region: Rect,
@@ -21,9 +21,9 @@ pub(super) struct Exposure {
     clipped: [(f64, usize); 2],
     /// Mean grey level of every image.
     means: Vec<f64>,
-    /// The values of the image before; kept only where the noise is asked for.
+    /// The values of the previous image; kept only if the noise is requested.
     before: Option<Vec<[f32; 3]>>,
-    /// Sum and count of the absolute differences of neighbouring images' values, grey levels.
+    /// Sum and count of the absolute differences between consecutive images' values, grey levels.
     differences: (f64, usize),
 }
 
@@ -38,7 +38,7 @@ impl Exposure {
         }
     }
 
-    /// Takes the next image; one that the region does not fit is left out.
+    /// Takes the next image; one that the region does not fit is skipped.
     pub(super) fn push(&mut self, frame: &Frame) {
         let Rect { x, y, width, height } = self.region;
         let (columns, rows) = frame.pixels.size();
@@ -66,7 +66,7 @@ impl Exposure {
         }
     }
 
-    /// How many images there were.
+    /// Number of images.
     pub(super) fn images(&self) -> usize {
         self.means.len()
     }
@@ -76,7 +76,7 @@ impl Exposure {
         self.means.iter().sum::<f64>() / self.means.len().max(1) as f64
     }
 
-    /// Standard deviation of a channel's noise, grey levels; none where it was not asked for. Normal noise differs between
+    /// Standard deviation of a channel's noise, grey levels; none if it was not requested. Normal noise differs between
     /// two images by 2/√π deviations on average.
     pub(super) fn noise_levels(&self) -> Option<f64> {
         let (sum, count) = self.differences;
@@ -90,7 +90,7 @@ impl Exposure {
         if most > 0.0 { (most - least) / self.mean() } else { 0.0 }
     }
 
-    /// The figures of the light.
+    /// The statistics of the brightness.
     pub(super) fn figures(&self) -> RecordingCheck {
         let [(black, _), (saturated, _)] = self.clipped;
         let (images, mean_level) = (self.images(), self.mean());
@@ -98,7 +98,7 @@ impl Exposure {
         RecordingCheck { images, mean_level, saturated, black, noise_levels, ..RecordingCheck::default() }
     }
 
-    /// What is wrong with the light, if anything.
+    /// What is wrong with the brightness, if anything.
     pub(super) fn fault(&self) -> Option<Fault> {
         let mean = self.mean();
         let [(black, dark_image), (saturated, bright_image)] = self.clipped;

@@ -1,4 +1,4 @@
-//! What a check found.
+//! The result of a check.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::camera::BoardError;
 use crate::depth::DepthFitError;
 
-/// What kind of thing is wrong with a recording.
+/// The kinds of faults of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum What {
@@ -15,7 +15,7 @@ pub enum What {
     Unreadable,
     /// There are too few images, or not as many as depths.
     Count,
-    /// Values at the top of their range: what they hide is lost.
+    /// Values at the top of their range: what they show is lost.
     TooBright,
     /// Values at the bottom of their range, or hardly above the noise.
     TooDark,
@@ -23,11 +23,11 @@ pub enum What {
     Light,
     /// Texture is too weak to be followed: out of focus, or pattern cells too small for the camera.
     Unsharp,
-    /// All images are the same to the last bit: no camera's are.
+    /// All images are identical to the last bit: no camera's are.
     Copies,
-    /// The whole image moves though nothing should.
+    /// The whole image moves, though nothing should.
     Drift,
-    /// A part of the image moves though nothing should.
+    /// A part of the image moves, though nothing should.
     Touched,
     /// The board moves too little from image to image.
     StepTooSmall,
@@ -35,11 +35,11 @@ pub enum What {
     StepTooLarge,
     /// The board's steps are not equal.
     UnevenSteps,
-    /// The board moves another way than is said.
+    /// The board moves in another direction than given.
     Direction,
     /// The board fills too little of the image.
     TooLittleSeen,
-    /// The table of depths is missing or is none of a press.
+    /// The table of depths is missing or is not that of a press.
     Depths,
     /// The first image shows a pressed gel.
     PressedAtStart,
@@ -55,7 +55,7 @@ pub enum What {
     CutByBorder,
 }
 
-/// One thing that is wrong: what was measured, what would be right, and what to change.
+/// One fault: what was measured, what is required, and what to change.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Fault {
     /// Its kind.
@@ -68,10 +68,10 @@ pub struct Fault {
     pub remedy: String,
 }
 
-/// What a recording is worth. `Display` is a line of its figures.
+/// The result of checking a recording. `Display` is a line of its figures.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct RecordingCheck {
-    /// How many images there are.
+    /// Number of images.
     pub images: usize,
     /// Mean grey level, 0 to 255.
     pub mean_level: f64,
@@ -83,9 +83,10 @@ pub struct RecordingCheck {
     pub deviation_px: Option<f64>,
     /// Noise of the camera, standard deviation of a channel, grey levels; of a still recording only.
     pub noise_levels: Option<f64>,
-    /// How far the pattern moves, px: the drift of a still recording, the usual step of a board, the most of a press.
+    /// How far the pattern moves, px: the drift of a still recording, the usual step of a board, the largest motion of a
+    /// press.
     pub motion_px: Option<f64>,
-    /// What is wrong; none: the recording will do.
+    /// The fault; none: the recording can be used.
     pub faults: Vec<Fault>,
 }
 
@@ -96,7 +97,7 @@ impl Fault {
         Self { what, measured: measured.into(), allowed: allowed.into(), remedy: remedy.into() }
     }
 
-    /// A recording that cannot be read, in the words of whoever tried.
+    /// A recording that cannot be read, with the reader's message.
     #[must_use]
     pub fn unreadable(error: &impl fmt::Display, hint: Option<String>) -> Self {
         let remedy = hint.unwrap_or_else(|| "record it again".into());
@@ -106,7 +107,7 @@ impl Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}; asked for: {}", self.measured, self.allowed)
+        write!(f, "{}; required: {}", self.measured, self.allowed)
     }
 }
 
@@ -117,7 +118,7 @@ impl RecordingCheck {
         self.faults.is_empty()
     }
 
-    /// A recording of which nothing is known but what is wrong with it.
+    /// A recording of which only the fault is known.
     #[must_use]
     pub fn refused(fault: Fault) -> Self {
         Self { faults: vec![fault], ..Self::default() }
@@ -134,7 +135,7 @@ impl fmt::Display for RecordingCheck {
             write!(f, ", noise {noise:.1} levels")?;
         }
         if let Some(deviation) = self.deviation_px {
-            write!(f, ", flow good to {deviation:.3} px")?;
+            write!(f, ", flow accurate to {deviation:.3} px")?;
         }
         if let Some(motion) = self.motion_px {
             let digits = if motion < 1.0 { 3 } else { 1 };
@@ -149,10 +150,12 @@ impl From<&BoardError> for Fault {
         let (what, allowed) = match error {
             BoardError::TooFewImages { .. } => (What::Count, "21 images"),
             BoardError::NoTexture { .. } => (What::Unsharp, "texture all over the board"),
-            BoardError::NoMatch { .. } => (What::StepTooLarge, "neighbouring images that show much of the same board"),
+            BoardError::NoMatch { .. } => (What::StepTooLarge, "consecutive images that show much of the same board"),
             BoardError::Still { .. } => (What::StepTooSmall, "3 to 30 px a step"),
             BoardError::UnevenStep { .. } => (What::UnevenSteps, "the same step between any two images"),
-            BoardError::WrongDirection { .. } | BoardError::WrongStep { .. } => (What::Direction, "the slide as told"),
+            BoardError::WrongDirection { .. } | BoardError::WrongStep { .. } => {
+                (What::Direction, "the slide that was given")
+            }
             BoardError::TooLittleSeen { .. } => (What::TooLittleSeen, "a board that fills the image"),
             BoardError::NotConverged { .. }
             | BoardError::Impossible { .. }
@@ -190,9 +193,11 @@ impl From<&DepthFitError> for Fault {
             DepthFitError::TooShallow { depth_mm, .. } => {
                 (What::Depths, format!("its deepest depth is {depth_mm} mm"), "depths in mm that move the gel")
             }
-            DepthFitError::PressedAtStart { depth_mm: Some(depth), .. } => {
-                (What::PressedAtStart, format!("the first image is {depth} mm deep"), "an untouched gel at first")
-            }
+            DepthFitError::PressedAtStart { depth_mm: Some(depth), .. } => (
+                What::PressedAtStart,
+                format!("the first image is {depth} mm deep"),
+                "an untouched gel in the first image",
+            ),
             _ => return Self::unreadable(error, error.hint()),
         };
         Self::new(what, measured, allowed, error.hint().unwrap_or_default())

@@ -1,7 +1,8 @@
-//! Whether a recording is fit for a calibration, and if not, what to do again and why.
+//! Checks whether a recording can be used for a calibration, and if not, what to change.
 //!
-//! A check is given the frames one by one, then gives a [`RecordingCheck`]: what was measured and what is wrong. Only the
-//! first cause is named: an image too dark is not called unsharp as well, an unsharp one is not said to move too little.
+//! A check takes the frames one by one, then gives a [`RecordingCheck`]: what was measured and what is wrong. Only the
+//! first cause is named: an image that is too dark is not also reported as blurred, a blurred one not as moving too
+//! little.
 
 mod board;
 mod exposure;
@@ -23,6 +24,6 @@ pub trait Check {
     /// Takes the next frame.
     fn push(&mut self, frame: &Frame);
 
-    /// What the frames so far are worth.
+    /// The result for the frames so far.
     fn finish(self: Box<Self>) -> RecordingCheck;
 }

@@ -11,13 +11,13 @@ use super::rest::RestImage;
 use super::samples::{Samples, unsharp};
 use crate::depth::{DepthFitError, PressFolder, check_depths};
 
-/// A press that moves nothing by this, px, says little about depth.
+/// A press whose largest motion is below this, px, contains little information about depth.
 const LEAST_MOTION_PX: f64 = 0.5;
-/// More than this part of the images lost, and the curve has gaps.
+/// If more than this part of the images is lost, the curve has gaps.
 const LARGEST_LOST: f64 = 0.1;
 /// Correlation of the largest motion with depth below which the images are not in the order of the depths.
 const LEAST_CORRELATION: f64 = 0.7;
-/// With fewer images a correlation says nothing.
+/// With fewer images a correlation is not significant.
 const LEAST_COUNTED: usize = 4;
 /// The border is this part of the image's smaller side.
 const BORDER: f64 = 0.05;
@@ -33,9 +33,9 @@ pub struct PressCheck {
     is_colour: bool,
     flow: FlowParams,
     depths_mm: Vec<f64>,
-    /// The gel untouched, to compare the first image with.
+    /// The untouched gel, to compare the first image with.
     rest: Option<RestImage>,
-    /// What that says.
+    /// The result of that comparison.
     rest_fault: Option<Fault>,
     /// Depth, mm, and largest motion, px, of every image that was followed.
     motions: Vec<[f64; 2]>,
@@ -43,9 +43,9 @@ pub struct PressCheck {
     lost: usize,
     was_pressed: bool,
     light_changed: bool,
-    /// Median deviation of the first image that is found again, px: later ones are stretched.
+    /// Median deviation of the first image that is tracked, px: later ones are stretched.
     deviation_px: Option<f64>,
-    /// Largest motion in all, and at the border in the image that has it, px.
+    /// The largest motion overall, and the motion at the border in the same image, px.
     largest: [f64; 2],
     refused: Option<TrackError>,
 }
@@ -92,13 +92,13 @@ impl PressCheck {
     ///
     /// # Errors
     ///
-    /// What keeps that image from being compared with.
+    /// Why that image cannot be compared with.
     pub fn with_rest(mut self, rest: &Frame) -> Result<Self, Fault> {
         self.rest = Some(RestImage::new(rest, self.region, self.is_colour, &self.flow)?);
         Ok(self)
     }
 
-    /// Images that do not move the more the deeper they are.
+    /// Tests whether the images move more the deeper they are.
     fn order_fault(&self) -> Option<Fault> {
         let correlation = correlation(&self.motions)?;
         let measured = format!("motion does not grow with depth: their correlation is {correlation:.2}");
@@ -120,22 +120,21 @@ impl PressCheck {
             return Some(Fault::new(What::Light, measured, "steady light", remedy));
         }
         if self.was_pressed {
-            let measured = "the gel is released from the first image on: it was pressed there";
+            let measured = "the gel is released after the first image: it was pressed there";
             let remedy = "begin the recording before the indenter touches the gel";
-            return Some(Fault::new(What::PressedAtStart, measured, "an untouched gel at first", remedy));
+            return Some(Fault::new(What::PressedAtStart, measured, "an untouched gel in the first image", remedy));
         }
         if lost as f64 > LARGEST_LOST * frames as f64 {
             let measured = format!("{lost} of {frames} images cannot be followed");
-            let remedy = "press in smaller steps, an image at each, and keep light and exposure as they are";
+            let remedy = "press in smaller steps, take an image after each, and do not change light and exposure";
             return Some(Fault::new(What::Lost, measured, format!("at most {:.0} %", 100.0 * LARGEST_LOST), remedy));
         }
         if largest < LEAST_MOTION_PX {
             let measured = format!("nothing moves by more than {largest:.2} px");
-            let remedy = "press deeper, and within the camera's view";
+            let remedy = "press deeper, within the camera's field of view";
             return Some(Fault::new(What::MotionTooSmall, measured, format!("at least {LEAST_MOTION_PX} px"), remedy));
         }
-        let measured =
-            format!("at the border the surface still moves by {at_border:.1} px, its most is {largest:.1} px");
+        let measured = format!("the surface moves by {at_border:.1} px at the border, and by at most {largest:.1} px");
         let remedy = "press farther from the image's border, or with a smaller indenter";
         let allowed = format!("below {:.0} %", 100.0 * LARGEST_AT_BORDER);
         let is_cut = at_border > LARGEST_AT_BORDER * largest;

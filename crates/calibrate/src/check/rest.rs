@@ -1,4 +1,4 @@
-//! The first image of a recording beside the untouched gel of another.
+//! Compares the first image of a recording with the untouched gel of another recording.
 
 use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture, Reference, Start};
 use fingervision_image::{Frame, Rect};
@@ -6,11 +6,11 @@ use fingervision_image::{Frame, Rect};
 use super::fault::{Fault, What};
 use super::samples::Samples;
 
-/// Less of the pattern found again than this part, and it is another one.
+/// If less than this part of the pattern is found, it is another pattern.
 const LEAST_MATCHED: f32 = 0.5;
-/// The image as a whole may have moved by this since the gel was recorded untouched, px.
+/// Allowed motion of the whole image since the gel was recorded untouched, px.
 const LARGEST_SHIFT_PX: f64 = 2.0;
-/// All but this part of the image may have moved by this, px.
+/// Allowed motion of all but this part of the image, px.
 const LARGEST_MOTION_PX: f64 = 0.5;
 const MOVING_PART: f64 = 0.02;
 
@@ -25,11 +25,11 @@ pub(super) struct RestImage {
 }
 
 impl RestImage {
-    /// The region of an image that shows the gel untouched, for frames in grey or colour.
+    /// The region of an image that shows the untouched gel, for frames in grey or colour.
     ///
     /// # Errors
     ///
-    /// What keeps it from being compared with.
+    /// Why it cannot be compared with.
     pub(super) fn new(frame: &Frame, region: Rect, is_colour: bool, params: &FlowParams) -> Result<Self, Fault> {
         let params = FlowParams { colour: params.colour && is_colour, ..*params };
         let estimator = FlowEstimator::new(region.width, region.height, &params)
@@ -43,25 +43,27 @@ impl RestImage {
 
     /// What is wrong with the first image of a press on this gel, if anything.
     pub(super) fn fault(&mut self, first: &Frame) -> Option<Fault> {
-        // An image that cannot be loaded is named by whoever tracks it.
+        // An image that cannot be loaded is reported by the caller that tracks it.
         self.picture.load(&first.pixels, self.region).ok()?;
         self.estimator.estimate(&self.reference, &self.picture, Start::Search(None), &mut self.estimate);
         let matched = self.estimate.matched;
         if matched < LEAST_MATCHED {
-            let measured = format!("only {:.0} % of the first image shows what the still one shows", 100.0 * matched);
-            let remedy = "put the recording of this sensor here, or record still again if camera or gel were changed";
-            return Some(Fault::new(What::OtherSensor, measured, "the same gel before the same camera", remedy));
+            let measured =
+                format!("only {:.0} % of the first image matches the image of the untouched gel", 100.0 * matched);
+            let remedy = "put a recording of this sensor here, or record still again if camera or gel were changed";
+            return Some(Fault::new(What::OtherSensor, measured, "the same gel and the same camera", remedy));
         }
         let samples = Samples::of(&self.estimate.flow, &self.estimate.deviation, &self.estimate.valid);
         let [x, y] = samples.median();
         let shift = x.hypot(y);
         if shift > LARGEST_SHIFT_PX {
-            let measured = format!("the first image is shifted by {shift:.1} px from the still one");
+            let measured = format!("the first image is shifted by {shift:.1} px from that of the untouched gel");
             let remedy = "fix camera, lens and gel in one rigid frame, then record still and the presses again";
             return Some(Fault::new(What::Drift, measured, format!("at most {LARGEST_SHIFT_PX} px"), remedy));
         }
         let motion = samples.apart_from([x, y], MOVING_PART);
-        let measured = format!("in the first image a part of the gel is {motion:.1} px from where it is untouched");
+        let measured =
+            format!("in the first image a part of the gel is displaced by {motion:.1} px from the untouched gel");
         let remedy = "begin the recording before the indenter touches the gel, and check that the images are in order";
         let allowed = format!("at most {LARGEST_MOTION_PX} px");
         (motion > LARGEST_MOTION_PX).then(|| Fault::new(What::PressedAtStart, measured, allowed, remedy))

@@ -1,4 +1,4 @@
-//! What a flow says, from samples of it.
+//! Samples of a flow, and what they show about a recording.
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
@@ -6,10 +6,10 @@ use fingervision_image::Image;
 use super::fault::{Fault, What};
 use crate::camera::median;
 
-/// Every so many pixels either way are looked at: half a patch.
+/// Distance between samples along both axes: half a patch.
 const STEP: usize = 8;
-/// A flow less certain than this over half of the image, px, shows texture that is too weak: a tenth of the least motion
-/// that a calibration is made from.
+/// If the flow's deviation exceeds this over half of the image, px, the texture is too weak: a tenth of the least motion
+/// that a calibration uses.
 const LARGEST_DEVIATION_PX: f64 = 0.05;
 
 /// Samples of one flow.
@@ -36,7 +36,7 @@ impl Samples {
         Self { deviation_px: median(deviations), flows: flows.collect(), size: (width, height) }
     }
 
-    /// Whether nothing was measured.
+    /// Whether there is no measurement.
     pub(super) fn is_empty(&self) -> bool {
         self.flows.is_empty()
     }
@@ -46,7 +46,7 @@ impl Samples {
         [2, 3].map(|axis| median(self.flows.iter().map(|sample| sample[axis]).collect()))
     }
 
-    /// How far all but a part of the samples are at most from this flow, px.
+    /// Distance of the samples from this flow, px, exceeded only by a given part of them.
     pub(super) fn apart_from(&self, [x, y]: [f64; 2], but_part: f64) -> f64 {
         let mut lengths: Vec<f64> = self.flows.iter().map(|[_, _, u, v]| (u - x).hypot(v - y)).collect();
         if lengths.is_empty() {
@@ -67,15 +67,15 @@ impl Samples {
     }
 }
 
-/// The fault of a recording whose flow is that uncertain, px, if it is one.
+/// The fault of a recording whose flow has this deviation, px, if it is one.
 pub(super) fn unsharp(deviation_px: f64) -> Option<Fault> {
     let measured = if deviation_px.is_finite() {
-        format!("the flow is uncertain by {deviation_px:.3} px")
+        format!("the flow has a standard deviation of {deviation_px:.3} px")
     } else {
-        "half of the image or more cannot be followed".into()
+        "half of the image or more cannot be tracked".into()
     };
     let remedy = "bring the pattern into focus and lock it, and keep still while the image is taken; if it is sharp, more light and less \
-         gain lower the noise, and fingervision pattern --score tells which size of cells suits this camera";
+         gain lower the noise, and fingervision pattern --score shows which cell size suits this camera";
     let allowed = format!("at most {LARGEST_DEVIATION_PX} px");
     (deviation_px > LARGEST_DEVIATION_PX).then(|| Fault::new(What::Unsharp, measured, allowed, remedy))
 }

@@ -1,4 +1,4 @@
-//! The untouched gel, a few seconds long: what the camera and its light are worth.
+//! The untouched gel, recorded for a few seconds: the quality of camera and light.
 
 use fingervision_flow::{Estimate, FlowError, FlowEstimator, FlowParams, Picture, Reference, Start};
 use fingervision_image::{Frame, Rect};
@@ -8,19 +8,20 @@ use super::exposure::Exposure;
 use super::fault::{Fault, RecordingCheck, What};
 use super::samples::{Samples, unsharp};
 
-/// Fewer images do not show whether light and camera keep still.
+/// Fewer images do not show whether light and camera are steady.
 pub const STILL_IMAGES: usize = 10;
-/// The image may move by this as a whole, px: more, and a calibration to a hundredth of a pixel is in vain.
+/// Allowed motion of the whole image, px: with more, a calibration to a hundredth of a pixel is impossible.
 const LARGEST_DRIFT_PX: f64 = 0.02;
-/// All but this part of the image may move by this from the rest, px: several deviations of the least flow that passes.
+/// Allowed motion of all but this part of the image against the rest, px: several deviations of the least accurate flow
+/// that passes.
 const LARGEST_MOTION_PX: f64 = 0.25;
 const MOVING_PART: f64 = 0.02;
-/// The mean level may change by this part: well above noise, well below what the flow can bear.
+/// Allowed relative change of the mean level: well above noise, well below what the flow tolerates.
 const LARGEST_FLICKER: f64 = 0.03;
 /// Where this part of the first image has texture, this part of it must be found again.
 const LEAST_TEXTURED: f32 = 0.2;
 const LEAST_MATCHED: f32 = 0.5;
-/// Less noise than this, grey levels, is no camera's.
+/// No camera has less noise than this, grey levels.
 const LEAST_NOISE_LEVELS: f64 = 0.01;
 
 /// Checks a recording of the untouched gel. All images are matched with the first.
@@ -34,7 +35,7 @@ pub struct StillCheck {
     estimate: Estimate,
     /// Of the worst image: median deviation, motion as a whole, motion of parts; px.
     worst: [f64; 3],
-    /// The first image that does not show what the first one does, from 1.
+    /// The first image that does not match the first one, from 1.
     other: Option<usize>,
     refused: Option<Fault>,
 }
@@ -63,7 +64,7 @@ impl StillCheck {
 
     fn count_fault(&self) -> Option<Fault> {
         let images = self.exposure.images();
-        let remedy = "record some seconds of the gel with nothing near it";
+        let remedy = "record the untouched gel for some seconds";
         let measured = format!("{images} images");
         (images < STILL_IMAGES).then(|| Fault::new(What::Count, measured, format!("at least {STILL_IMAGES}"), remedy))
     }
@@ -79,19 +80,18 @@ impl StillCheck {
     fn motion_fault(&self) -> Option<Fault> {
         let [_, drift, motion] = self.worst;
         if self.exposure.noise_levels().is_some_and(|noise| noise < LEAST_NOISE_LEVELS) {
-            let remedy = "save the images that the camera takes one after another, not one of them several times";
+            let remedy = "save consecutive images of the camera, not the same image several times";
             return Some(Fault::new(What::Copies, "all images are the same", "images with the camera's noise", remedy));
         }
         if drift > LARGEST_DRIFT_PX || self.other.is_some() {
             let moved = || format!("the whole image moves by {drift:.3} px");
-            let measured =
-                self.other.map_or_else(moved, |image| format!("image {image} does not show what image 1 does"));
+            let measured = self.other.map_or_else(moved, |image| format!("image {image} does not match image 1"));
             let remedy =
-                "fix camera, lens and gel in one rigid frame, lock the focus, let all warm up for some minutes";
+                "fix camera, lens and gel in one rigid frame, lock the focus, let everything warm up for some minutes";
             return Some(Fault::new(What::Drift, measured, format!("at most {LARGEST_DRIFT_PX} px"), remedy));
         }
         let measured = format!("a part of the image moves by {motion:.2} px");
-        let remedy = "leave the gel untouched; if it was, wait until it has come to rest after the last press";
+        let remedy = "do not touch the gel; after a press, wait until it has come to rest";
         let fault = || Fault::new(What::Touched, measured, format!("at most {LARGEST_MOTION_PX} px"), remedy);
         (motion > LARGEST_MOTION_PX).then(fault)
     }

@@ -8,9 +8,9 @@ use super::DepthFitError;
 use super::limits::check_depths;
 use super::maximum::{Maximum, MaximumFinder};
 
-/// Up to which predicted deviation a pixel counts for [`Maximum::Robust`], px, if the profile is stricter. Under a deep face
-/// that slides most pixels are beyond the usual limit, though most errors are a third of what is predicted; a median bears
-/// them, but not the holes that they leave.
+/// Largest predicted deviation of a pixel that is used for [`Maximum::Robust`], px, if the profile is stricter. Under a
+/// deep sliding face most pixels exceed the usual limit, though most errors are a third of the prediction; a median
+/// tolerates these, but not the holes that they would leave.
 const MEDIAN_DEVIATION_PX: f32 = 2.0;
 
 /// One frame of a press.
@@ -18,7 +18,7 @@ const MEDIAN_DEVIATION_PX: f32 = 2.0;
 pub struct PressPoint {
     /// Counted from 0.
     pub frame: u64,
-    /// How deep the indenter is pressed in, mm: what is known.
+    /// Known depth of the indenter, mm.
     pub depth_mm: f64,
     /// The maximum of the density feature `1 − density` after the filter, dimensionless.
     pub feature: f64,
@@ -27,7 +27,7 @@ pub struct PressPoint {
     pub perspective_mm: Option<f64>,
 }
 
-/// Where in the image a press is, by how far the place that spreads most lies from the image's centre.
+/// Position of a press in the image, by the distance of the most expanded place from the image's centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Place {
@@ -42,39 +42,39 @@ pub enum Place {
 /// A press: its frames, from the untouched gel on.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PressCurve {
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// Where in the image it is.
+    /// Its position in the image.
     pub place: Place,
-    /// The frames that hold, in order.
+    /// The valid frames, in order.
     pub points: Vec<PressPoint>,
     /// Frames left out because the tracker lost them.
     pub lost: usize,
 }
 
-/// Tracks a press and keeps its curve.
+/// Tracks a press and stores its curve.
 #[derive(Debug)]
 pub struct PressRecorder {
     press: String,
     depths_mm: Vec<f64>,
     tracker: Tracker,
     finder: MaximumFinder,
-    /// Depth for every unit of the feature by perspective alone, mm, and room for the product of both.
+    /// Depth per unit of the feature by perspective alone, mm, and memory for the product of both.
     perspective: Option<[Image<f32>; 2]>,
     points: Vec<PressPoint>,
     frames: usize,
     lost: usize,
     was_pressed: bool,
-    /// The largest depth so far, mm, and the place that spread most there, px.
+    /// The largest depth so far, mm, and the most expanded place there, px.
     deepest: (f64, [f64; 2]),
 }
 
 impl PressRecorder {
-    /// A recorder for a press whose images have this size, px, and whose depths are known, mm.
+    /// A recorder for a press with images of this size, px, and known depths, mm.
     ///
     /// # Errors
     ///
-    /// [`DepthFitError`] if the depths are none of a press, or the profile does not fit the images.
+    /// [`DepthFitError`] if the depths are not those of a press, or the profile does not fit the images.
     pub fn new(
         press: &str,
         depths_mm: &[f64],
@@ -85,7 +85,7 @@ impl PressRecorder {
     ) -> Result<Self, DepthFitError> {
         check_depths(press, depths_mm, profile)?;
         let mut profile = profile.clone();
-        // What is about to be fitted has no say.
+        // The law that is about to be fitted must not affect the tracking.
         profile.depth.density = None;
         if maximum == Maximum::Robust {
             let limit_px = &mut profile.flow.validity.max_deviation_px;
@@ -114,7 +114,7 @@ impl PressRecorder {
     ///
     /// # Errors
     ///
-    /// [`DepthFitError::Track`] if it cannot be tracked, [`DepthFitError::Count`] if it has no depth.
+    /// [`DepthFitError::Track`] if it cannot be tracked, [`DepthFitError::Count`] if there is no depth for it.
     pub fn push(&mut self, frame: &Frame) -> Result<(), DepthFitError> {
         let Some(&depth_mm) = self.depths_mm.get(self.frames) else {
             return Err(self.miscounted(self.frames as u64 + 1));
@@ -190,7 +190,7 @@ pub(crate) fn tracking(press: &str) -> impl Fn(TrackError) -> DepthFitError + '_
     |source| DepthFitError::Track { press: press.into(), source: Box::new(source) }
 }
 
-/// A principal point outside the image is that of another image.
+/// A principal point outside the image belongs to another image.
 pub(crate) fn check_camera(press: &str, profile: &Profile, region: (usize, usize)) -> Result<(), DepthFitError> {
     let Some(camera) = &profile.camera else { return Ok(()) };
     let principal_point_px = camera.principal_point_px;
@@ -216,8 +216,8 @@ fn maxima(
     Some((largest.into(), finder.find(product, &reading.valid).map(f64::from)))
 }
 
-/// The mean place of the valid pixels that reach half of the largest feature, px: the face and what spreads about it. None
-/// where there are none.
+/// The mean place of the valid pixels with at least half of the largest feature, px: the face and the expanded gel around
+/// it. None where there are none.
 fn spreading_place(reading: &Reading, largest: f64) -> Option<[f64; 2]> {
     let feature = reading.density.as_ref()?;
     let (mut count, mut place) = (0.0, [0.0; 2]);
@@ -238,7 +238,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_is_told_by_its_distance_from_the_centre() {
+    fn a_place_follows_from_its_distance_from_the_centre() {
         let at = |x: f64, y: f64| Place::of([x, y], (480, 480));
         assert_eq!(
             [at(240.0, 250.0), at(312.0, 312.0), at(384.0, 384.0)],

@@ -5,7 +5,7 @@ use fingervision_touch::TrackError;
 /// The table that a person writes beside the images.
 pub(super) const DEPTH_FILE: &str = "depth.csv";
 
-/// What keeps a depth law from being fitted.
+/// Why a depth law cannot be fitted.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DepthFitError {
@@ -30,7 +30,7 @@ pub enum DepthFitError {
         /// Of the profile's camera, px.
         principal_point_px: [f64; 2],
     },
-    /// There is nothing that tells the depth.
+    /// There is no table of depths.
     #[error("{}: it has no depths: neither {DEPTH_FILE} nor truth/force.csv", folder.display())]
     NoDepths {
         /// The press.
@@ -41,10 +41,10 @@ pub enum DepthFitError {
     Unreadable {
         /// The table.
         file: PathBuf,
-        /// What the system says.
+        /// The system's message.
         error: std::io::Error,
     },
-    /// A row of the table of depths is none.
+    /// A row of the table of depths is not valid.
     #[error("{}, line {line}: {reason}", file.display())]
     Table {
         /// The table.
@@ -59,9 +59,9 @@ pub enum DepthFitError {
     Count {
         /// The press.
         press: String,
-        /// How many images there are, at least.
+        /// Number of images, at least.
         images: u64,
-        /// How many depths.
+        /// Number of depths.
         depths: u64,
     },
     /// The depth is the same in every frame.
@@ -77,7 +77,7 @@ pub enum DepthFitError {
     PressedAtStart {
         /// The press.
         press: String,
-        /// The first depth, mm, if that tells.
+        /// The first depth, mm, if that is the reason.
         depth_mm: Option<f64>,
     },
     /// A depth below zero.
@@ -97,19 +97,19 @@ pub enum DepthFitError {
         press: String,
         /// The deepest depth, mm.
         depth_mm: f64,
-        /// The deepest that can be, mm.
+        /// The limit, mm.
         most_mm: f64,
-        /// What that is.
+        /// The limit's meaning.
         limit: &'static str,
     },
-    /// Less deep than can be seen.
+    /// Too shallow to be measured.
     #[error("{press}: its deepest depth is {depth_mm} mm: below {least_mm} mm nothing is seen to move")]
     TooShallow {
         /// The press.
         press: String,
         /// The deepest depth, mm.
         depth_mm: f64,
-        /// The least that is seen, mm.
+        /// The least measurable depth, mm.
         least_mm: f64,
     },
     /// The images do not follow the depths.
@@ -125,15 +125,15 @@ pub enum DepthFitError {
     Impossible {
         /// Of the line through the origin, mm.
         slope_mm: f64,
-        /// What the camera's perspective makes of it, mm; without a camera the nearest slope that a sensor has.
+        /// The slope by the camera's perspective, mm; without a camera the nearest slope that a sensor can have.
         expected_mm: f64,
-        /// How far it is off, as a factor.
+        /// Ratio of both.
         factor: f64,
     },
-    /// A law that does not give the depths back.
+    /// A law that does not reproduce the depths.
     #[error("no depth law holds: it errs by {error_mm:.3} mm on presses of up to {deepest_mm} mm")]
     Useless {
-        /// On presses left out, mm; with a single press on its own frames.
+        /// On presses that were left out, mm; with a single press on its own frames.
         error_mm: f64,
         /// The deepest depth, mm.
         deepest_mm: f64,
@@ -145,16 +145,16 @@ pub enum DepthFitError {
         press: String,
         /// Frames without a value.
         lost: usize,
-        /// Frames in all.
+        /// All frames.
         frames: usize,
     },
     /// The density does not follow the depth.
     #[error("{press}: the density feature does not grow with the depth")]
     NoResponse {
-        /// The press, or what is fitted to all of them.
+        /// The press, or the set of presses.
         press: String,
     },
-    /// A slope per position needs to know how the camera sees the gel.
+    /// A slope per position needs the camera.
     #[error("the profile has no [camera]: there is no perspective to take the slope from")]
     NoCamera,
 }
@@ -166,18 +166,18 @@ impl DepthFitError {
         Some(match self {
             Self::Track { source, .. } => return source.hint(),
             Self::OtherSize { .. } => {
-                "take the profile of the camera that recorded the press, or its image.region_of_interest".into()
+                "use the profile of the camera that recorded the press, or correct image.region_of_interest".into()
             }
             Self::NoDepths { .. } => {
                 format!("write {DEPTH_FILE} beside the images: a line \"frame,depth_mm\", then a row for every image, from 0")
             }
             Self::Unreadable { .. } => "check that the file can be read and is text".into(),
-            Self::Table { .. } => "the first line names the columns, frame and depth_mm; then comes a row for every image".into(),
-            Self::Count { .. } => "give every image its depth, a row for each, from the first image on".into(),
+            Self::Table { .. } => "the first line names the columns, frame and depth_mm; then follows a row for every image".into(),
+            Self::Count { .. } => "write a row with the depth of every image, from the first image on".into(),
             Self::Constant { .. } => "record from the untouched gel to the deepest point, with the depth of every image".into(),
-            Self::Negative { .. } => "depth is positive where the gel is pressed in: turn the signs of the column depth_mm round".into(),
+            Self::Negative { .. } => "depth is positive where the gel is pressed in: reverse the signs of the column depth_mm".into(),
             Self::TooDeep { .. } => {
-                "depth_mm is in mm: divide the column by 1000 if it is in µm; if the depths are right, correct [gel] and [camera] in the profile".into()
+                "depth_mm is in mm: divide the column by 1000 if it is in µm; if the depths are correct, correct [gel] and [camera] in the profile".into()
             }
             Self::TooShallow { .. } => "depth_mm is in mm: multiply the column by 1000 if it is in m, or press deeper".into(),
             Self::Unordered { .. } => {
@@ -190,14 +190,14 @@ impl DepthFitError {
                 "nothing was written; check that depth_mm is in mm and not in cm or m, and that the profile's [camera] is this sensor's".into()
             }
             Self::Useless { .. } => {
-                "nothing was written; check that every depth.csv belongs to its images, and that all presses are of this sensor".into()
+                "nothing was written; check that every depth.csv belongs to its images, and that all presses are from this sensor".into()
             }
             Self::PressedAtStart { .. } => "begin the recording before the indenter touches the gel".into(),
             Self::Lost { .. } => "record again with less motion between images, steady light and a sharp pattern".into(),
             Self::NoResponse { .. } => {
-                "check that the depths belong to these images and that the indenter touches the gel in view of the camera".into()
+                "check that the depths belong to these images and that the indenter touches the gel within the field of view".into()
             }
-            Self::NoCamera => "calibrate the camera first, or take --method line or origin".into(),
+            Self::NoCamera => "calibrate the camera first, or use --method line or origin".into(),
         })
     }
 }

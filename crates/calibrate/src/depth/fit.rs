@@ -1,4 +1,4 @@
-//! The laws that presses of known depth allow, and what each is worth.
+//! The laws fitted to presses of known depth, and the error of each.
 
 use fingervision_touch::{DepthLaw, DepthLine, PerspectiveGain};
 use serde::Serialize;
@@ -6,9 +6,10 @@ use serde::Serialize;
 use super::regression::{LineFit, OriginFit, fit_line, fit_through_origin};
 use super::{DepthFitError, PressCurve, PressPoint};
 
-/// Slopes that differ by more than this factor belong to no common line.
+/// Slopes that differ by more than this factor do not belong to a common line.
 const LARGEST_FACTOR: f64 = 1.5;
-/// A pooled correlation that much below the least of a single press's belongs to no common line either.
+/// A pooled correlation that is lower by this than the least one of a single press does not belong to a common line
+/// either.
 const LARGEST_DROP: f64 = 0.05;
 
 /// A form of the law from the density feature to depth.
@@ -17,13 +18,13 @@ const LARGEST_DROP: f64 = 0.05;
 pub enum Method {
     /// A line with an intercept, as published.
     Line,
-    /// A line through the origin: what is untouched has no depth.
+    /// A line through the origin: untouched gel has no depth.
     Origin,
-    /// Through the origin, its slope at every pixel that of the camera's perspective times a gain.
+    /// Through the origin, with a slope at every pixel by the camera's perspective times a gain.
     Perspective,
 }
 
-/// What one press says.
+/// The result for one press.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PressFit {
     /// Its curve.
@@ -33,23 +34,23 @@ pub struct PressFit {
     pub line: LineFit,
 }
 
-/// A law fitted to all presses, and how far from their depths it is.
+/// A law fitted to all presses, and its error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FittedLaw {
     /// Its form.
     pub method: Method,
-    /// The law, as the profile holds it.
+    /// The law, as written to the profile.
     pub law: DepthLaw,
     /// Root mean square error over all frames of all presses, mm.
     pub error_mm: f64,
-    /// The same, every press judged by the law that all others give, mm; absent for a single press.
+    /// The same, every press compared with the law fitted to all others, mm; absent for a single press.
     pub left_out_error_mm: Option<f64>,
 }
 
-/// What all presses say.
+/// The result for all presses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DepthFit {
-    /// One a press, as they were given.
+    /// One for each press, in the given order.
     pub presses: Vec<PressFit>,
     /// Depth, mm, by the feature, over all frames of all presses.
     pub pooled: LineFit,
@@ -57,13 +58,13 @@ pub struct DepthFit {
     pub origin: OriginFit,
     /// The gain of perspective, dimensionless; absent without a camera.
     pub perspective: Option<OriginFit>,
-    /// The steepest press's slope over the flattest one's, dimensionless.
+    /// The largest slope of a press over the smallest, dimensionless.
     pub slope_factor: f64,
     /// Every law that can be fitted.
     pub laws: Vec<FittedLaw>,
-    /// The law of least error: on presses left out, where there are several.
+    /// The law with the least error: on presses that were left out, if there are several.
     pub best: Method,
-    /// Why no single line holds, where none does.
+    /// Why no single line fits, if none does.
     pub warnings: Vec<String>,
 }
 
@@ -104,7 +105,7 @@ impl DepthFit {
     ///
     /// # Errors
     ///
-    /// [`DepthFitError::NoCamera`] if perspective is asked for and the profile had no camera.
+    /// [`DepthFitError::NoCamera`] if perspective is requested and the profile had no camera.
     pub fn law(&self, method: Method) -> Result<&FittedLaw, DepthFitError> {
         self.laws.iter().find(|law| law.method == method).ok_or(DepthFitError::NoCamera)
     }
@@ -123,7 +124,7 @@ impl Method {
         }
     }
 
-    /// The law of this form that fits best.
+    /// The law of this form with the best fit.
     fn fit<'a>(self, points: impl Iterator<Item = &'a PressPoint>) -> Option<DepthLaw> {
         let line = |slope_mm, intercept_mm| DepthLaw::Line(DepthLine { slope_mm, intercept_mm });
         Some(match self {
@@ -137,7 +138,7 @@ impl Method {
     }
 }
 
-/// The depth of a point by a law, mm; not a number without a camera where that is needed.
+/// The depth of a point by a law, mm; not a number without a camera where one is needed.
 fn depth_mm(law: &DepthLaw, point: &PressPoint) -> f64 {
     match law {
         DepthLaw::Line(line) => line.slope_mm * point.feature + line.intercept_mm,
@@ -191,7 +192,7 @@ fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<St
         && slope_factor > LARGEST_FACTOR
     {
         warnings.push(format!(
-            "one line does not hold for all presses: their slopes differ by a factor of {slope_factor:.1}, from {:.1} mm \
+            "one line does not fit all presses: their slopes differ by a factor of {slope_factor:.1}, from {:.1} mm \
              ({}) to {:.1} mm ({})",
             flat.line.slope, flat.curve.name, steep.line.slope, steep.curve.name
         ));
@@ -199,7 +200,7 @@ fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<St
     let least = presses.iter().map(|press| press.line.correlation).fold(1.0, f64::min);
     if pooled.correlation < least - LARGEST_DROP {
         warnings.push(format!(
-            "depth by one line is unsure: all presses together correlate with {:.3}, each alone with {least:.3} or more",
+            "depth by one line is uncertain: the correlation of all presses together is {:.3}, of each alone {least:.3} or more",
             pooled.correlation
         ));
     }
@@ -232,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn presses_at_several_distances_are_best_told_by_perspective() {
+    fn presses_at_several_distances_are_best_explained_by_perspective() {
         let fit = DepthFit::new(vec![curve("near", 8.0, 0.0, 10.0), curve("far", 24.0, 0.0, 30.0)]).unwrap();
         let best = fit.law(fit.best).unwrap();
         let DepthLaw::Perspective(PerspectiveGain { gain }) = best.law else { panic!("{fit:?}") };
@@ -241,9 +242,9 @@ mod tests {
         assert_eq!(
             fit.warnings,
             [
-                "one line does not hold for all presses: their slopes differ by a factor of 3.0, from 8.0 mm (near) to 24.0 mm \
+                "one line does not fit all presses: their slopes differ by a factor of 3.0, from 8.0 mm (near) to 24.0 mm \
                  (far)",
-                "depth by one line is unsure: all presses together correlate with 0.730, each alone with 1.000 or more"
+                "depth by one line is uncertain: the correlation of all presses together is 0.730, of each alone 1.000 or more"
             ]
         );
     }

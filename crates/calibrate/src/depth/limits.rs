@@ -1,20 +1,20 @@
-//! What the depths of a press can be.
+//! Possible depths of a press, and possible laws fitted to presses.
 //!
-//! A table in another unit or with another sign still gives a line. These limits are wide: they let every
-//! sensor through that a camera looks at, and stop what no sensor is.
+//! A table in another unit, with another sign or in another order still gives a line. These limits are wide: they accept
+//! every camera-based sensor, and reject what no sensor can be.
 
 use fingervision_touch::Profile;
 
 use super::DepthFitError;
 
-/// The first depth of a press may differ from zero by this part of its largest: what a hand-set zero is worth.
+/// The first depth of a press may differ from zero by this part of its largest: the accuracy of a hand-set zero.
 const REST: f64 = 0.02;
-/// No gel is pressed that deep, mm.
+/// No gel is pressed deeper, mm.
 const DEEPEST_MM: f64 = 50.0;
-/// A press that is shallower moves the pattern by less than noise, mm.
+/// A shallower press moves the pattern by less than noise, mm.
 const SHALLOWEST_MM: f64 = 0.02;
 
-/// Refuses depths that are none of a press on this sensor.
+/// Refuses depths that are not those of a press on this sensor.
 pub(crate) fn check_depths(press: &str, depths_mm: &[f64], profile: &Profile) -> Result<(), DepthFitError> {
     let press = press.to_owned();
     let Some(&first) = depths_mm.first() else { return Err(DepthFitError::Count { press, images: 1, depths: 0 }) };
@@ -39,7 +39,7 @@ pub(crate) fn check_depths(press: &str, depths_mm: &[f64], profile: &Profile) ->
     Ok(())
 }
 
-/// How deep a sensor can be pressed, mm, and what says so.
+/// The largest possible depth for a sensor, mm, and its reason.
 fn deepest(profile: &Profile) -> (f64, &'static str) {
     let gel = profile.gel.map(|gel| (gel.thickness_mm, "the gel's thickness"));
     let camera = profile.camera.map(|camera| (camera.translation_mm[2], "the distance to the camera"));

@@ -1,34 +1,36 @@
 //! The largest value of a field in a frame, plain and robust.
 //!
-//! Away from the camera's axis a face that comes nearer also moves outwards in the image, and the gel behind it is stretched
-//! into a rim whose feature exceeds the face's. The plain maximum then tells of the rim, the robust one of the face.
+//! Away from the camera's axis a face that comes nearer also moves outwards in the image, and the gel behind it is
+//! stretched into a rim whose feature exceeds the face's. The plain maximum is then that of the rim, the robust one that
+//! of the face.
 
 use fingervision_image::Image;
 use serde::Serialize;
 
-/// Which value of a field stands for a frame.
+/// Which value of a field represents a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Maximum {
     /// The largest valid value, as published.
     #[default]
     Plain,
-    /// The largest median over squares: the largest value that half of such a square holds, where what is not valid holds
-    /// none. Its side is a seventh of the image's shorter one, at least 9 px. A rim or a fault narrower than half of that
-    /// does not count; a face that fills half of a square keeps its value, so that one whose rims are not valid is still told of.
+    /// The largest median over squares: the largest value that half of such a square reaches, where invalid pixels reach
+    /// none. Its side is a seventh of the image's shorter one, at least 9 px. A rim or an outlier narrower than half of
+    /// that does not count; a face that fills half of a square keeps its value, even if its rims are not valid.
     Robust,
 }
 
-/// The image's shorter side over that of the square of [`Maximum::Robust`]. Where a sensor sees 30 mm of gel that is 4 mm:
-/// the gel's stretch along the outer edges of a sliding face, 1 to 2 mm wide, then fills less than half of any square.
+/// The image's shorter side over that of the square of [`Maximum::Robust`]. Where a sensor sees 30 mm of gel that is 4
+/// mm: the gel's stretch along the outer edges of a sliding face, 1 to 2 mm wide, then fills less than half of any
+/// square.
 const WINDOW_PART: usize = 7;
-/// Its side at least, px: a little over the ±2σ of the density's Gaussian, so that noise, which is correlated over that
+/// Its least side, px: a little over the ±2σ of the density's Gaussian, so that noise, which is correlated over that
 /// length, cannot fill half of it.
 const LEAST_WINDOW: usize = 9;
 /// How often the interval that holds the robust maximum is halved: to a millionth of the range.
 const HALVINGS: usize = 20;
 
-/// Finds the maximum of fields of one size; owns its scratch.
+/// Finds the maximum of fields of one size; owns its scratch memory.
 #[derive(Debug, Clone)]
 pub struct MaximumFinder {
     kind: Maximum,
@@ -39,7 +41,7 @@ pub struct MaximumFinder {
 }
 
 impl MaximumFinder {
-    /// A finder for fields of so many columns and rows, px.
+    /// A finder for fields of this many columns and rows, px.
     #[must_use]
     pub fn new(kind: Maximum, (width, height): (usize, usize)) -> Self {
         let window = (width.min(height) / WINDOW_PART).max(LEAST_WINDOW);
@@ -65,7 +67,7 @@ impl MaximumFinder {
         }
     }
 
-    /// Halves the interval until the level is found that half a window just reaches.
+    /// Halves the interval until the largest level is found that half a window reaches.
     fn largest_median(&mut self, values: &Image<f32>, valid: &Image<u8>, mut low: f32, mut high: f32) -> Option<f32> {
         if values.width() < self.window || values.height() < self.window || !self.is_reached(values, valid, low) {
             return None;

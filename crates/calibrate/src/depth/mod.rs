@@ -1,10 +1,10 @@
-//! From presses of known depth to the law between the density feature and depth.
+//! Fits the law between density feature and depth to presses of known depth.
 //!
-//! [Du2021] presses squares into the gel at its centre, midway and at a corner, takes the largest density feature of every
-//! frame, and fits one line to all. A [`PressRecorder`] makes such a curve of a press, a [`DepthFit`] fits the published
-//! line, one through the origin and the camera's perspective to all of them, and says what each is worth: on presses that
-//! the fit has not seen, and whether one line holds at all. Depth is fitted as a function of the feature, because that is
-//! how it is used; the depths are taken as exact.
+//! [Du2021] presses squares into the gel at its centre, midway and at a corner, takes the largest density feature of
+//! every frame, and fits one line to all. A [`PressRecorder`] makes such a curve from a press. A [`DepthFit`] fits the
+//! published line, one through the origin and the camera's perspective to all of them, and reports the error of each on
+//! presses not used for the fit, and whether one line fits at all. Depth is fitted as a function of the feature, because
+//! that is how it is used; the depths are taken as exact.
 //!
 //! [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
 

@@ -1,4 +1,5 @@
-//! The curves of all presses as small multiples, as in figure 5 of [Du2021]: feature against depth, a panel a place.
+//! The curves of all presses as small multiples, as in figure 5 of [Du2021]: feature against depth, one panel for each
+//! place.
 //!
 //! [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
 

@@ -1,14 +1,14 @@
 //! Straight lines through points, by least squares.
 //!
-//! The uncertainties are the standard ones of linear regression: they hold where the residuals are independent of each
-//! other. Frames of one press are not quite, so take them as the least that must be reckoned with.
+//! The uncertainties are the standard ones of linear regression: they assume that the residuals are independent of each
+//! other. Frames of one press are not entirely, so these are lower limits.
 
 use serde::Serialize;
 
 /// `y = slope · x + intercept`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LineFit {
-    /// How many points it was fitted to.
+    /// Number of points.
     pub count: usize,
     /// Change of y with x.
     pub slope: f64,
@@ -20,24 +20,24 @@ pub struct LineFit {
     pub intercept_uncertainty: f64,
     /// Pearson's correlation of x and y, −1 to 1, dimensionless.
     pub correlation: f64,
-    /// Root mean square of what the line leaves.
+    /// Root mean square of the residuals.
     pub residual: f64,
 }
 
 /// `y = slope · x`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct OriginFit {
-    /// How many points it was fitted to.
+    /// Number of points.
     pub count: usize,
     /// Change of y with x.
     pub slope: f64,
     /// Its standard uncertainty.
     pub slope_uncertainty: f64,
-    /// Root mean square of what the line leaves.
+    /// Root mean square of the residuals.
     pub residual: f64,
 }
 
-/// The line of least squared distance in y from points `[x, y]`.
+/// The least-squares line in y through points `[x, y]`.
 ///
 /// None for fewer than three points, and where x or y never changes.
 #[must_use]
@@ -68,7 +68,7 @@ pub fn fit_line(points: &[[f64; 2]]) -> Option<LineFit> {
     })
 }
 
-/// The line through the origin of least squared distance in y from points `[x, y]`.
+/// The least-squares line in y through the origin and points `[x, y]`.
 ///
 /// None for fewer than two points, and where x is 0 everywhere.
 #[must_use]

@@ -44,7 +44,7 @@ fn write_row(f: &mut fmt::Formatter<'_>, name: &str, width: usize, line: &LineFi
     writeln!(f, "{name:width$}  {count:6}  {correlation:6.4}  {slope:>17}  {intercept:>17}  {residual:12.3}")
 }
 
-/// The law as a profile has it.
+/// The law as written to a profile.
 fn toml_of(law: &DepthLaw) -> String {
     match law {
         DepthLaw::Line(DepthLine { slope_mm, intercept_mm }) => {

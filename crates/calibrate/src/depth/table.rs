@@ -1,4 +1,4 @@
-//! The depth of every image of a press, and perhaps its force, as a table beside the images.
+//! The depth of every image of a press, and optionally its force, as a table beside the images.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,25 +10,25 @@ const TRUTH_FILE: &str = "truth/force.csv";
 const DEPTH: &str = "depth_mm";
 const FORCE: &str = "force_z_n";
 
-/// A recorded press: where its images are, and how deep it is in each.
+/// A recorded press: the folder of its images, and its depth in each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressFolder {
-    /// What it is called: its folder's name.
+    /// Its name: that of its folder.
     pub name: String,
     /// The folder of its images.
     pub images: PathBuf,
     /// The depth of every image, mm.
     pub depths_mm: Vec<f64>,
-    /// The normal force on the gel in every image, N, where the table has it.
+    /// The normal force on the gel in every image, N, if the table contains it.
     pub forces_n: Option<Vec<f64>>,
 }
 
 impl PressFolder {
-    /// Reads the depths of a press: from `depth.csv`, or from the `truth/force.csv` that a simulation has. The images are
-    /// in its subfolder `frames`, or beside the table.
+    /// Reads the depths of a press: from `depth.csv`, or from the `truth/force.csv` of a simulation. The images are in
+    /// its subfolder `frames`, or beside the table.
     ///
-    /// The table is comma-separated. Its first line names the columns, of which `depth_mm` is read, and where they are
-    /// there `frame`, which counts the rows from 0, and `force_z_n`.
+    /// The table is comma-separated. Its first line names the columns; read are `depth_mm` and, if present, `frame`,
+    /// which counts the rows from 0, and `force_z_n`.
     ///
     /// # Errors
     ///
@@ -50,7 +50,7 @@ impl PressFolder {
     }
 }
 
-/// What is read of a table.
+/// The columns that are read.
 #[derive(Debug, PartialEq)]
 struct Columns {
     depths_mm: Vec<f64>,
@@ -72,13 +72,13 @@ fn columns(text: &str) -> Result<Columns, (usize, String)> {
         }
         let expected = depths_mm.len();
         if let Some(number) = frame.map(|frame| cells[frame]).filter(|number| number.parse() != Ok(expected)) {
-            return Err((line, format!("frame {number}, expected {expected}: every frame has its row, from 0")));
+            return Err((line, format!("frame {number}, expected {expected}: every frame needs a row, from 0")));
         }
         let value = |place: usize| cells[place].parse::<f64>().ok().filter(|value| value.is_finite());
-        let no_length = || (line, format!("{DEPTH} = {} is no length", cells[depth]));
+        let no_length = || (line, format!("{DEPTH} = {} is not a length", cells[depth]));
         depths_mm.push(value(depth).ok_or_else(no_length)?);
         if let (Some(force), Some(forces_n)) = (force, &mut forces_n) {
-            forces_n.push(value(force).ok_or_else(|| (line, format!("{FORCE} = {} is no force", cells[force])))?);
+            forces_n.push(value(force).ok_or_else(|| (line, format!("{FORCE} = {} is not a force", cells[force])))?);
         }
     }
     Ok(Columns { depths_mm, forces_n })
@@ -102,11 +102,11 @@ mod tests {
             ("", 1, "there is no column depth_mm"),
             ("frame,depth\n", 1, "there is no column depth_mm"),
             ("frame,depth_mm\n0,0\n2,0.1\n", 3, "frame 2, expected 1"),
-            ("frame,depth_mm\n0,deep\n", 2, "depth_mm = deep is no length"),
-            ("frame,depth_mm\n0,inf\n", 2, "depth_mm = inf is no length"),
-            ("frame,depth_mm\n0,\n", 2, "depth_mm =  is no length"),
+            ("frame,depth_mm\n0,deep\n", 2, "depth_mm = deep is not a length"),
+            ("frame,depth_mm\n0,inf\n", 2, "depth_mm = inf is not a length"),
+            ("frame,depth_mm\n0,\n", 2, "depth_mm =  is not a length"),
             ("frame,depth_mm\n0\n", 2, "1 cells, expected 2"),
-            ("depth_mm,force_z_n\n0,strong\n", 2, "force_z_n = strong is no force"),
+            ("depth_mm,force_z_n\n0,strong\n", 2, "force_z_n = strong is not a force"),
         ] {
             let (at, why) = columns(text).unwrap_err();
             assert!(at == line && why.contains(reason), "{text:?}: line {at}: {why}");

@@ -2,7 +2,7 @@ use fingervision_elastic::LayerError;
 
 use crate::depth::DepthFitError;
 
-/// What keeps a gel from being fitted.
+/// Why a gel cannot be fitted.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GelFitError {
@@ -12,16 +12,16 @@ pub enum GelFitError {
     /// There is nothing to fit to.
     #[error("there are no presses to fit the gel to")]
     NoPresses,
-    /// The profile lacks what the fit begins with.
+    /// The profile lacks the start of the fit.
     #[error("the profile has no [{table}]")]
     Absent {
         /// The table.
         table: &'static str,
     },
-    /// Young's modulus is asked for, and nothing tells it.
+    /// Young's modulus is to be fitted, but there are no forces.
     #[error("youngs-modulus is to be fitted, but none of {presses} presses has forces")]
     NoForces {
-        /// How many presses there are.
+        /// Number of presses.
         presses: usize,
     },
     /// A press is too shallow or its depths too coarse.
@@ -45,7 +45,7 @@ pub enum GelFitError {
     },
     /// There is no free surface to compare with.
     #[error(
-        "{press}: too little of the gel is seen around contact, which is as wide as a circle of radius {radius_mm:.1} mm on \
+        "{press}: too little of the gel is visible around contact, which is as wide as a circle of radius {radius_mm:.1} mm on \
          {thickness_mm:.1} mm of gel"
     )]
     NoSurroundings {
@@ -56,31 +56,31 @@ pub enum GelFitError {
         /// Thickness of the gel, mm.
         thickness_mm: f64,
     },
-    /// The presses do not tell what is to be fitted.
+    /// The presses do not determine the values to be fitted.
     #[error("the presses do not tell {}", if free[0] && free[1] { "Poisson's ratio from thickness" } else if free[0] { "Poisson's ratio" } else { "the thickness" })]
     Blind {
         /// Whether Poisson's ratio and thickness were to be fitted.
         free: [bool; 2],
     },
-    /// The fit wanders.
+    /// The fit does not converge.
     #[error(
-        "the fit does not converge in {steps} steps: it stands at a Poisson's ratio of {poissons_ratio:.3} and a thickness of {thickness_mm:.2} mm"
+        "the fit does not converge in {steps} steps: it reached a Poisson's ratio of {poissons_ratio:.3} and a thickness of {thickness_mm:.2} mm"
     )]
     Open {
-        /// Steps that were made.
+        /// Number of steps.
         steps: usize,
-        /// Where it stands.
+        /// Last Poisson's ratio.
         poissons_ratio: f64,
-        /// Where it stands, mm.
+        /// Last thickness, mm.
         thickness_mm: f64,
     },
-    /// The surface moves as that of no gel.
+    /// No gel moves like this surface.
     #[error("no gel moves like this: {:.0} % of the depth stay unexplained around contact, 5 % at most may", 100.0 * unexplained)]
     Misfit {
-        /// What stays unexplained by the best gel, root mean square over the depth.
+        /// What remains unexplained by the best gel, root mean square over the depth.
         unexplained: f64,
     },
-    /// The gel cannot be, or its cells are too coarse.
+    /// The gel is impossible, or its cells are too coarse.
     #[error("the gel cannot be fitted: {0}")]
     Gel(#[from] LayerError),
 }
@@ -94,7 +94,7 @@ impl GelFitError {
             Self::NoPresses => "give presses: folders of images with their depths, or scenes as sim:circle?draft".into(),
             Self::Absent { table: "camera" } => "calibrate the camera first: fingervision calibrate camera".into(),
             Self::Absent { .. } => {
-                "begin with what you know: size_mm, thickness_mm as poured, poissons_ratio = 0.48 for soft silicone".into()
+                "give the values that you know: size_mm, thickness_mm as poured, poissons_ratio = 0.48 for soft silicone".into()
             }
             Self::NoForces { .. } => {
                 "add a column force_z_n to depth.csv, as read from a scale (g · 0.00981), or leave youngs-modulus out of --fit".into()
@@ -103,14 +103,14 @@ impl GelFitError {
                 "record the press in smaller steps of depth; if its depths are right, correct gel.thickness_mm".into()
             }
             Self::NoContact { .. } => {
-                "check that the depths belong to these images, that the indenter is in view, and [camera] and gel.size_mm".into()
+                "check that the depths belong to these images, that the indenter is in the field of view, and [camera] and gel.size_mm".into()
             }
             Self::NoSurroundings { .. } => {
-                "press with something smaller, at the middle of the gel: half a thickness and more of free surface must be seen".into()
+                "use a smaller indenter, at the middle of the gel: free surface of half a thickness or more must be visible".into()
             }
             Self::Blind { .. } | Self::Open { .. } => {
-                "hold one of the two, as in --fit poissons-ratio with a measured gel.thickness_mm; or press with something \
-                 smaller, check the depths, and begin nearer"
+                "fix one of the two, as in --fit poissons-ratio with a measured gel.thickness_mm; or use a \
+                 smaller indenter, check the depths, and start closer to the solution"
                     .into()
             }
             Self::Misfit { .. } => {

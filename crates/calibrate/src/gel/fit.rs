@@ -1,8 +1,8 @@
 //! Gauss–Newton over Poisson's ratio and thickness.
 //!
-//! With p = (ν, ln thickness), the residual of a cell is `(b − U − a d) / σ`: what the camera sees less what elasticity
-//! makes of the gel in contact, over what is expected of both to err by. Derivatives are differences about a gel near by,
-//! made anew where the fit moves away from it. A step that does not lower the cost is halved.
+//! With p = (ν, ln thickness), the residual of a cell is `(b − U − a d) / σ`: the measurement of the camera minus the
+//! prediction of elasticity for the gel in contact, over the expected error of both. Derivatives are finite differences
+//! about a gel near by, computed again where the fit moves away from it. A step that does not lower the cost is halved.
 
 use fingervision_elastic::GelBlock;
 use fingervision_image::Image;
@@ -11,47 +11,48 @@ use super::forward::{Explained, Models};
 use super::look::{Look, SECTORS};
 use super::{GelFitError, Unknowns};
 
-/// Steps of the derivatives, of ν and of ln thickness: large beside the solver's tolerance, small beside the curvature.
+/// Steps of the derivatives, of ν and of ln thickness: large compared with the solver's tolerance, small compared with
+/// the curvature.
 const DIFFERENCE: [f64; 2] = [0.01, 0.02];
 /// Steps below which the fit has converged.
 const SETTLED: [f64; 2] = [5e-4, 1e-3];
-/// How far derivatives hold.
+/// Range in which the derivatives are reused.
 const NEAR: [f64; 2] = [0.03, 0.08];
 /// The largest steps.
 const LARGEST: [f64; 2] = [0.08, 0.2];
-/// Poisson's ratios that a gel may have here.
+/// Allowed Poisson's ratios.
 pub(super) const RATIOS: [f64; 2] = [0.05, 0.499];
-/// The most that the thickness may change, as a factor.
+/// The largest change of the thickness, as a factor.
 const MOST_FACTOR: f64 = 2.5;
 const MOST_STEPS: usize = 20;
 const MOST_HALVINGS: usize = 4;
-/// Presses from which on their scatter tells the error; with fewer, the sectors around contact do.
+/// From this number of presses on, their scatter gives the error; with fewer, the sectors around contact do.
 const LEAST_PRESSES: usize = 4;
 
-/// Where a fit ended.
+/// The result of a fit.
 #[derive(Debug, Clone)]
 pub(super) struct Settled {
     pub(super) gel: GelBlock,
-    /// What the gel makes of every frame.
+    /// The gel's prediction for every frame.
     pub(super) explained: Vec<Explained>,
-    /// Covariance of (ν, ln thickness) by the scatter of the residuals; zero for what is held.
+    /// Covariance of (ν, ln thickness) from the scatter of the residuals; zero for fixed values.
     pub(super) covariance: [[f64; 2]; 2],
-    /// Correlation of both by the form of the cost about its least; none where one is held.
+    /// Correlation of both from the curvature of the cost at its minimum; none where one is fixed.
     pub(super) correlation: Option<f64>,
-    /// How the force over the modulus changes with either, a frame each, mm².
+    /// Change of the force over the modulus with either, for each frame, mm².
     pub(super) force_slopes: Vec<[f64; 2]>,
 }
 
 /// The derivatives of all residuals about a gel.
 struct Slopes {
     about: GelBlock,
-    /// A frame, a cell, an axis each: by ν and by ln thickness, with the sign of what elasticity makes.
+    /// For each frame, cell and axis: by ν and by ln thickness, with the sign of the prediction.
     rows: Vec<Vec<[[f64; 2]; 2]>>,
     force: Vec<[f64; 2]>,
     matrix: [[f64; 2]; 2],
 }
 
-/// A fit on its way.
+/// The state of a fit.
 pub(super) struct Fit<'a> {
     looks: &'a [Look],
     models: &'a mut Models,
@@ -59,14 +60,14 @@ pub(super) struct Fit<'a> {
     thicknesses_mm: [f64; 2],
 }
 
-/// Root mean square of what stays unexplained of a frame, as a part of the depth.
+/// Root mean square of the unexplained motion of a frame, as a part of the depth.
 pub(super) fn unexplained(look: &Look, explained: &Explained) -> f64 {
     let scale = look.weight_per_mm * look.depth_mm;
     (square_sum(look, explained) / (2 * look.around.len()) as f64).sqrt() / scale
 }
 
-/// What stays unexplained of a frame over the surface, parts of the depth, in a square picture; not a number where it is
-/// not compared.
+/// The unexplained motion of a frame over the surface, as parts of the depth, in a square picture; not a number where it
+/// is not compared.
 pub(super) fn unexplained_map(look: &Look, explained: &Explained) -> Image<f32> {
     let (columns, rows) = (look.grid.columns, look.grid.rows);
     let side = columns.max(rows);
@@ -92,11 +93,11 @@ impl<'a> Fit<'a> {
         Self { looks, models, free, thicknesses_mm }
     }
 
-    /// Fits a gel to the frames, from the one given.
+    /// Fits a gel to the frames, starting from the given one.
     ///
     /// # Errors
     ///
-    /// [`GelFitError::Blind`] and [`GelFitError::Open`], and [`GelFitError::Gel`] for a gel that cannot be.
+    /// [`GelFitError::Blind`] and [`GelFitError::Open`], and [`GelFitError::Gel`] for an impossible gel.
     pub(super) fn settle(&mut self, from: &GelBlock) -> Result<Settled, GelFitError> {
         let mut gel = self.bounded(from, [0.0; 2]);
         let mut explained = self.models.explain(&gel, self.looks)?;
@@ -128,7 +129,7 @@ impl<'a> Fit<'a> {
         Err(GelFitError::Open { steps: MOST_STEPS, poissons_ratio: gel.poissons_ratio, thickness_mm: gel.thickness_mm })
     }
 
-    /// The gel a step away, within what a gel may be.
+    /// The gel after a step, limited to possible gels.
     fn bounded(&self, gel: &GelBlock, [ratio, thickness]: [f64; 2]) -> GelBlock {
         let [thin, thick] = self.thicknesses_mm;
         let mut next = *gel;
@@ -141,13 +142,13 @@ impl<'a> Fit<'a> {
         next
     }
 
-    /// Whether the thickness has run into its limits.
+    /// Whether the thickness has reached its limits.
     fn is_at_end(&self, gel: &GelBlock) -> bool {
         self.free[1] && self.thicknesses_mm.iter().any(|end| (gel.thickness_mm / end).ln().abs() < 1e-6)
     }
 
     fn slopes(&mut self, gel: &GelBlock, here: &[Explained]) -> Result<Slopes, GelFitError> {
-        // Downwards: ν stays below ½.
+        // Rounded down: ν stays below ½.
         let beside = [
             GelBlock { poissons_ratio: gel.poissons_ratio - DIFFERENCE[0], ..*gel },
             GelBlock { thickness_mm: gel.thickness_mm * (-DIFFERENCE[1]).exp(), ..*gel },
@@ -175,7 +176,7 @@ impl<'a> Fit<'a> {
         Ok(slopes)
     }
 
-    /// The step of Gauss–Newton.
+    /// The Gauss–Newton step.
     fn step(&self, slopes: &Slopes, explained: &[Explained]) -> Result<[f64; 2], GelFitError> {
         let inverse = inverse(slopes.matrix, self.free).ok_or(GelFitError::Blind { free: self.free })?;
         let mut right = [0.0; 2];
@@ -187,7 +188,7 @@ impl<'a> Fit<'a> {
         Ok(times(inverse, right))
     }
 
-    /// The gel a step away, halved until the cost is lower; none if it never is.
+    /// The gel after a step, halved until the cost is lower; none if it never is.
     fn descend(
         &mut self,
         gel: &GelBlock,
@@ -209,8 +210,8 @@ impl<'a> Fit<'a> {
         Ok(None)
     }
 
-    /// `H⁻¹ (Σ g gᵀ) H⁻¹`, the sum over clusters of residuals that hang together: neighbouring cells err alike, so that
-    /// counting them as independent would promise far too much.
+    /// `H⁻¹ (Σ g gᵀ) H⁻¹`, the sum over clusters of correlated residuals: neighbouring cells have similar errors, and
+    /// counting them as independent would give far too small a covariance.
     fn covariance(&self, slopes: &Slopes, explained: &[Explained]) -> [[f64; 2]; 2] {
         let Some(inverse) = inverse(slopes.matrix, self.free) else { return [[f64::INFINITY; 2]; 2] };
         let presses = self.looks.iter().map(|look| look.press + 1).max().unwrap_or(0);
@@ -251,7 +252,7 @@ fn cost(looks: &[Look], explained: &[Explained]) -> f64 {
     looks.iter().zip(explained).map(|(look, made)| square_sum(look, made)).sum()
 }
 
-/// How far a gel is from another, in ν and ln thickness.
+/// Difference of a gel from another, in ν and ln thickness.
 pub(super) fn change(from: &GelBlock, to: &GelBlock) -> [f64; 2] {
     [to.poissons_ratio - from.poissons_ratio, (to.thickness_mm / from.thickness_mm).ln()]
 }
@@ -265,7 +266,7 @@ fn times(matrix: [[f64; 2]; 2], vector: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i: usize| matrix[i][0] * vector[0] + matrix[i][1] * vector[1])
 }
 
-/// The inverse of the normal matrix over what is free, zero elsewhere; none where it is singular.
+/// The inverse of the normal matrix over the fitted values, zero elsewhere; none where it is singular.
 fn inverse([[a, b], [_, c]]: [[f64; 2]; 2], free: [bool; 2]) -> Option<[[f64; 2]; 2]> {
     match free {
         [true, true] => {

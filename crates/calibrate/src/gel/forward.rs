@@ -1,34 +1,34 @@
-//! What linear elasticity makes of frames: the motion around contact and the force, for any gel.
+//! Predictions of linear elasticity for frames: the motion around contact and the force, for any gel.
 
 use fingervision_elastic::{BlockOperator, GelBlock, LayerError, SurfaceGrid};
 use fingervision_touch::{Limits, Strain, Tractions};
 
 use super::look::Look;
 
-/// When tractions are found: well below what a small change of the gel does to the motion.
+/// Termination of the solver for tractions: well below the effect of a small change of the gel on the motion.
 const LIMITS: Limits = Limits { tolerance: 5e-4, most_iterations: 60 };
 
-/// Operators that are kept; making one takes as long as explaining some fifty frames.
+/// Number of operators that are cached; making one takes as long as explaining some fifty frames.
 const KEPT: usize = 16;
 
-/// The answers of gels to frames.
+/// Predictions of gels for frames.
 #[derive(Debug)]
 pub(super) struct Models {
     grid: SurfaceGrid,
     made: Vec<Model>,
 }
 
-/// One gel's answer to frames.
+/// Predictions of one gel.
 #[derive(Debug)]
 struct Model {
     gel: GelBlock,
     tractions: Tractions,
 }
 
-/// What a gel makes of a frame.
+/// The prediction of a gel for a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Explained {
-    /// The apparent motion of each cell that is compared, mm.
+    /// The apparent motion of each compared cell, mm.
     pub(super) apparent_mm: Vec<[f64; 2]>,
     /// The normal force over Young's modulus, mm².
     pub(super) force_per_modulus_mm2: f64,
@@ -39,11 +39,11 @@ impl Models {
         Self { grid, made: Vec::with_capacity(KEPT) }
     }
 
-    /// What a gel makes of frames.
+    /// Predictions of a gel for frames.
     ///
     /// # Errors
     ///
-    /// [`LayerError`] if the gel cannot be, or is too thin for the cells.
+    /// [`LayerError`] if the gel is impossible, or too thin for the cells.
     pub(super) fn explain(&mut self, gel: &GelBlock, looks: &[Look]) -> Result<Vec<Explained>, LayerError> {
         let place = self.made.iter().position(|model| model.gel == *gel);
         let place = if let Some(place) = place { place } else { self.make(gel)? };
@@ -51,7 +51,7 @@ impl Models {
         Ok(looks.iter().map(|look| model.explain(look)).collect())
     }
 
-    /// Makes a gel's operator, in the place of the oldest where there are enough; gives its place.
+    /// Makes a gel's operator, replacing the oldest if the cache is full; returns its index.
     fn make(&mut self, gel: &GelBlock) -> Result<usize, LayerError> {
         let tractions = Tractions::new(BlockOperator::new(gel, self.grid)?);
         if self.made.len() == KEPT {
@@ -63,7 +63,7 @@ impl Models {
 }
 
 impl Model {
-    /// Holds the gel in contact where it is, and tells what follows.
+    /// Prescribes the displacement in contact and returns the resulting prediction.
     fn explain(&mut self, look: &Look) -> Explained {
         self.tractions.hold(&look.touches, &look.held_mm, LIMITS);
         let moved = self.tractions.displacement_mm();

@@ -1,4 +1,4 @@
-//! What gels about the fitted one leave unexplained.
+//! Unexplained motion for gels around the fitted one.
 
 use fingervision_elastic::GelBlock;
 use serde::Serialize;
@@ -8,11 +8,11 @@ use super::fit::{RATIOS, unexplained_by};
 use super::forward::{Explained, Models};
 use super::look::Look;
 
-/// Gels along each axis whose motion is worked out; between them it is a polynomial through all.
+/// Gels along each axis whose motion is computed; between them it is interpolated by a polynomial through all.
 const NODES: usize = 3;
 /// Gels along each axis of the grid.
 const SIDE: usize = 31;
-/// How far the grid reaches to each side at least, in ν and ln thickness.
+/// Least half width of the grid, in ν and ln thickness.
 const LEAST: [f64; 2] = [0.05, 0.15];
 
 /// The residual over Poisson's ratio and thickness.
@@ -22,12 +22,12 @@ pub struct ResidualGrid {
     pub poissons_ratios: Vec<f64>,
     /// Thicknesses, mm, the rows.
     pub thicknesses_mm: Vec<f64>,
-    /// Root mean square of what is unexplained over the depth, row by row.
+    /// Root mean square of the unexplained motion over the depth, row by row.
     pub unexplained: Vec<f64>,
 }
 
 impl ResidualGrid {
-    /// The grid about a gel, three deviations to each side and no less than shows its form.
+    /// The grid around a gel, three deviations to each side and at least the least half width.
     pub(super) fn about(
         gel: &GelBlock,
         looks: &[Look],
@@ -58,17 +58,17 @@ impl ResidualGrid {
     }
 }
 
-/// From −1 to 1 in so many steps.
+/// From −1 to 1 in this many steps.
 fn part(step: usize, count: usize) -> f64 {
     2.0 * step as f64 / (count - 1) as f64 - 1.0
 }
 
-/// Weights of the nodes 0, 1 and 2 for the parabola through them, at a place.
+/// Weights of the nodes 0, 1 and 2 for the parabola through them, at a position.
 fn lagrange(place: f64) -> [f64; NODES] {
     [0.5 * (place - 1.0) * (place - 2.0), place * (2.0 - place), 0.5 * place * (place - 1.0)]
 }
 
-/// The motion between the nodes.
+/// The interpolated motion between the nodes.
 fn between(nodes: &[Vec<Explained>], across: [f64; NODES], down: [f64; NODES]) -> Vec<Explained> {
     let weights: Vec<f64> = down.iter().flat_map(|down| across.map(|across| down * across)).collect();
     let frame = |frame: usize| {

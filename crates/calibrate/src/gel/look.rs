@@ -1,48 +1,49 @@
-//! One frame of a press, cell by cell: what touches the gel, and what the camera tells of the surface around it.
+//! One frame of a press, cell by cell: contact, and the camera's measurement of the surface around it.
 
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 use fingervision_touch::{Cells, CoarseGrid, Seen};
 
-/// How far from contact the surface is compared with linear elasticity, in thicknesses: nearer, strain is too large.
+/// Distance from contact, in thicknesses, beyond which the surface is compared with linear elasticity: nearer, strain is
+/// too large.
 const AWAY: f64 = 0.5;
-/// How far from a side of the gel, in thicknesses: the compliance does not resolve what is nearer.
+/// Least distance from a side of the gel, in thicknesses: the compliance does not resolve what is nearer.
 const FROM_SIDE: f64 = 0.125;
-/// Error of the flow as the mean of a cell, px; it hangs together over some cells.
+/// Error of the flow as the mean of a cell, px; it is correlated over some cells.
 const NOISE_PX: f64 = 0.02;
 /// Error of linear elasticity around contact, as a part of the depth.
 const MODEL: f64 = 0.001;
-/// The same, where the depth that was found is so many times off: contact is then not what it was found to be.
+/// The same, per factor between found and known depth: a wrong depth means that contact was not found correctly.
 const BY_MISMATCH: f64 = 0.03;
-/// Half the side of the square, in cells, over which the median tells how deep contact is.
+/// Half the side of the square, in cells, over which the median gives the depth of contact.
 const MEDIAN: usize = 2;
 /// Sectors around contact whose residuals count as independent of each other.
 pub(super) const SECTORS: usize = 8;
 
-/// What a frame tells.
+/// The data of a frame.
 #[derive(Debug, Clone)]
 pub(super) struct Look {
-    /// Which press it is of.
+    /// Index of its press.
     pub(super) press: usize,
-    /// Which of the frames of the press.
+    /// Index among the frames of its press.
     pub(super) frame: usize,
     /// The known depth, mm.
     pub(super) depth_mm: f64,
     /// The known normal force, N.
     pub(super) force_n: Option<f64>,
-    /// The largest depth as it was found before it was brought to the known one, mm.
+    /// The largest depth as found, before it was scaled to the known one, mm.
     pub(super) found_mm: f64,
     /// One over the expected error of a cell's motion, 1/mm.
     pub(super) weight_per_mm: f64,
     pub(super) grid: SurfaceGrid,
     pub(super) seen: Vec<Seen>,
     pub(super) touches: Vec<bool>,
-    /// Where the gel in contact is, mm.
+    /// Displacement in contact, mm.
     pub(super) held_mm: Vec<[f32; 3]>,
     /// The cells that are compared with elasticity, each with its sector.
     pub(super) around: Vec<(usize, usize)>,
 }
 
-/// What is known of a frame beside what its cells tell.
+/// Known values of a frame in addition to its cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known {
     pub(super) press: usize,
@@ -52,9 +53,9 @@ pub(super) struct Known {
 }
 
 impl Look {
-    /// A frame as its cells tell it; none where nothing touches the gel.
+    /// A frame from its cells; none where nothing touches the gel.
     ///
-    /// The depths that were found in contact are scaled until the deepest is the known one.
+    /// The depths found in contact are scaled until the deepest is the known one.
     pub(super) fn new(cells: &Cells<'_>, known: Known, gel: &GelBlock) -> Option<Self> {
         let found_mm = f64::from(deepest_mm(cells)?);
         let scale = (known.depth_mm / found_mm) as f32;
@@ -83,7 +84,7 @@ impl Look {
         })
     }
 
-    /// How far the depth that was found is from the known one, as a logarithm: what the search for contact is worth.
+    /// Deviation of the depth that was found from the known one, as a logarithm: the quality of the search for contact.
     pub(super) fn mismatch(&self) -> f64 {
         (self.found_mm / self.depth_mm).ln().abs()
     }
@@ -95,7 +96,7 @@ impl Look {
     }
 }
 
-/// The largest median depth over squares of cells in contact, mm: what a rim or a fault does not move.
+/// The largest median depth over squares of cells in contact, mm: not affected by a rim or an outlier.
 fn deepest_mm(cells: &Cells<'_>) -> Option<f32> {
     let SurfaceGrid { columns, rows, .. } = cells.grid;
     let mut near = Vec::new();
@@ -115,8 +116,8 @@ fn deepest_mm(cells: &Cells<'_>) -> Option<f32> {
     deepest.filter(|depth| *depth > 0.0)
 }
 
-/// The surface in cells twice as wide, where their number allows: the motion around contact is smooth, and a fit takes
-/// a quarter of the time.
+/// The surface in cells of twice the width, where their number is even: the motion around contact is smooth, and a fit
+/// takes a quarter of the time.
 struct Halved {
     grid: SurfaceGrid,
     seen: Vec<Seen>,
@@ -145,7 +146,7 @@ impl Halved {
     }
 }
 
-/// The cells whose flow holds, far enough from contact and from the gel's sides, each with its sector about contact.
+/// The cells with valid flow, far enough from contact and from the gel's sides, each with its sector about contact.
 fn around(grid: SurfaceGrid, seen: &[Seen], touches: &[bool], gel: &GelBlock) -> Vec<(usize, usize)> {
     let centres: Vec<[f64; 2]> = grid.centres_mm().collect();
     let touched: Vec<[f64; 2]> =

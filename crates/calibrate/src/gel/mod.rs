@@ -1,14 +1,14 @@
 //! From presses of known depth to the gel: Poisson's ratio, thickness and Young's modulus.
 //!
-//! Where the gel is touched, its displacement is known: the depth from outside, the motion along the surface from the
-//! flow. Linear elasticity then says how the gel around contact moves, and that depends on two numbers: Poisson's ratio,
-//! which says whether the gel gives way sideways or is drawn in, and the thickness, which says how far a press is felt.
-//! Both are fitted to the flow around contact. Known forces then give Young's modulus, to which they are
-//! proportional; without them it is not seen at all.
+//! In contact the displacement of the gel is known: the depth from the indenter, the motion along the surface from the
+//! flow. Linear elasticity then predicts how the gel around contact moves. That depends on two numbers: Poisson's ratio,
+//! which determines whether the gel is pushed outwards or drawn in, and the thickness, which determines how far the
+//! effect of a press reaches. Both are fitted to the flow around contact. Known forces then give Young's modulus, to
+//! which they are proportional; without forces it cannot be determined.
 //!
-//! Depth and outline of contact are found by the elastic inverse ([`ElasticDepth`]), with the gel that is being fitted, in
-//! rounds. Its depths are scaled until the deepest is the known one. Shallow frames alone are used: a neo-Hookean gel
-//! leaves linear elasticity with the square of depth over thickness.
+//! Depth and outline of contact are found by the elastic inverse ([`ElasticDepth`]), with the gel that is being fitted,
+//! in rounds. Its depths are scaled until the deepest is the known one. Only shallow frames are used: a neo-Hookean gel
+//! deviates from linear elasticity with the square of depth over thickness.
 
 mod error;
 mod fit;
@@ -37,7 +37,7 @@ use fit::{Fit, Settled};
 use forward::{Explained, Models};
 use look::{Known, Look};
 
-/// What is fitted; the rest is held as the profile has it.
+/// What is fitted; the rest keeps the profile's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unknowns {
     /// Poisson's ratio.
@@ -49,22 +49,22 @@ pub struct Unknowns {
 }
 
 impl Unknowns {
-    /// All is held.
+    /// Nothing is fitted.
     const NONE: Self = Self { poissons_ratio: false, thickness: false, youngs_modulus: false };
 }
 
 /// Rounds of finding contact and fitting.
 const MOST_ROUNDS: usize = 4;
-/// Changes of ν and ln thickness from one round to the next below which no more follow.
+/// Changes of ν and ln thickness from one round to the next below which the rounds end.
 const SAME: [f64; 2] = [3e-3, 6e-3];
-/// Cells around contact that a frame needs to be compared.
+/// Number of cells around contact that a frame needs to be compared.
 const LEAST_AROUND: usize = 100;
 
 /// Fits the gel of a profile to presses.
 ///
 /// # Errors
 ///
-/// [`GelFitError`] if there is nothing to fit or nothing that tells, or the fit does not converge.
+/// [`GelFitError`] if there is nothing to fit, the presses do not determine it, or the fit does not converge.
 pub fn fit_gel(presses: &[GelPress], profile: &Profile, unknowns: Unknowns) -> Result<GelReport, GelFitError> {
     if presses.is_empty() {
         return Err(GelFitError::NoPresses);
@@ -76,25 +76,25 @@ pub fn fit_gel(presses: &[GelPress], profile: &Profile, unknowns: Unknowns) -> R
     }
     let camera = profile.camera.ok_or(GelFitError::Absent { table: "camera" })?;
     let camera = Camera::new(&camera).map_err(|_| GelFitError::Absent { table: "camera" })?;
-    let mut report = fit_what_is_told(presses, gel, unknowns, |gel| looks(presses, profile, &camera, gel))?;
+    let mut report = fit_determined(presses, gel, unknowns, |gel| looks(presses, profile, &camera, gel))?;
     report.warnings.extend(warnings::of_sensor(&camera, &report.gel, profile.elastic));
     Ok(report)
 }
 
-/// Fits the gel; what turns out not to be determined is held as the profile has it, and the rest fitted to that.
-fn fit_what_is_told(
+/// Fits the gel; a value that is not determined keeps the profile's value, and the others are fitted again with it.
+fn fit_determined(
     presses: &[GelPress],
     start: GelBlock,
     unknowns: Unknowns,
     mut find: impl FnMut(&GelBlock) -> Result<Vec<Look>, GelFitError>,
 ) -> Result<GelReport, GelFitError> {
     let mut report = GelReport::new(presses, fit_in_rounds(start, unknowns, &mut find)?, start, unknowns)?;
-    // What is held is not determined, either.
+    // A fixed value is not determined, either.
     let [poissons_ratio, thickness] = [0, 1].map(|i| report.estimates[i].is_determined);
     let fewer = Unknowns { poissons_ratio, thickness, ..unknowns };
     if fewer != unknowns && fewer != Unknowns::NONE {
         let [ratio_before, thickness_before, _] = report.estimates;
-        report = fit_what_is_told(presses, start, fewer, find)?;
+        report = fit_determined(presses, start, fewer, find)?;
         if unknowns.poissons_ratio && !poissons_ratio {
             report.estimates[0] = ratio_before;
         }
@@ -105,9 +105,9 @@ fn fit_what_is_told(
     Ok(report)
 }
 
-/// A gel and what led to it.
+/// A gel and the data it was fitted to.
 struct Fitted {
-    /// The frames as the gel of the profile found and explains them.
+    /// The frames as explained by the gel of the profile.
     before: Vec<(Look, Explained)>,
     looks: Vec<Look>,
     after: Settled,
@@ -121,7 +121,7 @@ fn fit_in_rounds(
     unknowns: Unknowns,
     mut find: impl FnMut(&GelBlock) -> Result<Vec<Look>, GelFitError>,
 ) -> Result<Fitted, GelFitError> {
-    // Forces are over the modulus: it has no part in the fit.
+    // Forces are divided by the modulus, which is not part of the fit.
     let start = GelBlock { youngs_modulus_mpa: None, ..start };
     let mut looks = find(&start)?;
     let mut models = Models::new(looks[0].grid);

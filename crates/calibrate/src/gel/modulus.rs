@@ -3,22 +3,22 @@
 use super::fit::Settled;
 use super::look::Look;
 
-/// Force by elasticity against force as measured.
+/// Force by elasticity against measured force.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Modulus {
     pub(super) youngs_modulus_mpa: f64,
-    /// By the scatter of the forces and what is unknown of the gel, relative.
+    /// Relative deviation from the scatter of the forces and the uncertainty of the gel.
     pub(super) deviation: f64,
 }
 
 /// Mismatch of depth at which a frame counts half.
 const HALF: f64 = 0.1;
 
-/// `E = Σ w F f / Σ w f²`, with f the force over the modulus by elasticity and w less where contact was found at another
-/// depth than the known one; none without forces.
+/// `E = Σ w F f / Σ w f²`, with f the force over the modulus by elasticity, and a smaller w where contact was found at
+/// another depth than the known one; none without forces.
 ///
-/// Its deviation has two parts: how the frames scatter about it, and how far Poisson's ratio and thickness, of this
-/// covariance, move f.
+/// Its deviation has two parts: the scatter of the frames, and the effect on f of Poisson's ratio and thickness with this
+/// covariance.
 pub(super) fn modulus(looks: &[Look], settled: &Settled, covariance: [[f64; 2]; 2]) -> Option<Modulus> {
     let pairs: Vec<(usize, f64, f64, [f64; 2])> = looks
         .iter()
@@ -34,7 +34,7 @@ pub(super) fn modulus(looks: &[Look], settled: &Settled, covariance: [[f64; 2]; 
         return None;
     }
     let youngs_modulus_mpa = pairs.iter().map(|(_, force, made, _)| force * made).sum::<f64>() / square;
-    // Frames of one press err alike.
+    // Frames of one press have similar errors.
     let presses = pairs.iter().map(|(press, ..)| press + 1).max().unwrap_or(0);
     let mut clusters = vec![0.0; presses];
     for (press, force, made, _) in &pairs {

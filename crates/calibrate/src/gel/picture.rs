@@ -11,7 +11,7 @@ const SIDE: usize = 360;
 const CROSS: usize = 8;
 /// Bands of one colour in the map: their borders are its contours.
 const BANDS: f32 = 14.0;
-/// The map ends where the residual is so many times its least.
+/// The map ends at this multiple of the least residual.
 const MOST: f32 = 4.0;
 
 impl GelReport {
@@ -52,7 +52,7 @@ impl GelReport {
                 largest(&before),
                 "Over the gel; contact and sides left out.",
             ),
-            shown(&after, "Deepest frame, by the fitted gel", largest(&after), "The same on a scale of its own."),
+            shown(&after, "Deepest frame, by the fitted gel", largest(&after), "The same on its own scale."),
         ];
         let title =
             format!("Gel from {} presses: Poisson's ratio {:.3}, {:.2} mm thick", self.presses.len(), at[0], at[1]);
@@ -60,7 +60,7 @@ impl GelReport {
         HeatPanels { title: &title, facts: &facts, size: (SIDE, SIDE), rows: vec![panels] }.draw()
     }
 
-    /// Draws measured against predicted normal forces, a curve a press; none without forces.
+    /// Draws measured against predicted normal forces, one curve for each press; none without forces.
     #[must_use]
     pub fn draw_forces(&self) -> Option<Image<[u8; 3]>> {
         let curve = |press: &super::GelPressReport| {

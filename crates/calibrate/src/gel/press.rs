@@ -1,4 +1,4 @@
-//! A press of known depth on its way to the fit: tracked, with the flow of a few of its frames kept.
+//! A press of known depth, prepared for the fit: tracked, with the flow of a few of its frames stored.
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Frame, Image};
@@ -10,22 +10,22 @@ use super::GelFitError;
 
 /// Frames of a press that are kept.
 const FRAMES: usize = 4;
-/// Their depths, in thicknesses: shallower ones tell little, deeper ones leave linear elasticity.
+/// Their depths, in thicknesses: shallower ones contain little information, deeper ones are not linear.
 const DEPTHS: [f64; 2] = [0.04, 0.12];
 
 /// A tracked press.
 #[derive(Debug, Clone)]
 pub struct GelPress {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     pub(super) frames: Vec<PressedFrame>,
     /// Columns and rows of the flow, px.
     pub(super) size: (usize, usize),
-    /// Whether its first motion is that of a release.
+    /// Whether its first motion is a release.
     pub(super) was_released: bool,
 }
 
-/// One frame of it.
+/// One frame of a press.
 #[derive(Debug, Clone)]
 pub(super) struct PressedFrame {
     pub(super) depth_mm: f64,
@@ -48,12 +48,12 @@ pub struct GelPressRecorder {
 }
 
 impl GelPressRecorder {
-    /// A recorder for a press whose images have this size, px, whose depths are known, mm, and perhaps its normal forces, N.
+    /// A recorder for a press with images of this size, px, known depths, mm, and possibly normal forces, N.
     ///
     /// # Errors
     ///
-    /// [`GelFitError`] if the depths are none of a press or too deep or shallow for linear elasticity, or the profile does
-    /// not fit the images.
+    /// [`GelFitError`] if the depths are not those of a press, or too deep or too shallow for linear elasticity, or the
+    /// profile does not fit the images.
     ///
     /// # Panics
     ///
@@ -77,7 +77,7 @@ impl GelPressRecorder {
             return Err(GelFitError::NoDepth { press: name.into(), range_mm, deepest_mm });
         }
         let mut profile = profile.clone();
-        // The depths say that the first image shows the gel at rest: it stays the reference.
+        // By the depths, the first image shows the gel at rest: it stays the reference.
         profile.references.rest_frames = u64::MAX;
         let tracker = Tracker::new(&profile, frame_size, is_colour, Fields::NONE).map_err(tracking(name))?;
         let size = tracker.size();
@@ -93,7 +93,7 @@ impl GelPressRecorder {
         })
     }
 
-    /// Takes the next image. Says whether more are needed: what comes after the last frame that is kept is not tracked.
+    /// Takes the next image. Returns whether more are needed: images after the last stored frame are not tracked.
     ///
     /// # Errors
     ///
@@ -124,7 +124,7 @@ impl GelPressRecorder {
     ///
     /// # Errors
     ///
-    /// [`GelFitError::Press`] if images are missing or half of those that are kept were lost.
+    /// [`GelFitError::Press`] if images are missing or half of the stored ones were lost.
     pub fn finish(self) -> Result<GelPress, GelFitError> {
         let (press, kept) = (self.press.name.clone(), self.chosen.len());
         if self.chosen.iter().any(|&chosen| chosen >= self.seen) {
@@ -138,7 +138,7 @@ impl GelPressRecorder {
     }
 }
 
-/// The first frames whose depths lie nearest to even steps through a range.
+/// The first frames whose depths are nearest to even steps through a range.
 fn choose(depths_mm: &[f64], [low, high]: [f64; 2]) -> Vec<usize> {
     let within = |&frame: &usize| (low..=high).contains(&depths_mm[frame]);
     let mut chosen: Vec<usize> = Vec::with_capacity(FRAMES);

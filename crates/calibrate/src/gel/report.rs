@@ -1,4 +1,4 @@
-//! What presses tell of a gel, how well, and what of it goes into the profile.
+//! The result of a gel fit: values, their deviations, and those written to the profile.
 
 use fingervision_elastic::GelBlock;
 use fingervision_image::Image;
@@ -10,16 +10,16 @@ use super::look::Look;
 use super::modulus::{Modulus, modulus};
 use super::{Fitted, GelFitError, GelPress, ResidualGrid, Unknowns, warnings};
 
-/// What linear elasticity, the search for contact and the grid leave of error whatever the data, one standard deviation:
-/// of ν, of ln thickness and of ln E. Root mean squares over simulated presses; `docs/gel-from-presses.md` has them.
+/// Error of linear elasticity, of the search for contact and of the grid, whatever the data, one standard deviation: of
+/// ν, of ln thickness and of ln E. Root mean squares over simulated presses; `docs/gel-from-presses.md` lists them.
 const MODEL: [f64; 3] = [0.015, 0.04, 0.05];
-/// What is added to it for every unit of the mismatch, as a logarithm, between the depth that was found and the known one.
+/// Added to it per unit of the mismatch, as a logarithm, between the depth that was found and the known one.
 const BY_MISMATCH: [f64; 3] = [0.1, 0.5, 0.5];
 /// Deviations beyond which a value is not determined: of ν, of ln thickness and of ln E.
 const DETERMINED: [f64; 3] = [0.05, 0.1, 0.15];
-/// A correlation beyond which ν and thickness change the surface alike.
+/// A correlation beyond which ν and thickness change the surface in the same way.
 const ALIKE: f64 = 0.97;
-/// Contact that is wider than this, as radius over thickness, leaves little around it.
+/// Contact that is wider than this, as radius over thickness, moves little of the gel around it.
 const WIDE: f64 = 1.0;
 
 /// One value of the gel.
@@ -27,30 +27,30 @@ const WIDE: f64 = 1.0;
 pub struct GelEstimate {
     /// Its key in the profile's `[gel]`.
     pub key: &'static str,
-    /// What the profile had.
+    /// The profile's value.
     pub before: Option<f64>,
-    /// What the presses tell; what the profile had where it is held, none where neither is.
+    /// The fitted value; the profile's value where it is fixed, none where there is neither.
     pub value: Option<f64>,
-    /// Its standard deviation, the error of the linear model included; none where it is held.
+    /// Its standard deviation, including the error of the linear model; none where it is fixed.
     pub deviation: Option<f64>,
-    /// The part of it that is the scatter between presses, or around contact where they are few.
+    /// The part of it from the scatter between presses, or around contact where they are few.
     pub scatter: Option<f64>,
-    /// Whether the presses determine it: only then it is written.
+    /// Whether the presses determine it: only then is it written.
     pub is_determined: bool,
-    /// What there is to say.
+    /// A remark.
     pub remark: String,
 }
 
-/// What one frame says.
+/// The result for one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FrameReport {
     /// The known depth, mm.
     pub depth_mm: f64,
-    /// The depth that was found in the images before it was brought to the known one, mm.
+    /// The depth found in the images before it was scaled to the known one, mm.
     pub found_mm: f64,
     /// The radius of a circle as large as contact, mm.
     pub contact_radius_mm: f64,
-    /// Motion around contact that the gel of the profile leaves unexplained, root mean square over the depth.
+    /// Motion around contact that the profile's gel leaves unexplained, root mean square over the depth.
     pub unexplained_before: Option<f64>,
     /// The same by the fitted gel.
     pub unexplained: f64,
@@ -60,16 +60,16 @@ pub struct FrameReport {
     pub predicted_force_n: Option<f64>,
 }
 
-/// What one press says.
+/// The result for one press.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GelPressReport {
-    /// What it is called.
+    /// Its name.
     pub name: String,
     /// The frames that were used.
     pub frames: Vec<FrameReport>,
 }
 
-/// What the profile's `[gel]` takes: what was fitted and determined.
+/// The values for the profile's `[gel]`: those fitted and determined.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct GelTable {
     /// Poisson's ratio.
@@ -83,7 +83,7 @@ pub struct GelTable {
     pub youngs_modulus_mpa: Option<f64>,
 }
 
-/// What presses tell of a gel.
+/// The result of a gel fit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GelReport {
     /// Poisson's ratio, thickness, Young's modulus.
@@ -91,23 +91,23 @@ pub struct GelReport {
     /// The gel that was fitted.
     #[serde(skip)]
     pub(super) gel: GelBlock,
-    /// Correlation of Poisson's ratio with thickness; none where one is held.
+    /// Correlation of Poisson's ratio with thickness; none where one is fixed.
     pub correlation: Option<f64>,
-    /// Motion around contact that stays unexplained, root mean square over the depth: by the gel of the profile.
+    /// Unexplained motion around contact, root mean square over the depth: by the profile's gel.
     pub unexplained_before: f64,
     /// The same by the fitted gel.
     pub unexplained: f64,
-    /// One a press, as they were given.
+    /// One for each press, in the given order.
     pub presses: Vec<GelPressReport>,
-    /// The residual about the fitted gel.
+    /// The residual around the fitted gel.
     pub residual: ResidualGrid,
-    /// What stays unexplained around contact in the deepest frame, as parts of its depth: by the gel of the profile and by
-    /// the fitted one.
+    /// Unexplained motion around contact in the deepest frame, as parts of its depth: by the profile's gel and by the
+    /// fitted one.
     #[serde(skip)]
     pub(super) maps: [Image<f32>; 2],
     /// Rounds of finding contact and fitting.
     pub rounds: usize,
-    /// What is out of order.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
@@ -169,7 +169,7 @@ impl GelReport {
         })
     }
 
-    /// What the profile's `[gel]` takes; none where nothing is determined.
+    /// The values for the profile's `[gel]`; none where nothing is determined.
     #[must_use]
     pub fn table(&self) -> Option<GelTable> {
         let [poissons_ratio, thickness_mm, youngs_modulus_mpa] =
@@ -179,7 +179,7 @@ impl GelReport {
     }
 }
 
-/// What the model itself errs by: of ν, of ln thickness and of ln E.
+/// The error of the model: of ν, of ln thickness and of ln E.
 fn model(looks: &[Look]) -> [f64; 3] {
     let weight = |look: &Look| (look.weight_per_mm * look.depth_mm).powi(2);
     let mismatch =
@@ -196,7 +196,7 @@ fn with_model(mut covariance: [[f64; 2]; 2], free: [bool; 2], model: [f64; 3]) -
     covariance
 }
 
-/// The deepest frame as the gel of the profile and as the fitted one leave it.
+/// The unexplained motion of the deepest frame, by the profile's gel and by the fitted one.
 fn maps(looks: &[Look], after: &Settled, before: &[(Look, Explained)]) -> [Image<f32>; 2] {
     let depth = |look: &Look| look.depth_mm;
     let deepest = |a: &(&Look, &Explained), b: &(&Look, &Explained)| depth(a.0).total_cmp(&depth(b.0));
@@ -208,10 +208,10 @@ fn maps(looks: &[Look], after: &Settled, before: &[(Look, Explained)]) -> [Image
     ]
 }
 
-/// Why the surface may not tell of the gel.
+/// Why the surface may not determine the gel.
 #[derive(Debug, Clone, Copy)]
 struct Why {
-    /// Whether it cannot, however small the deviations are.
+    /// Whether it does not, however small the deviations are.
     is_certain: bool,
     text: &'static str,
 }
@@ -219,16 +219,16 @@ struct Why {
 impl Why {
     fn new(is_wide: bool, is_alike: bool) -> Self {
         let text = if is_wide {
-            "every contact is wider than the gel is thick, and little of it moves beside: press with something smaller"
+            "every contact is wider than the gel is thick, and the gel beside it hardly moves: use a smaller indenter"
         } else if is_alike {
-            "Poisson's ratio and thickness move the surface alike here: hold one that you measured"
+            "Poisson's ratio and thickness move the surface in the same way here: fix one that you measured"
         } else {
-            "the presses contradict each other or tell too little: check their depths, or press elsewhere and with other shapes"
+            "the presses contradict each other or contain too little information: check their depths, or press at other places and with other shapes"
         };
         Self { is_certain: is_wide || is_alike, text }
     }
 
-    /// The same of Young's modulus, whose deviation has that of the surface in it.
+    /// The same for Young's modulus, whose deviation includes that of the surface.
     fn of_forces(self) -> Self {
         Self { is_certain: false, ..self }
     }
@@ -244,7 +244,7 @@ fn estimate(
 ) -> GelEstimate {
     let is_determined = deviation.is_some_and(|(all, _)| all <= limit) && !why.is_certain;
     let remark = match deviation {
-        None => "held, as the profile has it".into(),
+        None => "fixed at the profile's value".into(),
         Some(_) if is_determined => "determined".into(),
         Some(_) => format!("not determined: {}", why.text),
     };
@@ -268,10 +268,10 @@ fn modulus_estimate(
             let deviations = (value * stiff.deviation.hypot(model), value * stiff.deviation);
             estimate(key, before, Some(value), Some(deviations), value * DETERMINED[2], why)
         }
-        Some(_) => unknown("not determined: the forces pull; a press is a positive force. Left as it was"),
-        None if is_asked => unknown("not determined: the forces are all zero; left as it was"),
-        None if has_forces => unknown("held, as the profile has it"),
-        None => unknown("not determined: there are no forces to tell it; left as it was"),
+        Some(_) => unknown("not determined: the forces are negative; a press is a positive force. Not changed"),
+        None if is_asked => unknown("not determined: the forces are all zero; not changed"),
+        None if has_forces => unknown("fixed at the profile's value"),
+        None => unknown("not determined: there are no forces; not changed"),
     }
 }
 

@@ -1,11 +1,11 @@
-//! Presses into a linear block whose gel is known: what the fit sees of them is made by elasticity itself, on cells half
-//! as wide.
+//! Presses into a linear block whose gel is known: the measurements are computed by elasticity itself, on cells of half
+//! the width.
 
 use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
 use fingervision_touch::{Cells, Limits, Seen, Strain, Tractions};
 
 use super::look::{Known, Look};
-use super::{GelFitError, GelPress, GelReport, Unknowns, fit_what_is_told};
+use super::{GelFitError, GelPress, GelReport, Unknowns, fit_determined};
 
 const GEL: GelBlock =
     GelBlock { size_mm: [20.0, 20.0], thickness_mm: 10.0, poissons_ratio: 0.45, youngs_modulus_mpa: Some(0.3) };
@@ -13,7 +13,7 @@ const GRID: SurfaceGrid = SurfaceGrid { columns: 80, rows: 80, cell_mm: 0.25 };
 const ALL: Unknowns = Unknowns { poissons_ratio: true, thickness: true, youngs_modulus: true };
 const DISTANCE_MM: f64 = 20.0;
 
-/// What a camera sees of a gel that sticks to a disc, pressed 0.5 mm deep, with the force on it.
+/// The measurement of a gel that sticks to a disc, pressed 0.5 mm deep, with the force on it.
 struct Pressed {
     seen: Vec<Seen>,
     touches: Vec<bool>,
@@ -67,7 +67,7 @@ fn fit_to(
         Ok(pressed.iter().enumerate().map(|(n, pressed)| look(pressed, n, gel, force(pressed))).collect())
     };
     let press = |name: &str| GelPress { name: name.into(), frames: Vec::new(), size: (1, 1), was_released: false };
-    fit_what_is_told(&[press("a"), press("b")], start, unknowns, find)
+    fit_determined(&[press("a"), press("b")], start, unknowns, find)
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn the_gel_is_recovered_from_a_start_far_off() {
 }
 
 #[test]
-fn what_is_held_stays_and_what_has_no_force_is_left_alone() {
+fn fixed_values_stay_and_without_forces_the_modulus_is_unchanged() {
     let start = GelBlock { poissons_ratio: 0.4, youngs_modulus_mpa: None, ..GEL };
     let unknowns = Unknowns { thickness: false, youngs_modulus: false, ..ALL };
     let report = fit(start, unknowns, false).unwrap();
@@ -98,21 +98,21 @@ fn what_is_held_stays_and_what_has_no_force_is_left_alone() {
     assert!((table.poissons_ratio.unwrap() - 0.45).abs() < 0.01, "{report}");
     assert_eq!((table.thickness_mm, table.youngs_modulus_mpa), (None, None));
     assert!(
-        report.estimates[1].remark.contains("held") && report.estimates[2].remark.contains("no forces"),
+        report.estimates[1].remark.contains("fixed") && report.estimates[2].remark.contains("no forces"),
         "{report}"
     );
 }
 
 #[test]
-fn what_is_not_determined_is_held_while_the_rest_is_fitted() {
+fn undetermined_values_are_fixed_while_the_rest_is_fitted() {
     let start = GelBlock { thickness_mm: 10.8, poissons_ratio: 0.43, youngs_modulus_mpa: Some(0.6), ..GEL };
-    // A wide contact leaves little around it: Poisson's ratio and thickness change that alike.
+    // A wide contact leaves little around it: Poisson's ratio and thickness change that in the same way.
     let wide = [press(5.0, [0.0, 0.0])];
     let report = fit_to(&wide, start, ALL, true).unwrap();
     assert!(report.estimates[..2].iter().all(|estimate| estimate.remark.contains("alike")), "{report}");
     let forces_alone = Unknowns { youngs_modulus: true, ..Unknowns::NONE };
     let held = fit_to(&wide, start, forces_alone, true).unwrap();
-    assert!(held.estimates[0].remark.contains("held"), "{held}");
+    assert!(held.estimates[0].remark.contains("fixed"), "{held}");
     assert_eq!(report.table(), held.table());
     assert!(report.table().unwrap().youngs_modulus_mpa.is_some(), "{report}");
 }

@@ -1,4 +1,4 @@
-//! What is out of order with presses and the gel that was fitted to them.
+//! Warnings about presses and the gel that was fitted to them.
 
 use fingervision_elastic::GelBlock;
 use fingervision_optics::Camera;
@@ -8,14 +8,14 @@ use super::{GelEstimate, GelPress, GelPressReport};
 
 /// Motion that may stay unexplained, as a part of the depth, before a warning.
 const USUAL_UNEXPLAINED: f64 = 0.02;
-/// A modulus that changes by more than this factor is warned of: forces in another unit do that.
+/// A modulus that changes by more than this factor gives a warning: forces in another unit do that.
 const MOST_STIFFER: f64 = 5.0;
-/// Depths in the images that differ by more than this factor from the known ones are warned of.
+/// Depths in the images that differ by more than this factor from the known ones give a warning.
 const MOST_FACTOR: f64 = 1.5;
-/// Poisson's ratio above which a fit has come to the end of its range.
+/// Poisson's ratio above which a fit has reached the end of its range.
 const MOST_RATIO: f64 = 0.498;
 
-/// What the presses and the fit to them say.
+/// The warnings about the presses and the fit.
 pub(super) fn of_presses(
     presses: &[GelPress],
     reports: &[GelPressReport],
@@ -25,7 +25,7 @@ pub(super) fn of_presses(
     let released = presses.iter().filter(|press| press.was_released).map(of_release);
     let misfit = (unexplained > USUAL_UNEXPLAINED).then(|| of_misfit(unexplained));
     let is_at_end = ratio.value.is_some_and(|ratio| ratio > MOST_RATIO);
-    let at_end = is_at_end.then(|| "Poisson's ratio is at the upper end, 0.499: as good as incompressible".into());
+    let at_end = is_at_end.then(|| "Poisson's ratio is at the upper end, 0.499: nearly incompressible".into());
     released
         .chain(misfit)
         .chain(reports.iter().filter_map(of_depths))
@@ -34,11 +34,11 @@ pub(super) fn of_presses(
         .collect()
 }
 
-/// What a gel before a camera says by itself.
+/// The warnings about the gel and the camera alone.
 pub(super) fn of_sensor(camera: &Camera, gel: &GelBlock, params: ElasticParams) -> Option<String> {
-    params.is_outside_learned(camera, gel).then(|| {
-        "nothing like this gel before this camera was learned from: depth and contact are as good as elasticity alone \
-         makes them, and the gel is fitted to them"
+    params.is_outside_training(camera, gel).then(|| {
+        "gel and camera are outside the network's training range: depth and contact are less accurate, \
+         and the gel is fitted to them"
             .into()
     })
 }
@@ -52,29 +52,29 @@ fn of_release(press: &GelPress) -> String {
 
 fn of_misfit(unexplained: f64) -> String {
     format!(
-        "{:.1} % of the depth stay unexplained, {:.0} % at most are usual: is the gel bonded to a flat window, the camera \
+        "{:.1} % of the depth remain unexplained, usual are at most {:.0} %: is the gel bonded to a flat window, the camera \
          calibrated, the depth right?",
         100.0 * unexplained,
         100.0 * USUAL_UNEXPLAINED
     )
 }
 
-/// A depth in the images far from the known one.
+/// A depth in the images that differs much from the known one.
 fn of_depths(press: &GelPressReport) -> Option<String> {
     let deepest = press.frames.iter().max_by(|a, b| a.depth_mm.total_cmp(&b.depth_mm))?;
     let factor = deepest.found_mm / deepest.depth_mm;
     (!(1.0 / MOST_FACTOR..MOST_FACTOR).contains(&factor)).then(|| {
         format!(
-            "{}: at {:.2} mm its images look {:.2} mm deep: check its depths, and the distance in [camera]",
+            "{}: at {:.2} mm the depth in its images is {:.2} mm: check its depths, and the distance in [camera]",
             press.name, deepest.depth_mm, deepest.found_mm
         )
     })
 }
 
-/// A modulus far from what the profile had.
+/// A modulus that differs much from the profile's.
 fn of_modulus(modulus: &GelEstimate) -> Option<String> {
     let (before, now) = modulus.before.zip(modulus.value)?;
     (now.max(before) > MOST_STIFFER * now.min(before)).then(|| {
-        format!("Young's modulus goes from {before:.4} to {now:.4} MPa: are the forces in N? (1 g is 0.00981 N)")
+        format!("Young's modulus changes from {before:.4} to {now:.4} MPa: are the forces in N? (1 g is 0.00981 N)")
     })
 }

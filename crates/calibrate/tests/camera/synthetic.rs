@@ -99,7 +99,7 @@ fn one_slide_tells_focal_length_and_distance_only_together() {
         let blind = &fit.knowledge.blind[0];
         assert!(blind.meaning.starts_with("focal length against distance"), "{blind:?}");
         let distance = fit.knowledge.estimates[Unknown::Distance.index()];
-        assert!(distance.learned.unwrap() < 0.2, "{distance:?}");
+        assert!(distance.determined.unwrap() < 0.2, "{distance:?}");
     }
 }
 

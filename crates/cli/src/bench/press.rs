@@ -1,4 +1,4 @@
-//! The press that is timed: the same for every program that is.
+//! The press that is timed: the same for every program.
 
 use std::fmt;
 use std::fs;
@@ -13,16 +13,16 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 
-/// Frames of the press, the reference among them.
+/// Frames of the press, including the reference.
 pub(super) const FRAMES: u64 = 31;
 /// The largest displacement of the last frame, px, on images of [`FULL_ROWS`] or more.
 const AMPLITUDE_PX: f64 = 25.0;
-/// Where the displacement is largest, px from the middle.
+/// Distance of the largest displacement from the middle, px.
 const RADIUS_PX: f64 = 80.0;
 /// On smaller images the bump shrinks with the shorter side, px.
 const FULL_ROWS: f64 = 450.0;
 
-/// A round bump that grows evenly behind the reference.
+/// A round bump that grows linearly after the reference.
 #[derive(Debug)]
 pub(super) struct Press {
     renderer: SheetRenderer,
@@ -30,7 +30,7 @@ pub(super) struct Press {
     amplitude_px: f64,
 }
 
-/// Where a press was written.
+/// The files of a press.
 #[derive(Debug, Serialize)]
 pub(super) struct Written {
     /// The folder of images.
@@ -64,7 +64,7 @@ impl Press {
         self.deepest.at(frame as f64 / (FRAMES - 1) as f64)
     }
 
-    /// A frame with noise of its own.
+    /// A frame with its own noise.
     pub(super) fn frame(&self, sequence: u64) -> Result<Frame, GelError> {
         Ok(Frame { sequence, capture_time_s: sequence as f64, pixels: Pixels::Rgb8(self.image(sequence)?) })
     }
@@ -73,7 +73,7 @@ impl Press {
         self.renderer.render(&self.motion(frame), Light::EVEN, 1 + frame)
     }
 
-    /// Writes all frames and their true flow into folders of `folder` that must not exist yet.
+    /// Writes all frames and their true flow into new folders of `folder`.
     pub(super) fn write(&self, folder: &Path, progress: &ProgressBar) -> Result<Written, Failure> {
         let (width, height) = self.size();
         let (frames, truth) = (new_folder(folder, "frames")?, new_folder(folder, "truth")?);

@@ -1,4 +1,4 @@
-//! What the bench found.
+//! The result of the bench.
 
 use std::fmt;
 
@@ -9,10 +9,10 @@ use serde::Serialize;
 
 use crate::doctor::instruction_set;
 
-/// Left out of the error on each side, px.
+/// Border excluded from the error on each side, px.
 const BORDER_PX: usize = 16;
 
-/// Times and errors of the frames behind the reference.
+/// Times and errors of the frames after the reference.
 #[derive(Debug, Serialize)]
 pub(super) struct Report {
     /// Columns and rows that are tracked, px.
@@ -23,14 +23,14 @@ pub(super) struct Report {
     /// How many frames were timed.
     frames: usize,
     frame_ms: Times,
-    /// Frames over the time that all of them took.
+    /// Frames over their total time.
     frames_per_second: f64,
     epe_px: Errors,
-    /// Absent for a profile of one's own.
+    /// Absent for a user's own profile.
     elastic_ms: Option<ElasticTimes>,
 }
 
-/// What depth from elasticity adds to a frame's flow, ms: differences of medians.
+/// Additional time of depth from elasticity, ms: differences of medians.
 #[derive(Debug, Serialize)]
 pub(super) struct ElasticTimes {
     /// The median time of flow alone.
@@ -61,7 +61,7 @@ struct Errors {
 }
 
 impl Report {
-    /// `times_ms` and `errors_px` hold at least one value each.
+    /// `times_ms` and `errors_px` contain at least one value each.
     pub(super) fn new(
         size: (usize, usize),
         press_px: f64,
@@ -101,7 +101,7 @@ impl Times {
     }
 }
 
-/// The value below which `percent` per cent of the values lie, linear between neighbours. `sorted` holds at least one.
+/// The value below which `percent` per cent of the values lie, linear between neighbours. `sorted` contains at least one.
 fn percentile(sorted: &[f64], percent: f64) -> f64 {
     let rank = percent / 100.0 * (sorted.len() - 1) as f64;
     let (below, above) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
@@ -112,9 +112,9 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Mean distance between the displacement `[u, v]` found in a region of the image and the true one, valid or not, px.
+/// Mean distance between the measured displacement `[u, v]` in a region of the image and the true one, valid or not, px.
 ///
-/// The border is left out; NaN where that leaves nothing.
+/// The border is excluded; NaN if nothing remains.
 pub(super) fn end_point_error_px([u, v]: [&Image<f32>; 2], motion: &Motion, region: Rect) -> f64 {
     let inside = |length: usize| BORDER_PX..length.saturating_sub(BORDER_PX);
     let pixels = inside(region.height).flat_map(|y| inside(region.width).map(move |x| (x, y)));
@@ -133,9 +133,12 @@ impl fmt::Display for Report {
         let Times { p10, p50, p90, p99, max, .. } = frame_ms;
         let Errors { mean, last } = epe_px;
         writeln!(f, "{frames} frames of {width}x{height} px in colour, one thread, {instruction_set}")?;
-        writeln!(f, "ms a frame       p10 {p10:.1}  p50 {p50:.1}  p90 {p90:.1}  p99 {p99:.1}  max {max:.1}")?;
-        writeln!(f, "frames a second  {frames_per_second:.1}")?;
-        writeln!(f, "flow is off by   {mean:.4} px on average, {last:.4} px at the press's end of {press_px:.0} px")?;
+        writeln!(f, "ms per frame     p10 {p10:.1}  p50 {p50:.1}  p90 {p90:.1}  p99 {p99:.1}  max {max:.1}")?;
+        writeln!(f, "frames per second  {frames_per_second:.1}")?;
+        writeln!(
+            f,
+            "flow error       {mean:.4} px on average, {last:.4} px at the end of the press of {press_px:.0} px"
+        )?;
         elastic_ms.iter().try_for_each(|ElasticTimes { flow, live, exact }| {
             writeln!(f, "depth from elasticity adds  {live:.1} ms live, {exact:.1} ms exact to {flow:.1} ms of flow")
         })

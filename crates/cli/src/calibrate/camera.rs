@@ -1,4 +1,4 @@
-//! `fingervision calibrate camera`: how the camera sees the gel, from a board that slides in known steps.
+//! `fingervision calibrate camera`: fits the camera to a sliding board.
 
 use std::fs;
 use std::io::Write;
@@ -22,34 +22,35 @@ use super::beside;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
-/// The profile's own distance is believed to this part.
+/// Relative standard deviation of the profile's own distance as a prior.
 const PROFILE_DISTANCE_PART: f64 = 0.1;
 
-/// Find how the camera sees the gel, from a patterned board that slides in known steps
+/// Find pose and lens of the camera, using a patterned board that slides in known steps
 ///
-/// Put a flat board with a dense random pattern where the gel's surface will be, slide it along x by equal steps and take an image after each: 21 images. The flow from image to image, averaged, gives position, tilt, distortion, focal length and principal point, and the profile's `[camera]` is written. One slide does not tell focal length from distance: measure the distance from the lens to the board and give it with `--prior distance_mm=25±0.5`, or add a second slide across the first, the board tilted by 15° or more.
+/// Put a flat board with a dense random pattern where the gel's surface will be, slide it along x by equal steps and take an image after each: 21 images. The flow from image to image, averaged, gives position, tilt, distortion, focal length and principal point, and the profile's `[camera]` is written. One slide does not distinguish focal length from distance: measure the distance from the lens to the board and give it with `--prior distance_mm=25±0.5`, or add a second slide perpendicular to the first, with the board tilted by 15° or more.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The images of the board, in order: a folder, a video or sim:board; further slides of the same board follow
     #[arg(required_unless_present = "corners", value_name = "BOARD")]
     boards: Vec<PathBuf>,
-    /// How far the board moves between neighbouring images, mm; one value for all slides or one for each
+    /// Step of the board between consecutive images, mm; one value for all slides or one for each
     #[arg(long, required_unless_present = "corners", value_delimiter = ',', value_name = "MM,...", value_parser = positive)]
     step_mm: Vec<f64>,
-    /// Where each slide goes in the image: x, y, or degrees from x towards y; without it x, then y
+    /// Direction of each slide in the image: x, y, or degrees from x towards y; without it x, then y
     #[arg(long, value_delimiter = ',', value_name = "x|y|DEG,...", value_parser = direction, allow_negative_numbers = true)]
     direction: Vec<f64>,
-    /// The sensor's profile: its region of interest and flow are used, its `[camera]` is written; made where there is none
+    /// The sensor's profile: its region of interest and flow are used, its `[camera]` is written; created if there is
+    /// none
     #[arg(long, value_name = "FILE")]
     profile: PathBuf,
-    /// What is known beforehand, as in `distance_mm=25±0.5` or `focal_length_px=400+-4`; may be repeated
+    /// Prior knowledge, as in `distance_mm=25±0.5` or `focal_length_px=400+-4`; may be repeated
     ///
-    /// Names: `rotation_x_rad`, `rotation_y_rad`, `rotation_z_rad`, `translation_x_mm`, `translation_y_mm`, `distance_mm`, `k1`, `k2`, `p1`, `p2`, `focal_length_px`, `principal_x_px`, `principal_y_px`. Without one for distance or focal length, the distance of the profile's `[camera]` is believed to 10 %; without that, 50±25 mm.
+    /// Names: `rotation_x_rad`, `rotation_y_rad`, `rotation_z_rad`, `translation_x_mm`, `translation_y_mm`, `distance_mm`, `k1`, `k2`, `p1`, `p2`, `focal_length_px`, `principal_x_px`, `principal_y_px`. Without one for distance or focal length, the distance of the profile's `[camera]` is used with a deviation of 10 %; without that, 50±25 mm.
     #[arg(long = "prior", value_name = "NAME=VALUE±SD", value_parser = Prior::parse)]
     priors: Vec<(Unknown, Prior)>,
     /// Instead of a slide, corners of a checkerboard in 3 or more poses: a table with the columns image, `x_mm`, `y_mm`, `u_px`, `v_px`
     ///
-    /// A row for each corner: the image's number, where the corner is on the board, x right and y down, and where it was detected, in the region of interest. In the first image the board lies where the gel's surface will be, upright; in the others it is tilted by 15° to 40° to different sides. Nothing need be known beforehand.
+    /// A row for each corner: the image's number, where the corner is on the board, x right and y down, and where it was detected, in the region of interest. In the first image the board lies where the gel's surface will be, upright; in the others it is tilted by 15° to 40° to different sides. No priors are needed.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["boards", "step_mm", "direction", "priors", "start", "picture"])]
     corners: Option<PathBuf>,
     /// The form of radial distortion
@@ -77,7 +78,7 @@ enum RadialName {
 /// What `--start` takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum StartName {
-    /// Upright, without distortion, its scale the one of the mean flow
+    /// Upright, without distortion, with the scale of the mean flow
     Plain,
     /// All zero, a distance of 50 mm and a focal length of 50 px
     Published,
@@ -122,8 +123,8 @@ fn from_slides(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     args.output.result(out, &CameraResult { report, picture, profile: args.profile.clone() }, &text)
 }
 
-/// Fits the camera to the slides and writes the picture of residuals and the profile; gives the report and the picture's
-/// file.
+/// Fits the camera to the slides and writes the picture of residuals and the profile; returns the report and the
+/// picture's file.
 pub(super) fn fit(args: &Args) -> Result<(CameraReport, PathBuf), Failure> {
     let profile = if args.profile.exists() { super::load(&args.profile)? } else { Profile::default() };
     let slides = args.slides()?;
@@ -142,7 +143,7 @@ pub(super) fn fit(args: &Args) -> Result<(CameraReport, PathBuf), Failure> {
     let fit = fit_camera(&flows, &priors, options)?;
     let report = CameraReport::new(fit, &flows, &priors);
     if [Unknown::Distance, Unknown::FocalLength].iter().all(|&unknown| !priors.is_given(unknown)) && flows.len() == 1 {
-        args.output.note("neither distance nor focal length is known: only their ratio is found; see --prior");
+        args.output.note("neither distance nor focal length is known: only their ratio is determined; see --prior");
     }
     report.check()?;
     let picture = args.picture.clone().unwrap_or_else(|| beside(&args.profile, "camera"));
@@ -152,7 +153,7 @@ pub(super) fn fit(args: &Args) -> Result<(CameraReport, PathBuf), Failure> {
 }
 
 impl Args {
-    /// One slide, and what is known of the camera's distance.
+    /// One slide, and the prior of the camera's distance.
     pub(super) fn slide(
         board: PathBuf,
         slide: Slide,
@@ -196,7 +197,7 @@ impl Args {
         Ok((0..count).map(slide).collect())
     }
 
-    /// The flow of one board, and what is known of the camera.
+    /// The flow of one board, and the prior of the camera.
     fn follow(&self, board: &Path, slide: Slide, profile: &Profile) -> Result<(BoardFlow, Priors), Failure> {
         let mut source = open(board, &Options::default())?;
         let region = profile.region(source.size())?;
@@ -220,7 +221,7 @@ impl Args {
         Ok((tracker.finish(slide, known_px).map_err(named)?, priors))
     }
 
-    /// What is known before the fit, and the flow of a step by it, px, where it says how large a pixel is.
+    /// The camera before the fit, and its flow for a step, px, if it determines the size of a pixel.
     fn known(
         &self,
         profile: &Profile,
@@ -248,7 +249,7 @@ impl Args {
                 format!(
                     "camera.principal_point_px = [{x}, {y}] lies outside the images' region of {width}x{height} px"
                 ),
-                "the profile is that of another image size: name the right one, or remove its [camera]",
+                "the profile is for another image size: use the right one, or remove its [camera]",
             ));
         }
         if !priors.is_given(distance) && !priors.is_given(focal) {
@@ -289,7 +290,7 @@ fn other_size(board: &Path, (width, height): (usize, usize), first: (usize, usiz
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("a step is a length above 0 mm; for a slide the other way round see --direction".into()),
+        _ => Err("a step is a length above 0 mm; for a slide in the opposite direction see --direction".into()),
     }
 }
 

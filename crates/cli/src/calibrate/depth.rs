@@ -1,4 +1,4 @@
-//! `fingervision calibrate depth`: from presses of known depth to the law that turns density into depth.
+//! `fingervision calibrate depth`: fits the law that turns density into depth to presses of known depth.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -16,18 +16,19 @@ use super::{beside, load};
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
-/// Fit how depth follows from the density feature, from presses of known depth
+/// Fit the relation from density feature to depth, using presses of known depth
 ///
-/// Every press is tracked with the profile; the largest density feature of each frame is set against the depth that is
-/// known. Three laws are fitted to all presses: the published line, a line through the origin, and the camera's perspective.
-/// The report says what each press and all together are worth, which law errs least, and warns where no single one holds.
-/// Nothing but depth.density changes in the profile.
+/// Every press is tracked with the profile; the largest density feature of each frame is compared with the known depth.
+/// Three laws are fitted to all presses: the published line, a line through the origin, and the camera's perspective. The
+/// report shows how well each press and all together are explained, which law has the least error, and warns if no single
+/// law fits. In the profile only depth.density changes.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Presses: folders of images with their depths, or simulated scenes, as in calibration-centre-1mm
     ///
-    /// A folder holds images, in it or in its subfolder frames/, and depth.csv: a line `frame,depth_mm`, then a row for every
-    /// image, from 0. A folder that `simulate` wrote has all that. The first image shows the gel untouched.
+    /// A folder contains images, directly or in its subfolder frames/, and depth.csv: a line `frame,depth_mm`, then a row
+    /// for every image, from 0. A folder written by `simulate` contains all of this. The first image shows the gel
+    /// untouched.
     #[arg(required_unless_present = "simulated")]
     presses: Vec<String>,
     /// Press the simulated gel instead: 1, 2 and 3 mm deep at the centre, midway and near a corner
@@ -36,13 +37,13 @@ pub(crate) struct Args {
     /// Solve simulated scenes on a coarse mesh: seconds instead of minutes
     #[arg(long)]
     draft: bool,
-    /// The profile of the sensor: tracks the presses and takes the law
+    /// The profile of the sensor: used to track the presses; the law is written to it
     #[arg(long, value_name = "FILE")]
     profile: PathBuf,
     /// The law to write into the profile
     #[arg(long, value_enum, default_value_t = MethodName::Origin)]
     method: MethodName,
-    /// Which value of the feature stands for a frame
+    /// Which value of the feature represents a frame
     #[arg(long, value_enum, default_value_t = MaximumName::Plain)]
     maximum: MaximumName,
     /// The picture of feature against depth; without it PROFILE-depth.png beside the profile
@@ -55,9 +56,9 @@ pub(crate) struct Args {
 /// What `--method` takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum MethodName {
-    /// A line with an intercept, as published: the intercept lands on every untouched pixel
+    /// A line with an intercept, as published: the intercept is added to every untouched pixel
     Line,
-    /// A line through the origin: what is untouched has no depth
+    /// A line through the origin: untouched gel has no depth
     Origin,
     /// A slope at every pixel from the camera's perspective, times a fitted gain; needs `[camera]` in the profile
     Perspective,
@@ -68,7 +69,7 @@ enum MethodName {
 enum MaximumName {
     /// The largest value, as published
     Plain,
-    /// The largest median over squares of a seventh of the image, which a rim or a fault does not move
+    /// The largest median over squares of a seventh of the image, not affected by a rim or an outlier
     Robust,
 }
 
@@ -177,7 +178,7 @@ fn record(args: &Args, press: &str, profile: &Profile) -> Result<PressCurve, Fai
     let press = Press::open(press, args.draft, args.output)?;
     if let Some(apart_px) = press.camera_mismatch_px(profile) {
         args.output.note(&format!(
-            "{}: its camera is not the profile's, {apart_px:.0} px apart at most: the depth law is that of its camera",
+            "{}: its camera differs from the profile's by up to {apart_px:.0} px: the depth law is for the camera of the press",
             press.name
         ));
     }

@@ -1,4 +1,4 @@
-//! `fingervision calibrate gel`: from presses of known depth, and perhaps force, to the gel itself.
+//! `fingervision calibrate gel`: fits the gel to presses of known depth, and optionally of known force.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -17,31 +17,32 @@ use crate::output::OutputArgs;
 
 /// Find Poisson's ratio, thickness and Young's modulus of the gel, from presses of known depth
 ///
-/// Every press is tracked with the profile; four of its frames, 4 to 12 % of the thickness deep, are used. How the
-/// gel moves around contact tells Poisson's ratio and thickness; forces, where a scale or a force sensor gives them, tell
-/// Young's modulus. The report says how well each is determined, and the profile's `[gel]` takes those that are. The
-/// profile needs `[camera]`, and a `[gel]` to begin with.
+/// Every press is tracked with the profile; four of its frames, 4 to 12 % of the thickness deep, are used. The motion of
+/// the gel around contact determines Poisson's ratio and thickness; forces from a scale or a force sensor determine
+/// Young's modulus. The report shows how well each value is determined, and the determined ones are written to the
+/// profile's `[gel]`. The profile needs `[camera]`, and a `[gel]` to start from.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Presses: folders of images with their depths, or simulated scenes, as in sim:circle?draft
     ///
-    /// A folder holds images, in it or in its subfolder frames/, and depth.csv: a line `frame,depth_mm,force_z_n`, then a
-    /// row for every image, from 0; the column of normal forces, N, may be left out. A folder that `simulate` wrote has all
-    /// that. The first image shows the gel untouched. Small contacts tell most: no wider than the gel is thick.
+    /// A folder contains images, directly or in its subfolder frames/, and depth.csv: a line `frame,depth_mm,force_z_n`,
+    /// then a row for every image, from 0; the column of normal forces, N, may be left out. A folder written by
+    /// `simulate` contains all of this. The first image shows the gel untouched. Small contacts give the most
+    /// information: no wider than the gel is thick.
     #[arg(required = true)]
     presses: Vec<String>,
     /// Solve simulated scenes on a coarse mesh: seconds instead of minutes
     #[arg(long)]
     draft: bool,
-    /// The profile of the sensor: tracks the presses and takes what is determined
+    /// The profile of the sensor: used to track the presses; values that are determined are written to it
     #[arg(long, value_name = "FILE")]
     profile: PathBuf,
-    /// What to fit; what is not named is held as the profile has it. Without it all that the presses can tell
+    /// The values to fit; the others keep the profile's value. Without it all values that the presses can determine
     #[arg(long, value_enum, value_delimiter = ',', value_name = "VALUES")]
     fit: Vec<Value>,
     /// The picture of the residual over Poisson's ratio and thickness; without it PROFILE-gel.png beside the profile
     ///
-    /// With forces a second one, its name with -force, shows them as measured and as the gel has them.
+    /// With forces a second one, with -force in its name, shows the measured and the predicted forces.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
     #[command(flatten)]
@@ -81,12 +82,12 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     args.output.result(out, &result, &text)
 }
 
-/// Fits all that recorded presses can tell.
+/// Fits all values that the recorded presses can determine.
 pub(super) fn fit(presses: &[String], profile: &Profile, output: OutputArgs) -> Result<GelReport, Failure> {
     fit_presses(presses, false, &[], profile, output)
 }
 
-/// Tracks presses and fits these values to them, all that they can tell where none is named.
+/// Tracks presses and fits these values to them; if none is named, all values that the presses can determine.
 fn fit_presses(
     names: &[String],
     is_draft: bool,
@@ -110,17 +111,17 @@ fn fit_presses(
         thickness: asks(Value::Thickness, true),
         youngs_modulus: asks(Value::YoungsModulus, has_forces),
     };
-    output.note("fitting the gel: this takes some seconds a press");
+    output.note("fitting the gel: this takes some seconds per press");
     Ok(fit_gel(&presses, profile, unknowns)?)
 }
 
-/// A gel seen by another camera than is told would come out wrong, and nothing in the fit would show it.
+/// With another camera than the profile's the values would be wrong, and the fit would not show it.
 fn other_camera(press: &str, apart_px: f64) -> Failure {
     Failure::new(
         format!(
-            "{press}: the profile's [camera] is not the one of this press: points of the gel are up to {apart_px:.0} px apart"
+            "{press}: the profile's [camera] differs from that of this press: points of the gel are up to {apart_px:.0} px apart"
         ),
-        "take the profile.toml that simulate writes beside the press, or simulate the press with the profile's [camera]",
+        "use the profile.toml that simulate writes beside the press, or simulate the press with the profile's [camera]",
     )
 }
 
@@ -158,7 +159,7 @@ fn text(report: &GelReport, written: Option<&GelTable>, profile: &Path, pictures
     let (file, keys) = (profile.display(), keys.join(", "));
     let _ = match written {
         Some(_) => writeln!(text, "profile             {file}: [gel] has a new {keys}"),
-        None => writeln!(text, "profile             {file} is as it was: nothing is determined"),
+        None => writeln!(text, "profile             {file} is not changed: nothing is determined"),
     };
     text
 }

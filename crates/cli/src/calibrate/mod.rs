@@ -1,4 +1,4 @@
-//! `fingervision calibrate`: from recordings of known motion to a sensor's profile.
+//! `fingervision calibrate`: fits a sensor's profile to recordings of known motion.
 
 mod camera;
 mod depth;
@@ -15,11 +15,12 @@ use fingervision_touch::Profile;
 
 use crate::failure::Failure;
 
-/// Calibrate a sensor: be led through it, or fit one part of its profile to recordings of known motion
+/// Calibrate a sensor: a guided calibration, or the fit of one part of its profile to recordings of known motion
 ///
-/// Without a subcommand it leads through the calibration of a real sensor. A folder holds the recordings: the untouched gel, a
-/// sliding board, some presses. It says which is next and how to take it, checks each as it comes, says what to do again and
-/// why, and at last writes the sensor's profile. Run it again after every recording.
+/// Without a subcommand it guides through the calibration of a real sensor. A folder contains the recordings: the
+/// untouched gel, a sliding board, some presses. The command explains which one is next and how to take it, checks each
+/// one when it is there, says which ones to repeat and why, and finally writes the sensor's profile. Run it again after
+/// every recording.
 #[derive(Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct Args {
@@ -49,13 +50,13 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 /// The profile of a sensor that is to be calibrated further.
 fn load(path: &Path) -> Result<Profile, Failure> {
     load_to_update(path).map_err(|error| {
-        let begin_one = format!("begin one: fingervision profile new --out {}", path.display());
+        let begin_one = format!("start one: fingervision profile new --out {}", path.display());
         let hint = if path.exists() { error.hint() } else { Some(begin_one) };
         Failure::Stated { message: error.to_string(), hint }
     })
 }
 
-/// A picture beside a file: its name without the ending, then what the picture shows.
+/// A picture beside a file: its name without the extension, then the picture's subject.
 fn beside(file: &Path, shown: &str) -> PathBuf {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     file.with_file_name(format!("{stem}-{shown}.png"))

@@ -20,23 +20,24 @@ pub(super) struct Press {
     pub(super) name: String,
     /// The depth of each of its images, mm.
     pub(super) depths_mm: Vec<f64>,
-    /// The normal force in each of them, N, where it is known.
+    /// The normal force in each of them, N, if it is known.
     pub(super) forces_n: Option<Vec<f64>>,
     pub(super) source: Box<dyn Source>,
-    /// The camera and the gel that a simulated press was seen by.
+    /// The camera and the gel of a simulated press.
     pub(super) sensor: Option<(CameraParams, GelBlock)>,
 }
 
-/// Points of a simulated gel that two cameras see farther apart than this part of the image are seen by two cameras; a fit to a
-/// recording of a board stays within a third of it.
+/// Two cameras count as different if they see points of a simulated gel farther apart than this part of the image; a fit
+/// to a recording of a board stays within a third of it.
 const OTHER_CAMERA: f64 = 0.01;
-/// Distances to the gel that differ by more than this part are those of two cameras: they see depth differently.
+/// Two cameras count as different if their distances to the gel differ by more than this part: depth then looks
+/// different.
 const OTHER_DISTANCE: f64 = 0.05;
-/// Points of the gel that are compared, along either side.
+/// Points of the gel that are compared, along each side.
 const POINTS: usize = 5;
 
 impl Press {
-    /// Finds a press among folders and scenes; scenes are solved, on a coarse mesh where asked for.
+    /// Finds a press among folders and scenes; scenes are solved, on a coarse mesh if requested.
     pub(super) fn open(press: &str, draft: bool, output: OutputArgs) -> Result<Self, Failure> {
         let path = Path::new(press);
         if path.is_dir() {
@@ -58,8 +59,8 @@ impl Press {
         Self::simulated(&scene, output)
     }
 
-    /// Hands the images to a recorder, which `make` makes for their size, px, and whether they have colour, until `push` says
-    /// that it needs no more.
+    /// Passes the images to a recorder, which `make` creates for their size, px, and whether they have colour, until
+    /// `push` returns that no more are needed.
     pub(super) fn record<R, E>(
         mut self,
         output: OutputArgs,
@@ -88,7 +89,7 @@ impl Press {
         Ok(recorder)
     }
 
-    /// A press that is solved, or was before.
+    /// A press that is solved, or taken from the cache.
     fn simulated(location: &str, output: OutputArgs) -> Result<Self, Failure> {
         let Some(location) = SimulatedLocation::of(Path::new(location))? else {
             return Err(Failure::new(format!("{location}: it names no scene"), "scenes are listed by simulate --list"));
@@ -107,8 +108,8 @@ impl Press {
         Ok(Self { name: scene.name, depths_mm, forces_n: Some(forces_n), source: Box::new(source), sensor })
     }
 
-    /// How far apart the profile's camera and the one of a simulated press see points of the gel at most, px, where that is more
-    /// than a fit errs by; none for a recording, whose camera nobody knows.
+    /// The largest distance, px, between points of the gel as seen by the profile's camera and by that of a simulated
+    /// press, if it is larger than the error of a fit; none for a recording, whose camera is not known.
     pub(super) fn camera_mismatch_px(&self, profile: &Profile) -> Option<f64> {
         let (params, gel) = self.sensor?;
         let cameras = [Camera::new(&params).ok()?, Camera::new(&profile.camera?).ok()?];
@@ -117,7 +118,7 @@ impl Press {
         let points = (0..POINTS * POINTS).map(|i| [at(i % POINTS, gel.size_mm[0]), at(i / POINTS, gel.size_mm[1])]);
         let is_seen = |[x, y]: [f64; 2]| (0.0..width as f64).contains(&x) && (0.0..height as f64).contains(&y);
         let apart = points.filter_map(|[x, y]| {
-            // On the surface and pressed in: what differs with depth differs in distance.
+            // On the surface and pressed in: a difference that changes with depth is a difference in distance.
             let apart = [0.0, 0.1 * gel.thickness_mm].map(|z| {
                 let [a, b] = cameras.each_ref().map(|camera| camera.project([x, y, z]));
                 let (a, b) = (a.filter(|&a| is_seen(a))?, b?);
@@ -132,7 +133,7 @@ impl Press {
     }
 }
 
-/// The camera and the gel of a press that `simulate` wrote: it leaves its profile beside the images.
+/// The camera and the gel of a press written by `simulate`, which writes its profile beside the images.
 fn simulated_sensor(folder: &Path) -> Option<(CameraParams, GelBlock)> {
     let profile = Profile::load(&folder.join("profile.toml")).ok().filter(|_| folder.join("scene.toml").is_file())?;
     Some((profile.camera?, profile.gel?))

@@ -1,4 +1,4 @@
-//! `fingervision evaluate --benchmark`: ways to depth against exact truth, over all ready-made scenes.
+//! `fingervision evaluate --benchmark`: compares methods for depth with the exact truth, over all ready-made scenes.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -13,7 +13,7 @@ use crate::output::OutputArgs;
 use crate::profile_args::assignment;
 use crate::report_folder::ReportFolder;
 
-/// The folder of a benchmark that was not given one.
+/// The folder of a benchmark if none is given.
 const FOLDER: &str = "fingervision-benchmark";
 
 /// What `--entry` takes.
@@ -29,7 +29,7 @@ fn entry(text: &str) -> Result<Entry, String> {
 /// On which mesh scenes are solved.
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
 pub(super) enum Mesh {
-    /// 0.75 mm where the gel is touched: seconds a press
+    /// 0.75 mm where the gel is touched: seconds per press
     #[default]
     Draft,
     /// 0.45 mm: a minute
@@ -48,21 +48,21 @@ impl From<Mesh> for Resolution {
     }
 }
 
-/// What the command line says of the benchmark.
+/// The options of the benchmark.
 #[derive(Debug, clap::Args)]
 pub(super) struct BenchmarkArgs {
-    /// Score another program too: FOLDER/CASE/depth.npy for each scene in cases/; may be repeated
+    /// Evaluate another program too: FOLDER/CASE/depth.npy for each scene in cases/; may be repeated
     #[arg(long = "entry", value_name = "NAME=FOLDER", conflicts_with = "run", value_parser = entry)]
     entries: Vec<Entry>,
-    /// Tell the tracker otherwise than the sensors are, as in `elastic.learned=false`; may be repeated
+    /// Give the tracker a value that differs from the simulated sensor, as in `elastic.network=false`; may be repeated
     ///
-    /// Any key of a profile: what a wrong one costs, or what a part of the tracker is worth.
+    /// Any key of a profile: shows the effect of a wrong value, or what a part of the tracker contributes.
     #[arg(long = "set", value_name = "KEY=VALUE", conflicts_with = "run", value_parser = assignment)]
     assignments: Vec<(String, String)>,
-    /// Solve the scenes on this mesh; calibration presses stay on the draft one
+    /// Solve the scenes on this mesh; calibration presses use the draft mesh
     #[arg(long, value_enum, value_name = "MESH", conflicts_with = "run", default_value_t)]
     mesh: Mesh,
-    /// Three scenes on the default sensor alone: to see that it works
+    /// Only three scenes on the default sensor, as a quick test
     #[arg(long, conflicts_with = "run")]
     quick: bool,
 }
@@ -103,7 +103,7 @@ pub(super) fn benchmark(
     output.result(out, &BenchmarkResult { report, page }, &text)
 }
 
-/// The scenes, for other programs to take part.
+/// Writes the scenes, for other programs to take part.
 fn write_cases(folder: &ReportFolder, cases: &[Case]) -> Result<(), Failure> {
     cases.iter().try_for_each(|case| folder.add(&format!("cases/{}.toml", case.name), case.scene.to_toml().as_bytes()))
 }

@@ -1,4 +1,4 @@
-//! `fingervision evaluate`: how far a run is from the truth.
+//! `fingervision evaluate`: errors of a run against the truth.
 
 mod benchmark;
 
@@ -21,7 +21,7 @@ pub(crate) const FOLDER: &str = "evaluation";
 
 /// Compare a run with its truth: errors of flow, depth and force, as a table and a picture
 ///
-/// Depth and flow are compared where the truth is seen and the run is valid, everywhere and in three regions: inside the true contact, within 1 mm of its border on both sides (its inner half lies inside as well), and outside of both. Distances are measured on the undeformed gel. Where a run says on its own where depth holds (`depth_valid.npy`, from elasticity), depth, displacement and contact are compared there, and depth once more where the flow is valid too. Any program that writes flow.npy [frames, rows, columns, 2], in px, or depth.npy [frames, rows, columns], in mm, can be compared; valid.npy, run.toml and readings.csv may be absent.
+/// Depth and flow are compared where the truth is visible and the run is valid, everywhere and in three regions: inside the true contact, within 1 mm of its border on both sides (its inner half lies inside as well), and outside of both. Distances are measured on the undeformed gel. If a run contains its own validity of depth (`depth_valid.npy`, from elasticity), depth, displacement and contact are compared there, and depth once more where the flow is valid too. Any program that writes flow.npy [frames, rows, columns, 2], in px, or depth.npy [frames, rows, columns], in mm, can be compared; valid.npy, run.toml and readings.csv may be absent.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The folder that `track --out` wrote, or any other with such arrays
@@ -30,9 +30,10 @@ pub(crate) struct Args {
     /// The folder that `simulate --out` wrote, or its subfolder `truth`
     #[arg(required_unless_present = "benchmark")]
     truth: Option<PathBuf>,
-    /// Score ways to depth over all ready-made scenes instead, under seven variations of the sensor and of friction
+    /// Compare methods for depth over all ready-made scenes instead, under seven variations of the sensor and of friction
     ///
-    /// Every scene is solved, rendered and tracked; every way that needs calibration gets the nine calibration presses of the same sensor. The folder gets report.html, report.json and the scenes in cases/.
+    /// Every scene is solved, rendered and tracked; every method that needs calibration gets the nine calibration presses
+    /// of the same sensor. The folder will contain report.html, report.json and the scenes in cases/.
     #[arg(long)]
     benchmark: bool,
     #[command(flatten)]
@@ -41,7 +42,7 @@ pub(crate) struct Args {
     /// where an earlier one is replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Compare the first frames, those that all files hold, where the run was cut short
+    /// Compare only the first frames, those that all files contain, if the run was cut short
     #[arg(long, conflicts_with = "benchmark")]
     common_frames: bool,
     /// Replace an earlier evaluation.png or report in the folder of --out
@@ -72,11 +73,11 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     args.output.result(out, &EvaluateResult { report, picture }, &text)
 }
 
-/// Compares a run with a truth and draws the picture into `folder`; the report and where the picture is.
+/// Compares a run with a truth and draws the picture into `folder`; returns the report and the picture's path.
 ///
 /// # Errors
 ///
-/// What keeps the two from being compared, or the picture from being written.
+/// Why the two cannot be compared, or the picture cannot be written.
 pub(crate) fn compare(
     [run, truth]: [&Path; 2],
     folder: &Path,

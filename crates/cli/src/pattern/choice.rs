@@ -1,4 +1,4 @@
-//! The pattern that was asked for.
+//! The requested pattern.
 
 use fingervision_gel::{Motif, Pattern};
 
@@ -7,10 +7,11 @@ use crate::failure::Failure;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct PatternArgs {
-    /// What the pattern is made of
+    /// Kind of pattern
     #[arg(long, value_enum, default_value_t = Kind::Colour)]
     pub(super) kind: Kind,
-    /// Width and height of the pattern, mm, filled to the nearest whole cell; without it 30,30, or the gel's in a score
+    /// Width and height of the pattern, mm, rounded to a whole number of cells; without it 30,30, or the gel's size in a
+    /// score
     #[arg(long, value_name = "W,H", value_parser = size)]
     pub(super) size_mm: Option<[f64; 2]>,
     /// Side of a colour cell, mm [default: 0.1]
@@ -19,19 +20,19 @@ pub(super) struct PatternArgs {
     /// Columns and rows of dots [default: 15,15]
     #[arg(long, value_name = "N,M", value_parser = dots)]
     dots: Option<[usize; 2]>,
-    /// Diameter of a dot, mm; half the distance of two if left out
+    /// Diameter of a dot, mm; without it half the distance between dots
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub(super) dot_diameter_mm: Option<f64>,
     /// Mean diameter of a speckle, mm [default: 0.25]
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     pub(super) speckle_diameter_mm: Option<f64>,
-    /// Part of the ground that speckles cover, 0.05 to 0.9 [default: 0.5]
+    /// Part of the area that speckles cover, 0.05 to 0.9 [default: 0.5]
     #[arg(long, value_name = "PART", allow_negative_numbers = true)]
     coverage: Option<f64>,
-    /// Which cells or speckles: the same seed gives the same pattern
+    /// Seed of the cells or speckles: the same seed gives the same pattern
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Darkest and brightest grey level: 0,255 on paper, 16,240 in the score's camera image if left out
+    /// Darkest and brightest grey level; without it 0,255 on paper, 16,240 in the score's camera image
     #[arg(long, value_name = "LO,HI", value_parser = levels)]
     levels: Option<[u8; 2]>,
 }
@@ -78,7 +79,7 @@ impl PatternArgs {
         Ok(pattern)
     }
 
-    /// Refuses what belongs to another kind.
+    /// Refuses options of another kind.
     fn check_kind(&self) -> Result<(), Failure> {
         let options = [
             ("--cell-mm", self.cell_mm.is_some(), Kind::Colour),
@@ -92,8 +93,8 @@ impl PatternArgs {
             return Ok(());
         };
         Err(Failure::new(
-            format!("{option} belongs to --kind {}, not to {}", owner.name(), self.kind.name()),
-            format!("say --kind {} or leave {option} out", owner.name()),
+            format!("{option} is for --kind {}, not for {}", owner.name(), self.kind.name()),
+            format!("use --kind {} or leave {option} out", owner.name()),
         ))
     }
 }

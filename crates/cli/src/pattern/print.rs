@@ -12,22 +12,22 @@ use super::Args;
 use crate::failure::Failure;
 use crate::output::refuse_existing;
 
-/// Width and height of a pattern unless said otherwise, mm.
+/// Default width and height of a pattern, mm.
 const SIZE_MM: [f64; 2] = [30.0, 30.0];
 /// Black and white on paper.
 const LEVELS: [u8; 2] = [0, 255];
-/// What most printers can do, px per inch.
+/// Resolution of most printers, px per inch.
 const USUAL_DPI: f64 = 1200.0;
 const M_PER_INCH: f64 = 0.0254;
 
-/// What was written.
+/// The result.
 #[derive(Debug, Serialize)]
 pub(super) struct Written {
     file: PathBuf,
     pattern_mm: [f64; 2],
     page_mm: [f64; 2],
     caption: String,
-    /// Only a PNG has px.
+    /// Only for a PNG.
     #[serde(skip_serializing_if = "Option::is_none")]
     px_per_m: Option<u32>,
 }
@@ -64,7 +64,7 @@ pub(super) fn write(args: &Args, file: &Path) -> Result<Written, Failure> {
     }
     if args.dpi.is_some() && format != Format::Png {
         return Err(Failure::new(
-            format!("--dpi belongs to PNG: {} has no px", file.display()),
+            format!("--dpi is only for PNG: {} has no px", file.display()),
             "leave --dpi out, or name the file .png",
         ));
     }
@@ -78,7 +78,7 @@ pub(super) fn write(args: &Args, file: &Path) -> Result<Written, Failure> {
     if (0..2).any(|axis| (print.pattern_mm()[axis] - size_mm[axis]).abs() > 1e-6) {
         let [asked_width, asked_height] = size_mm;
         args.output.note(&format!(
-            "the pattern is {width:.4}x{height:.4} mm: {asked_width}x{asked_height} mm is no whole number of cells"
+            "the pattern is {width:.4}x{height:.4} mm: {asked_width}x{asked_height} mm is not a whole number of cells"
         ));
     }
     let px_per_m = (format == Format::Png).then(|| resolution(args, &print));
@@ -99,13 +99,13 @@ fn format(file: &Path) -> Result<Format, Failure> {
         "svg" => Ok(Format::Svg),
         "png" => Ok(Format::Png),
         _ => Err(Failure::new(
-            format!("{}: a pattern is not written in this format", file.display()),
+            format!("{}: a pattern cannot be written in this format", file.display()),
             "end the name in .pdf, .svg or .png",
         )),
     }
 }
 
-/// Px per m: as asked for, with a word where that mixes cells, else what suits the cells best.
+/// Px per m: as requested, with a note if that mixes cells, otherwise what suits the cells best.
 fn resolution(args: &Args, print: &Print) -> u32 {
     let px_per_m = |dpi: f64| (dpi / M_PER_INCH).round() as u32;
     let wanted = px_per_m(args.dpi.unwrap_or(USUAL_DPI));
@@ -113,14 +113,14 @@ fn resolution(args: &Args, print: &Print) -> u32 {
     let chosen = if args.dpi.is_some() { wanted } else { even.unwrap_or(wanted) };
     if !print.is_even(chosen) {
         let better = even.map_or_else(String::new, |even| {
-            format!("; --dpi {} gives every cell whole px", decimal(f64::from(even) * M_PER_INCH))
+            format!("; --dpi {} makes every cell a whole number of px", decimal(f64::from(even) * M_PER_INCH))
         });
         args.output.note(&format!("px do not divide the cells: edges are mixed by area{better}"));
     }
     chosen
 }
 
-/// A number to four decimals, without zeros at its end.
+/// A number to four decimals, without trailing zeros.
 fn decimal(value: f64) -> String {
     format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_string()
 }
@@ -128,14 +128,14 @@ fn decimal(value: f64) -> String {
 fn save(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
     fs::write(file, bytes).map_err(|error| {
         if matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded) {
-            // Half a page is worse than none; if it cannot be removed either, the error says enough.
+            // Half a page is worse than none; if it cannot be removed either, the error is sufficient.
             let _ = fs::remove_file(file);
         }
         let hint = match error.kind() {
             ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some space or choose another disk",
             ErrorKind::NotFound => "make the folder first",
             ErrorKind::IsADirectory => "name a file in the folder",
-            _ => "choose a file that you may write to",
+            _ => "choose a writable file",
         };
         Failure::new(format!("cannot write {}: {error}", file.display()), hint)
     })

@@ -1,4 +1,4 @@
-//! Scoring sizes for a camera.
+//! Predicted noise of sizes for a camera.
 
 use fingervision_flow::Preset;
 use fingervision_gel::{Coupling, Motif, Pattern, View, trackability};
@@ -14,14 +14,14 @@ use crate::failure::Failure;
 const CELLS_MM: [f64; 11] = [0.05, 0.075, 0.1, 0.125, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6];
 /// Mean diameters of speckles to compare, mm.
 const SPECKLES_MM: [f64; 8] = [0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6];
-/// Diameters of dots to compare, in distances between them.
+/// Diameters of dots to compare, relative to the distance between them.
 const DOTS: [f64; 7] = [0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8];
-/// What a well exposed camera makes of black and white.
+/// Grey levels of black and white in a well exposed image.
 const LEVELS: [u8; 2] = [16, 240];
 /// Distance between the tracker's patches, px.
 const STRIDE_PX: f64 = 8.0;
 
-/// What is read of a profile beside its camera.
+/// The keys of a profile that are read in addition to its camera.
 const READ: [&str; 12] = [
     "name",
     "camera",
@@ -46,21 +46,22 @@ pub(super) struct SightArgs {
     /// Score: width and height of the image; without it the profile's region of interest, or 480,480
     #[arg(long, value_name = "W,H", value_parser = image_size, requires = "score")]
     image_px: Option<[usize; 2]>,
-    /// Score: look straight on with px of this size on the gel instead of the profile's camera
+    /// Score: assume a camera that looks straight on, with px of this size on the gel, instead of the profile's camera
     #[arg(long, value_name = "MM", value_parser = scale, requires = "score")]
     mm_per_px: Option<f64>,
     /// Score: standard deviation of the optics' blur, px
     #[arg(long, value_name = "PX", default_value_t = 0.7, allow_negative_numbers = true, requires = "score")]
     blur_px: f64,
-    /// Score: standard deviation of the image noise, grey levels a channel; without it the profile's `flow.noise_levels`
+    /// Score: standard deviation of the image noise, grey levels per channel; without it the profile's
+    /// `flow.noise_levels`
     #[arg(long, value_name = "LEVELS", allow_negative_numbers = true, requires = "score")]
     noise_levels: Option<f64>,
-    /// Score: the camera is a grey one
+    /// Score: assume a grey camera
     #[arg(long, requires = "score")]
     grey: bool,
 }
 
-/// All sizes with their scores.
+/// All sizes with their predicted noise.
 pub(super) fn table(args: &Args) -> Result<Table, Failure> {
     let profile = args.profile.load()?;
     if let Some(key) = args.profile.keys().find(|key| !READ.contains(key) && !key.starts_with("camera.")) {
@@ -85,7 +86,7 @@ pub(super) fn table(args: &Args) -> Result<Table, Failure> {
     Ok(Table::new(args.pattern.kind.name(), &view, rows, asked_mm(args)))
 }
 
-/// How the profile's camera sees the gel; where it has none, how the default simulated one does.
+/// The profile's camera and gel; without a camera the default simulated ones.
 fn view(args: &Args, profile: &Profile) -> Result<View, Failure> {
     let sight = &args.sight;
     let region = profile.image.map(|image| [image.region_of_interest[2], image.region_of_interest[3]]);
@@ -94,7 +95,7 @@ fn view(args: &Args, profile: &Profile) -> Result<View, Failure> {
         (Some(mm_per_px), _) => View::straight_on(size_px, mm_per_px)?,
         (None, camera) => {
             if camera.is_none() {
-                args.output.note("no camera in the profile: scored for the default simulated sensor");
+                args.output.note("no camera in the profile: predicted for the default simulated sensor");
             }
             let params = camera.unwrap_or(simulated_camera(size_px));
             let camera = Camera::new(&params)
@@ -110,7 +111,7 @@ fn view(args: &Args, profile: &Profile) -> Result<View, Failure> {
     Ok(view)
 }
 
-/// 25 mm from the gel, a px seeing 1/16 mm of it.
+/// 25 mm from the gel, with a px of 1/16 mm.
 pub(crate) fn simulated_camera(size_px: [usize; 2]) -> CameraParams {
     CameraParams {
         focal_length_px: [400.0; 2],
@@ -121,7 +122,7 @@ pub(crate) fn simulated_camera(size_px: [usize; 2]) -> CameraParams {
     }
 }
 
-/// How the profile's tracker lets patches help each other; nothing is known of the other presets.
+/// Coupling of the patches in the profile's tracker; not known for the other presets.
 fn coupling(profile: &Profile, colour: bool) -> Option<Coupling> {
     let affine = profile.flow.affine;
     (profile.flow.preset == Preset::Affine).then(|| Coupling {
@@ -131,7 +132,7 @@ fn coupling(profile: &Profile, colour: bool) -> Option<Coupling> {
     })
 }
 
-/// The sizes to compare, mm, from small to large, the one that was asked for among them.
+/// The sizes to compare, mm, from small to large, including the requested one.
 fn sizes(args: &Args, pattern: &Pattern, gel_mm: [f64; 2]) -> Vec<f64> {
     let pitch_mm = match pattern.motif {
         Motif::Dots { count, .. } => (gel_mm[0] / count[0] as f64).min(gel_mm[1] / count[1] as f64),
@@ -148,7 +149,7 @@ fn sizes(args: &Args, pattern: &Pattern, gel_mm: [f64; 2]) -> Vec<f64> {
     sizes
 }
 
-/// The size that was asked for, mm.
+/// The requested size, mm.
 fn asked_mm(args: &Args) -> Option<f64> {
     let choice = &args.pattern;
     match choice.kind {
@@ -183,6 +184,6 @@ fn image_size(text: &str) -> Result<[usize; 2], String> {
 fn scale(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(scale) if scale.is_finite() && scale > 0.0 => Ok(scale),
-        _ => Err("a px sees a length above 0 mm".into()),
+        _ => Err("the size of a px is a length above 0 mm".into()),
     }
 }

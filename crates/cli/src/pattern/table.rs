@@ -1,14 +1,14 @@
-//! The score's table.
+//! The table of predicted noise.
 
 use std::fmt;
 
 use fingervision_gel::{Trackability, View};
 use serde::Serialize;
 
-/// What counts as nearly the least deviation, in least ones.
+/// Factor within which a deviation counts as nearly the least.
 const NEARLY: f64 = 1.05;
 
-/// A size with its score.
+/// A size with its predicted noise.
 #[derive(Debug, Serialize)]
 pub(super) struct Row {
     /// Side of a cell or diameter of a disc, mm.
@@ -31,7 +31,7 @@ pub(super) struct Table {
     noise_levels: f64,
     colour: bool,
     rows: Vec<Row>,
-    /// The size that was asked for, mm.
+    /// The requested size, mm.
     asked_part_mm: Option<f64>,
     /// The size with the least deviation, mm.
     best_part_mm: Option<f64>,
@@ -44,7 +44,7 @@ impl Row {
         Self { part_mm, score, flow_deviation_px }
     }
 
-    /// Both components together: of the flow, or of a patch where the flow is not predicted.
+    /// Both components together: of the flow, or of a patch if the flow is not predicted.
     fn deviation_px(&self) -> f64 {
         let [u, v] = self.flow_deviation_px.unwrap_or(self.score.deviation_px);
         u.hypot(v)
@@ -111,7 +111,7 @@ impl fmt::Display for Table {
 }
 
 impl Table {
-    /// What the size that was asked for costs beside the best one.
+    /// The noise of the requested size compared with the best one.
     fn write_asked(&self, f: &mut fmt::Formatter<'_>, best_mm: f64) -> fmt::Result {
         let row = |part_mm: f64| self.rows.iter().find(|row| row.part_mm.total_cmp(&part_mm).is_eq());
         let Some(asked) = self.asked_part_mm.and_then(row) else { return Ok(()) };
@@ -121,10 +121,10 @@ impl Table {
                 let more = 100.0 * (deviation_px / best.deviation_px() - 1.0);
                 writeln!(
                     f,
-                    "asked for: {part_mm:.4} mm, {deviation_px:.5} px in both directions, {more:.0} % above the least"
+                    "requested: {part_mm:.4} mm, {deviation_px:.5} px in both directions, {more:.0} % above the least"
                 )
             }
-            _ => writeln!(f, "asked for: {part_mm:.4} mm, which cannot be tracked with this camera"),
+            _ => writeln!(f, "requested: {part_mm:.4} mm, which cannot be tracked with this camera"),
         }
     }
 }

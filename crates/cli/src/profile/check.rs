@@ -13,15 +13,15 @@ use super::show::Facts;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
-/// Check a profile: values that cannot be or look wrong, and what is missing for depth and force
+/// Check a profile: values that are impossible or look wrong, and what is missing for depth and force
 ///
-/// Faults, with which tracking fails or its numbers are wrong, make the command exit with 1; warnings and what is missing do not. With
-/// a recording the profile is checked against the size of its frames, too.
+/// The command exits with 1 if there are faults, with which tracking fails or its numbers are wrong; warnings and missing
+/// parts are only listed. With a recording the profile is also checked against the size of its frames.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The profile, or the run.toml of a run
     file: PathBuf,
-    /// A recording of the sensor: whatever `track` takes
+    /// A recording of the sensor, in any form that `track` takes
     source: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,
@@ -67,7 +67,7 @@ impl fmt::Display for Checked {
         let count = |weight| review.remarks.iter().filter(|remark| remark.weight == weight).count();
         match (count(Weight::Fault), count(Weight::Warning)) {
             (0, 0) => writeln!(f, "sound"),
-            (0, warnings) => writeln!(f, "usable; {warnings} to look at"),
+            (0, warnings) => writeln!(f, "usable; {warnings} to check"),
             (faults, _) => writeln!(f, "{faults} to correct"),
         }
     }

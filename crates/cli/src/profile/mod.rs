@@ -1,4 +1,4 @@
-//! `fingervision profile`: the file that describes a sensor, begun, explained and checked.
+//! `fingervision profile`: starts, shows and checks the file that describes a sensor.
 
 mod check;
 mod new;
@@ -11,7 +11,7 @@ use clap::Subcommand;
 
 use crate::failure::Failure;
 
-/// Begin, show or check a profile, the file that describes one sensor
+/// Start, show or check a profile, the file that describes one sensor
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(subcommand)]

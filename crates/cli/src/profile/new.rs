@@ -1,4 +1,4 @@
-//! `fingervision profile new`: a profile to begin with.
+//! `fingervision profile new`: a profile to start from.
 
 use std::fmt;
 use std::fs::OpenOptions;
@@ -13,11 +13,11 @@ use super::template;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
-/// Write a commented profile to begin with, from what is known of a new sensor
+/// Write a commented profile to start from, with the known values of a new sensor
 ///
-/// What is not known yet stays in the file as a comment that says how to find it out. Every option may be left out. An example:
-/// fingervision profile new --out sensor.toml --image-size 640x480 --gel-size-mm 30,30 --thickness-mm 10 --distance-mm 25
-/// --view-width-mm 38
+/// Values that are not known yet stay in the file as comments that explain how to find them. Every option may be left
+/// out. An example: fingervision profile new --out sensor.toml --image-size 640x480 --gel-size-mm 30,30 --thickness-mm 10
+/// --distance-mm 25 --view-width-mm 38
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The file to write; one that exists is replaced only with --overwrite
@@ -32,10 +32,10 @@ pub(crate) struct Args {
     output: OutputArgs,
 }
 
-/// What is known of a sensor before anything is calibrated.
+/// Known values of a sensor before the calibration.
 #[derive(Debug, Default, clap::Args)]
 pub(super) struct Known {
-    /// What you call the sensor, as in "left index"
+    /// Name of the sensor, as in "left index"
     #[arg(long, value_name = "NAME")]
     pub(super) name: Option<String>,
     /// Width and height of the camera's images, px, as in 640x480
@@ -47,11 +47,11 @@ pub(super) struct Known {
     /// Distance from the lens to the gel's surface, mm, as in 25
     #[arg(long, value_name = "MM", value_parser = positive)]
     pub(super) distance_mm: Option<f64>,
-    /// How much of the gel's surface the region shows from left to right, mm, as in 38: a first guess of the focal length, with
+    /// Width of the gel's surface that the region shows, mm, as in 38: a first estimate of the focal length, with
     /// --distance-mm and the size of the image or the region
     #[arg(long, value_name = "MM", value_parser = positive, requires = "distance_mm", conflicts_with = "focal_length_px")]
     pub(super) view_width_mm: Option<f64>,
-    /// Focal length, px, as in 400, where it is known instead
+    /// Focal length, px, as in 400, if it is known
     #[arg(long, value_name = "PX", value_parser = positive, requires = "distance_mm")]
     pub(super) focal_length_px: Option<f64>,
     /// Width and height of the gel, mm, as in 30,30
@@ -68,7 +68,7 @@ pub(super) struct Known {
     pub(super) youngs_modulus_mpa: Option<f64>,
 }
 
-/// What was written.
+/// The result.
 #[derive(Debug, Serialize)]
 struct Written {
     profile: PathBuf,
@@ -106,7 +106,7 @@ fn write(path: &Path, text: &str, overwrite: bool) -> Result<(), Failure> {
         ),
         kind => Failure::new(
             format!("cannot write the profile {}: {kind}", path.display()),
-            "choose a file that you may write, in a folder that exists",
+            "choose a writable file in an existing folder",
         ),
     })
 }
@@ -120,7 +120,7 @@ impl fmt::Display for Written {
     }
 }
 
-/// Numbers apart by commas, or by x.
+/// Numbers separated by commas, or by x.
 fn numbers<const N: usize, T: FromStr + Copy + Default>(text: &str) -> Option<[T; N]> {
     let mut values = [T::default(); N];
     let mut parts = text.split([',', 'x']);
@@ -152,5 +152,5 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn ratio(text: &str) -> Result<f64, String> {
     let ratio = text.parse().ok().filter(|ratio| (0.0..0.5).contains(ratio));
-    ratio.ok_or_else(|| "it takes a number of 0 to below 0.5".into())
+    ratio.ok_or_else(|| "it takes a number from 0 to below 0.5".into())
 }

@@ -1,4 +1,4 @@
-//! `fingervision profile show`: a profile with all defaults, and what it switches on.
+//! `fingervision profile show`: a profile with all defaults, and which quantities it enables.
 
 use std::fmt;
 use std::io::Write;
@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::output::OutputArgs;
 use crate::profile_args::assignment;
 
-/// Print the profile in force, every default written out, and what it switches on
+/// Print all values in force, including defaults, and which quantities they enable
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The profile, or the run.toml of a run
@@ -19,7 +19,7 @@ pub(crate) struct Args {
     /// Set one value first, as in `gel.thickness_mm=8`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     assignments: Vec<(String, String)>,
-    /// Print the profile alone: a file to use, as in: fingervision profile show run/run.toml --toml > sensor.toml
+    /// Print only the profile: a file to use, as in: fingervision profile show run/run.toml --toml > sensor.toml
     #[arg(long, conflicts_with = "json")]
     toml: bool,
     #[command(flatten)]
@@ -56,14 +56,14 @@ impl fmt::Display for Shown {
     }
 }
 
-/// What a profile switches on, a line each.
+/// The quantities that a profile enables, one per line.
 pub(super) struct Facts<'a> {
     pub(super) review: &'a ProfileReview,
     pub(super) profile: &'a Profile,
 }
 
 impl Facts<'_> {
-    /// What a remark begins with.
+    /// The first word of a remark.
     pub(super) fn word(weight: Weight) -> &'static str {
         match weight {
             Weight::Fault => "fault",

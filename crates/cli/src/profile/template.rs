@@ -1,14 +1,14 @@
-//! The text of a profile to begin with: what is known as values, what is not as comments that say how to find it out.
+//! The text of a profile to start from: known values, and the others as comments that explain how to find them.
 
 use crate::failure::Failure;
 
 use super::new::Known;
 
-/// The text of a profile for what is known.
+/// The text of a profile with the known values.
 ///
 /// # Errors
 ///
-/// A width of view without a width in px.
+/// A width of the view without a width in px.
 pub(super) fn text(known: &Known) -> Result<String, Failure> {
     let name = toml::Value::String(known.name.clone().unwrap_or_else(|| "my sensor".into()));
     Ok(format!(
@@ -56,17 +56,17 @@ fn camera(known: &Known) -> Result<String, Failure> {
     let [cx, cy] = size.unwrap_or([640.0, 480.0]).map(|side| 0.5 * (side - 1.0));
     let distance = known.distance_mm.unwrap_or(25.0);
     let worth = if is_known {
-        "A first guess: good to see depth at work, not to measure."
+        "A first estimate: sufficient to try depth, not to measure."
     } else {
         "Not in force: with [gel] it gives depth, contact and displacement."
     };
     Ok(format!(
-        "# How the camera sees the gel. {worth}\n\
+        "# The camera. {worth}\n\
          # `fingervision calibrate camera BOARD --step-mm 0.5 --profile FILE --prior distance_mm={distance:?}±0.5` fits all of it.\n\
          {off}[camera]\n\
          {off}focal_length_px = [{focal:?}, {focal:?}]\n\
          {off}principal_point_px = [{cx:?}, {cy:?}]       # in the region of interest\n\
-         {off}translation_mm = [0.0, 0.0, {distance:?}]   # the gel's centre seen from the lens; the last is the distance\n"
+         {off}translation_mm = [0.0, 0.0, {distance:?}]   # position of the gel's centre relative to the lens; the last value is the distance\n"
     ))
 }
 
@@ -80,7 +80,7 @@ fn gel(known: &Known) -> String {
         None => ("# ", 0.6),
     };
     format!(
-        "# What the gel is.{worth} `fingervision calibrate gel PRESSES --profile FILE` fits all but the size.\n\
+        "# The gel.{worth} `fingervision calibrate gel PRESSES --profile FILE` fits all values except the size.\n\
          {off}[gel]\n\
          {off}size_mm = [{width:?}, {height:?}]\n\
          {off}thickness_mm = {thickness:?}\n\

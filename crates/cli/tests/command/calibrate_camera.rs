@@ -84,10 +84,10 @@ fn the_report_says_what_a_slide_does_not_tell() {
         "8 images of 160x120 px, 0.5 mm a step along 0°",
         "before, plain camera",
         "4.57e-3 before, 2.23e-3 after, 2.16e-3 in the test",
-        "not seen  where on the board the origin is",
-        "not seen  focal length against distance",
+        "not determined  where on the board the origin is",
+        "not determined  focal length against distance",
         "--prior distance_mm=25±0.5",
-        "50 ± 25, which it stands on",
+        "50 ± 25, which determines it",
         "picture   new-camera.png\nprofile   new.toml",
     ] {
         assert!(ended.out.contains(expected), "no \"{expected}\" in {}", ended.out);
@@ -116,7 +116,7 @@ fn two_slides_are_fitted_together() {
 fn a_recording_in_the_wrong_order_is_named() {
     let bench = board(ALONG_X);
     reorder(&bench, &[7, 6, 5, 4, 3, 2, 1, 0]);
-    refused(&bench, "", "the board moves towards -179°", "turn the order of the images round");
+    refused(&bench, "", "the board moves towards -179°", "reverse the order of the images");
     reorder(&bench, &[7, 6, 4, 5, 3, 2, 1, 0]);
     refused(&bench, "", "images are out of order: from image 3 to 4 the board moves back", "number the images");
     let bench = board(ALONG_X);

@@ -85,9 +85,9 @@ fn presses_that_share_no_line_are_warned_of_with_the_factor() {
     good(&bench, "flat", 1.0);
     good(&bench, "steep", 4.0);
     let ended = bench.run("calibrate depth flat steep --profile sensor.toml").expect_done();
-    let factor = "warning      one line does not hold for all presses: their slopes differ by a factor of 4.0, from ";
+    let factor = "warning      one line does not fit all presses: their slopes differ by a factor of 4.0, from ";
     assert!(ended.out.contains(factor), "{}", ended.out);
-    assert!(ended.out.contains("all presses together correlate with"), "{}", ended.out);
+    assert!(ended.out.contains("the correlation of all presses together is"), "{}", ended.out);
 }
 
 #[test]
@@ -136,8 +136,8 @@ fn a_press_that_is_none_is_named_and_the_profile_stays_as_it_was() {
         "late: it is pressed already at the start: 0.5 mm in the first frame",
         "before the indenter touches",
     );
-    refused("few", "few: 6 images, but 5 depths", "give every image its depth");
-    refused("words", "words/depth.csv, line 2: depth_mm = deep is no length", "the first line names the columns");
+    refused("few", "few: 6 images, but 5 depths", "write a row with the depth of every image");
+    refused("words", "words/depth.csv, line 2: depth_mm = deep is not a length", "the first line names the columns");
     refused("bare", "bare", "");
     refused("neither", "neither: there is no such folder and no such scene", "simulate --list");
     refused("sim:leter", "no scene leter", "did you mean letter?");
@@ -183,7 +183,7 @@ fn depths_that_no_press_has_are_refused() {
     let part = |frame: u32| f64::from(frame) / f64::from(FRAMES - 1);
     refused("micrometres", &|frame| 1000.0 * part(frame), "and 20 mm is the distance to the camera", "if it is in µm");
     refused("metres", &|frame| 0.001 * part(frame), "its deepest depth is 0.001 mm", "if it is in m");
-    refused("upwards", &|frame| -part(frame), "upwards: frame 1 has a negative depth, -0.2 mm", "turn the signs");
+    refused("upwards", &|frame| -part(frame), "upwards: frame 1 has a negative depth, -0.2 mm", "reverse the signs");
     let shuffled = [0.0, 0.8, 0.9, 0.2, 1.0, 0.4];
     refused("shuffled", &|frame| shuffled[frame as usize], "does not follow the depth", "number the images");
     // Micrometres that are few enough for a press.

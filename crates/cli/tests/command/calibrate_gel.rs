@@ -52,12 +52,14 @@ fn a_simulated_press_seen_by_another_camera_than_the_profiles_is_refused() {
     bench.write("far.toml", &PROFILE.replace("25.0]", "35.0]").replace("[300.0, 300.0]", "[420.0, 420.0]"));
     for profile in ["tilted.toml", "far.toml"] {
         let ended = bench.run(&format!("calibrate gel sim:press.toml --profile {profile}"));
-        ended
-            .expect_failure("the profile's [camera] is not the one of this press", "profile.toml that simulate writes");
+        ended.expect_failure(
+            "the profile's [camera] differs from that of this press",
+            "profile.toml that simulate writes",
+        );
     }
     bench.run("simulate press.toml --out press").expect_done();
     let ended = bench.run("calibrate gel press --profile tilted.toml");
-    ended.expect_failure("the profile's [camera] is not the one of this press", "profile.toml that simulate writes");
+    ended.expect_failure("the profile's [camera] differs from that of this press", "profile.toml that simulate writes");
 }
 
 #[test]
@@ -83,17 +85,17 @@ fn what_cannot_be_fitted_is_named_and_the_profile_stays_as_it_was() {
     let sensor = "--profile sensor.toml";
     refused(&format!("press {sensor}"), "press: it has no depths", "depth.csv");
     refused(&format!("nowhere {sensor}"), "nowhere: there is no such folder", "give folders");
-    refused(&format!("small {sensor}"), "images are 128x96 px, but the profile's camera", "take the profile");
+    refused(&format!("small {sensor}"), "images are 128x96 px, but the profile's camera", "use the profile");
     refused(&format!("shallow {sensor}"), "no frame is 0.29 to 0.86 mm deep", "record the press in smaller steps");
     refused(&format!("late {sensor}"), "pressed already at the start: 0.5 mm", "begin the recording");
-    refused(&format!("weak {sensor}"), "line 3: force_z_n = none is no force", "first line names the columns");
+    refused(&format!("weak {sensor}"), "line 3: force_z_n = none is not a force", "first line names the columns");
     bench.write(
         "blind.toml",
         "name = \"blind\"\n[gel]\nsize_mm = [30.0, 30.0]\nthickness_mm = 9.0\npoissons_ratio = 0.4\n",
     );
     refused("small --profile blind.toml", "the profile has no [camera]", "calibrate the camera first");
     bench.write("unknown.toml", "name = \"unknown\"\n");
-    refused("small --profile unknown.toml", "the profile has no [gel]", "begin with what you know");
+    refused("small --profile unknown.toml", "the profile has no [gel]", "give the values that you know");
     let near = PROFILE.replace("[119.5, 119.5]", "[63.5, 47.5]");
     bench.write("near.toml", &near);
     refused("small --profile near.toml --fit youngs-modulus", "none of 1 presses has forces", "force_z_n");

@@ -84,7 +84,7 @@ fn a_person_is_led_from_an_empty_folder_to_a_profile() {
     simulate(&bench, "board", &board(8, 3.5));
     let ended = guide(&bench, "");
     expect(&ended, &["redo  board     8 images", "Again: board", "Replace what is in sensor/board"]);
-    ended.expect_failure("board: 8 images; asked for: at least 21", "20 equal steps");
+    ended.expect_failure("board: 8 images; required: at least 21", "20 equal steps");
     simulate(&bench, "board", &board(21, -10.0));
     guide(&bench, "").expect_failure("board: the board moves towards", "--direction");
     simulate(&bench, "board", &board(21, 10.0));
@@ -141,7 +141,7 @@ fn answers_are_kept_and_wrong_ones_are_named() {
     let answers = fs::read_to_string(bench.path("sensor/answers.toml")).unwrap();
     assert!(answers.contains("step_mm = 1.0") && answers.contains("direction_deg = 90.0"), "{answers}");
     bench.write("sensor/answers.toml", "step_mm = -1.0\n");
-    guide(&bench, "").expect_failure("sensor/answers.toml: -1 mm is no length", "remove the file");
+    guide(&bench, "").expect_failure("sensor/answers.toml: -1 mm is not a length", "remove the file");
     bench.write("sensor/answers.toml", "step = 1.0\n");
     guide(&bench, "").expect_failure("sensor/answers.toml: unknown field `step`", "remove the file");
 }
@@ -179,7 +179,7 @@ fn a_wrong_input_is_refused_with_what_to_do_and_no_profile_is_written() {
     depths(["0", "20", "40", "60", "80"]);
     refused("", "press-2: its deepest depth is 80 mm", "divide the column by 1000");
     depths(["0", "-0.5", "-1", "-1.5", "-2"]);
-    refused("", "press-2: frame 1 is -0.5 mm deep", "turn the signs");
+    refused("", "press-2: frame 1 is -0.5 mm deep", "reverse the signs");
     depths(["0", "0.5", "1", "1.5", "2"]);
     reorder(&bench, &[0, 4, 3, 1, 2]);
     refused("", "press-2: motion does not grow with depth", "number the images in the order");
@@ -190,7 +190,7 @@ fn a_wrong_input_is_refused_with_what_to_do_and_no_profile_is_written() {
     reorder(&bench, &[2, 2, 3, 3, 4]);
     refused("", "press-2: in the first image a part of the gel is", "before the indenter touches");
     simulate(&bench, "press-2", &press([4.0, 0.0], 2.0).replace("[pattern]", "[pattern]\nseed = 9"));
-    refused("", "of the first image shows what the still one shows", "the recording of this sensor");
+    refused("", "of the first image matches the image of the untouched gel", "a recording of this sensor");
     simulate(&bench, "press-2", &press([4.0, 0.0], 2.0));
     refused("--step-mm 1 --view-mm 30", "a ruler 30 mm", "the step was 0.50 mm");
     refused("--step-mm 0.25 --view-mm 30", "a ruler 30 mm", "the step was 0.50 mm");

@@ -16,7 +16,7 @@ fn the_demo_is_tracked_close_to_its_truth() {
     let bench = Workbench::new();
     let ended = bench.run("demo").expect_done();
     assert!(ended.out.contains("preview  fingervision-demo/run/preview.png"), "{}", ended.out);
-    assert!(ended.out.contains("flow is off by 0.0"), "{}", ended.out);
+    assert!(ended.out.contains("flow error 0.0"), "{}", ended.out);
     let result = json(&bench.run("demo --headless --json").expect_done());
     assert_eq!(result["frames"], 21, "{result}");
     assert_eq!(result["simulation"]["press"], "cache", "the first demo kept its press");
@@ -141,6 +141,6 @@ fn expect_interrupted(signal: &str, code: i32) {
     }
     Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     let ended = Ended::from(child.wait_with_output().unwrap());
-    ended.expect_failure_with(code, "of 3000 frames", "what was written can be read");
+    ended.expect_failure_with(code, "of 3000 frames", "the frames written so far can be used");
     bench.expect_run_of(bench.column("sequence").len() as u64);
 }

@@ -63,7 +63,7 @@ fn a_part_that_the_recording_does_not_have_is_refused() {
     let bench = Workbench::new();
     bench.press(4);
     let ended = bench.run("track press --out run --frames 7..9");
-    ended.expect_failure("the recording has no frame in --frames 7..9", "name frames that it has");
+    ended.expect_failure("the recording has no frame in --frames 7..9", "name frames that it contains");
 }
 
 #[test]

@@ -77,24 +77,24 @@ fn a_png_gives_every_cell_whole_px_unless_told_otherwise() {
 #[test]
 fn a_size_that_is_no_whole_number_of_cells_is_rounded_with_a_word() {
     let ended = Workbench::new().run("pattern --size-mm 3,5.3 --cell-mm 0.4 --out a.pdf").expect_done();
-    assert!(ended.errors.contains("note: the pattern is 3.2000x5.2000 mm: 3x5.3 mm is no whole"), "{ended:?}");
+    assert!(ended.errors.contains("note: the pattern is 3.2000x5.2000 mm: 3x5.3 mm is not a whole"), "{ended:?}");
 }
 
 #[test]
 fn what_cannot_be_is_refused() {
-    refused("--out a.jpg", "a.jpg: a pattern is not written in this format", ".pdf, .svg or .png");
-    refused("--out a", "a: a pattern is not written", ".pdf, .svg or .png");
+    refused("--out a.jpg", "a.jpg: a pattern cannot be written in this format", ".pdf, .svg or .png");
+    refused("--out a", "a: a pattern cannot be written", ".pdf, .svg or .png");
     refused("--out a.pdf --cell-mm 0", "cell_mm = 0 is impossible", "0.001 to 1000 mm");
     refused("--out a.pdf --cell-mm -0.1", "cell_mm = -0.1 is impossible", "0.001 to 1000 mm");
     refused("--out a.pdf --cell-mm nan", "cell_mm = NaN is impossible", "0.001 to 1000 mm");
     refused("--out a.pdf --cell-mm 20", "30 mm of cells of 20 mm are 2 across", "a larger pattern");
     refused("--out a.pdf --cell-mm 0.001", "are 30000 across: 3 to 4096 can be made", "a smaller pattern");
-    refused("--out a.pdf --levels 100,120", "span of the pattern's levels is 20", "further apart");
+    refused("--out a.pdf --levels 100,120", "span of the pattern's levels is 20", "differ more");
     refused("--out a.pdf --levels 200,100", "levels = [200, 100] is impossible", "in this order");
     refused("--out a.pdf --kind dots --dot-diameter-mm 2", "dots of 2 mm overlap", "below 2.0000 mm");
-    refused("--out a.pdf --kind dots --cell-mm 1", "--cell-mm belongs to --kind colour, not to dots", "--kind colour");
+    refused("--out a.pdf --kind dots --cell-mm 1", "--cell-mm is for --kind colour, not for dots", "--kind colour");
     refused("--out a.pdf --kind speckle --coverage 1", "coverage = 1 is impossible", "0.05 to 0.9");
-    refused("--out a.svg --dpi 600", "--dpi belongs to PNG: a.svg has no px", "name the file .png");
+    refused("--out a.svg --dpi 600", "--dpi is only for PNG: a.svg has no px", "name the file .png");
     refused("--out a.png --dpi 20000 --size-mm 500,500 --cell-mm 1", "px per m, is too large", "PDF or SVG");
     refused("--score --blur-px -1", "blur_px = -1 is impossible", "0 to 100 px");
 }

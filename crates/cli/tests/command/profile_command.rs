@@ -39,7 +39,7 @@ fn a_new_profile_replaces_none_unless_told() {
     bench.run("profile new --out sensor.toml --thickness-mm 8 --gel-size-mm 20,20 --overwrite").expect_done();
     assert!(Profile::load(&bench.path("sensor.toml")).unwrap().gel.is_some());
     let ended = bench.run("profile new --out nowhere/sensor.toml");
-    ended.expect_failure("cannot write the profile nowhere/sensor.toml", "a folder that exists");
+    ended.expect_failure("cannot write the profile nowhere/sensor.toml", "in an existing folder");
 }
 
 #[test]

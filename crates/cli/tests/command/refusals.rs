@@ -52,8 +52,8 @@ fn the_example_of_the_help_changes_the_flow() {
 fn a_rate_that_the_source_does_not_take_is_refused() {
     let bench = Workbench::new();
     let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../source/testdata/colour.avi");
-    bench.run(&format!("track {clip} --out run --fps 60")).expect_failure("carries its own times", "leave --fps out");
-    bench.run("track sim:letter?fps=60 --out run --fps 50").expect_failure("names a rate of its own", "once");
+    bench.run(&format!("track {clip} --out run --fps 60")).expect_failure("has its own time stamps", "leave --fps out");
+    bench.run("track sim:letter?fps=60 --out run --fps 50").expect_failure("already contains a rate", "once");
     bench.run("track sim:letter?fps=abc --out run").expect_failure("abc is no number of frames per second", "--fps 60");
     bench.run("track sim:letter?speed=2 --out run").expect_failure("the option speed=2 is not read", "fps=RATE");
 }
@@ -85,7 +85,7 @@ fn a_report_is_replaced_only_when_asked() {
 fn a_score_names_the_size_that_was_asked_for() {
     let bench = Workbench::new();
     let ended = bench.run("pattern --score --cell-mm 0.1 --image-px 64,64").expect_done();
-    assert!(ended.out.contains("asked for: 0.1000 mm, "), "{}", ended.out);
+    assert!(ended.out.contains("requested: 0.1000 mm, "), "{}", ended.out);
     bench.run("pattern --score --set flow.validity.noise_floor=3").expect_failure("has no effect", "flow.noise_levels");
     bench.run("pattern --out a.svg --set flow.noise_levels=3").expect_failure("have no effect", "--score");
 }

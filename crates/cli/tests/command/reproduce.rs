@@ -81,6 +81,6 @@ fn an_entry_without_results_is_refused_before_anything_is_solved() {
 fn what_the_tracker_is_told_is_checked_before_anything_is_solved() {
     let bench = Workbench::new();
     let told = |key: &str| bench.run(&format!("evaluate --benchmark --quick --out bench --overwrite --set {key}"));
-    told("elastic.lerned=false").expect_failure("elastic.lerned", "elastic.learned");
+    told("elastic.netwrok=false").expect_failure("elastic.netwrok", "elastic.network");
     told("gel.thickness_mm=-1").expect_failure("gel.thickness_mm = -1", "mm");
 }

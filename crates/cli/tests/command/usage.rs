@@ -45,7 +45,7 @@ fn wrong_usage_exits_with_2() {
         "pattern --score --mm-per-px 0",
         "evaluate --benchmark run truth",
         "evaluate run truth --quick",
-        "evaluate run truth --set elastic.learned=false",
+        "evaluate run truth --set elastic.network=false",
         "evaluate run truth --mesh fine",
         "calibrate --step-mm 0",
         "calibrate --distance-mm 25",

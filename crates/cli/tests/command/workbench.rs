@@ -54,7 +54,7 @@ impl Workbench {
         command
     }
 
-    /// Runs the command with these arguments, parted by spaces, in this folder.
+    /// Runs the command with these arguments, separated by spaces, in this folder.
     pub(crate) fn run(&self, arguments: &str) -> Ended {
         Ended::from(self.command(arguments).output().unwrap())
     }

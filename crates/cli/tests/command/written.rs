@@ -18,7 +18,7 @@ fn the_overlay_is_a_video_that_can_be_tracked_again() {
 
     bench
         .run("track press --out other --overlay run/overlay.avi")
-        .expect_failure("run/overlay.avi is there already", "--overwrite");
+        .expect_failure("run/overlay.avi exists already", "--overwrite");
     assert!(!bench.path("other").exists(), "nothing is begun");
     bench.run("track press --out run --overlay run/overlay.avi --overwrite").expect_done();
 }

@@ -6,16 +6,16 @@ use crate::solver::{Grid, Rows, Stencil, column};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-/// What the elements say about a displacement.
+/// The elements' energy and reaction at a displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Assembled {
     /// Strain energy, N mm.
     pub(crate) energy: f64,
-    /// Sum of the forces that hold the base, N.
+    /// Sum of the forces on the base, N.
     pub(crate) base_force: [f64; 3],
 }
 
-/// Adds the elements of a mesh up.
+/// Assembles the elements of a mesh.
 #[derive(Debug, Clone)]
 pub(crate) struct Assembly {
     pub(crate) mesh: BlockMesh,
@@ -112,7 +112,7 @@ impl Assembly {
             let [i, j, k] = place(node);
             self.mesh.node(i, j, k)
         });
-        // The layer beyond the last free nodes is the base: it holds zeros.
+        // The layer after the last free nodes is the base: it contains zeros.
         let moved = std::array::from_fn(|node| {
             let [i, j, k] = place(node);
             displacement[self.grid.index(i, j, k)]

@@ -1,4 +1,4 @@
-//! One element: its energy, the forces that hold it, its tangent stiffness.
+//! One element: its energy, nodal forces and tangent stiffness.
 
 use super::Material;
 use super::volume::Volume;
@@ -37,9 +37,9 @@ pub(crate) type Nodes = [[f64; 3]; 8];
 /// `[i][j][a][b]`: derivative of node `a`'s force along `i` by node `b`'s displacement along `j`.
 pub(crate) type Stiffness = [[[[f64; 8]; 8]; 3]; 3];
 
-/// What an element at rest says: its gradients and volumes, before any displacement.
+/// An element at rest: its gradients and volumes, before any displacement.
 pub(super) struct Geometry {
-    /// Undeformed volume that each Gauss point stands for, mm³.
+    /// Undeformed volume of each Gauss point, mm³.
     weights: [f64; 8],
     /// Gradient of each shape function at each Gauss point as `[point][axis][node]`, 1/mm.
     gradients: [[[f64; 8]; 3]; 8],
@@ -125,7 +125,7 @@ impl<'a> Element<'a> {
         self.volume.energy + 0.5 * self.material.shear_modulus * shear.sum::<f64>()
     }
 
-    /// Gradient of the energy: the force on each node that holds the element so, N.
+    /// Gradient of the energy: the external force on each node in this state, N.
     #[inline(always)]
     pub(super) fn forces(&self) -> Nodes {
         let pressure = self.volume.slope / self.volume.deformed;
@@ -168,7 +168,7 @@ impl<'a> Element<'a> {
             let (parallel, crossed) = (held + weight * second, mu - held - weight * first);
             add_stiffness(&self.geometry.gradients[index], &spatial, [mu, parallel, crossed], stiffness);
         }
-        // Half of the mean's square goes with each of the two products.
+        // Half of the square of the mean belongs to each of the two products.
         for (uneven, mean) in uneven.as_flattened_mut().iter_mut().zip(mean.as_flattened()) {
             *uneven = 0.5 * (curvature - slope) * mean - *uneven;
         }

@@ -2,7 +2,7 @@
 
 use crate::{GelBlock, Law};
 
-/// What an uneven volume within an element costs, over the shear modulus, dimensionless.
+/// Energy of an uneven volume within an element, over the shear modulus, dimensionless.
 ///
 /// Enough to keep a square's face smooth: without friction, 6 mm wide and 3 mm deep, ν 0.35 and 0.48, cells of 0.75 and
 /// 0.5 mm. It adds 0.1 % at a depth of 1 mm and 0.8 % at 2 mm to the force on such a square that sticks, with cells of 0.3 mm.
@@ -10,9 +10,9 @@ const UNEVENNESS: f64 = 6.0;
 
 /// Elastic constants and the law that uses them.
 ///
-/// Compressible neo-Hookean energy per undeformed volume ([Bonet2008] eq. (6.27)), its volumetric part with the
-/// element's mean volume ratio `J̄`: `ψ = μ/2 (tr FᵀF − 3 − 2 ln J) + λ/2 ln² J̄ + 6 μ ln⁴(J / J̄)`. The last term is the elements',
-/// not the gel's; see the folder's header.
+/// Compressible neo-Hookean energy per undeformed volume ([Bonet2008] eq. (6.27)), its volumetric part with the element's
+/// mean volume ratio `J̄`: `ψ = μ/2 (tr FᵀF − 3 − 2 ln J) + λ/2 ln² J̄ + 6 μ ln⁴(J / J̄)`. The last term belongs to the
+/// elements, not to the gel; see the documentation of the folder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Material {
     pub(crate) law: Law,

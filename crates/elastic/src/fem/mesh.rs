@@ -1,20 +1,20 @@
-//! Where the nodes are.
+//! The positions of the nodes.
 
 use crate::solver::Grid;
 
 /// A block divided into hexahedra along three families of lines.
 ///
-/// Along z the first line is the surface, the last the bonded base. The nodes lie where the lines cross unless they
-/// were moved.
+/// Along z the first line is the surface, the last the bonded base. The nodes lie at the crossings of the lines unless
+/// they were moved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BlockMesh {
     lines: [Vec<f64>; 3],
-    /// Nodes, `[y][z][x]`, the base included.
+    /// Nodes, `[y][z][x]`, including the base.
     nodes: Vec<[f64; 3]>,
 }
 
 impl BlockMesh {
-    /// A mesh with nodes where the lines cross, mm.
+    /// A mesh with nodes at the crossings of the lines, mm.
     ///
     /// # Panics
     ///
@@ -42,7 +42,7 @@ impl BlockMesh {
         self.lines.each_ref().map(|lines| lines.len() - 1)
     }
 
-    /// Place of the node where line `i` along x, `j` along y and `k` along z cross, mm.
+    /// Position of the node at the crossing of line `i` along x, `j` along y and `k` along z, mm.
     #[must_use]
     pub fn node(&self, i: usize, j: usize, k: usize) -> [f64; 3] {
         let [nx, _, nz] = self.lines.each_ref().map(Vec::len);
@@ -55,7 +55,7 @@ impl BlockMesh {
         &mut self.nodes[(j * nz + k) * nx + i]
     }
 
-    /// The nodes that can move: all but the base.
+    /// The nodes that can move: all except the base.
     pub(crate) fn free_grid(&self) -> Grid {
         let [nx, ny, nz] = self.lines.each_ref().map(Vec::len);
         Grid { nodes: [nx, ny, nz - 1] }

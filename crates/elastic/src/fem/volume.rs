@@ -1,9 +1,9 @@
-//! What an element's volume costs.
+//! The volumetric energy of an element.
 
 use super::Material;
 
-/// Energy of an element's volume and its derivatives: `V λ/2 L² + Σ w φ(ln J − L)`, with `L = ln J̄` the logarithm of the mean
-/// volume ratio, `w` the undeformed volume of a Gauss point and `φ` what an uneven volume costs there.
+/// Energy of an element's volume and its derivatives: `V λ/2 L² + Σ w φ(ln J − L)`, with `L = ln J̄` the logarithm of the
+/// mean volume ratio, `w` the undeformed volume of a Gauss point and `φ` the energy of an uneven volume there.
 pub(super) struct Volume {
     /// Energy, N mm.
     pub(super) energy: f64,

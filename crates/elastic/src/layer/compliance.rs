@@ -13,7 +13,7 @@ pub struct Layer {
     pub(super) poissons_ratio: f64,
 }
 
-/// A layer or a grid that cannot be.
+/// An impossible layer or grid.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LayerError {
@@ -23,7 +23,7 @@ pub enum LayerError {
     /// The block has no Young's modulus.
     #[error("youngs_modulus_mpa is missing: without it there is no force")]
     NoModulus,
-    /// A grid without cells or with cells of no size.
+    /// A grid without cells or with cells of size zero.
     #[error("a grid of {columns}x{rows} cells of {cell_mm} mm: one cell or more of a finite size above 0 mm is needed")]
     Grid {
         /// Cells along x.
@@ -43,7 +43,7 @@ pub enum LayerError {
     },
 }
 
-/// How the surface follows a wave of traction, mm/`MPa`; see the equations of the module.
+/// Displacement of the surface by a wave of traction, mm/`MPa`; see the equations of the module.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WaveCompliance {
     /// L: displacement along the wave by traction along it.
@@ -52,12 +52,12 @@ pub struct WaveCompliance {
     pub transverse: f64,
     /// N: displacement in depth by pressure.
     pub normal: f64,
-    /// C: displacement along the wave by pressure, towards where it presses; and in depth by traction along the wave.
+    /// C: displacement along the wave by pressure, towards the pressed places; and in depth by traction along the wave.
     pub coupling: f64,
 }
 
 impl Layer {
-    /// The layer that a block would be if its sides were far away.
+    /// The layer with a block's material and thickness, as if the sides were far away.
     ///
     /// # Errors
     ///
@@ -69,7 +69,7 @@ impl Layer {
         Ok(Self { thickness_mm: block.thickness_mm, shear_modulus_mpa, poissons_ratio: block.poissons_ratio })
     }
 
-    /// The layer of a block, of a shear modulus of 1 `MPa`: tractions are then in units of the shear modulus.
+    /// The layer of a block, with a shear modulus of 1 `MPa`: tractions are then in units of the shear modulus.
     ///
     /// # Errors
     ///
@@ -107,15 +107,15 @@ impl Layer {
         self.poissons_ratio
     }
 
-    /// The compliance for waves of this wavenumber, 1/mm, not negative. A half-space gives way without end to uniform
-    /// traction: infinite at zero.
+    /// The compliance for waves of this wavenumber, 1/mm, not negative. For a half-space it is infinite at zero: the
+    /// displacement by uniform traction has no limit.
     #[must_use]
     pub fn wave_compliance(&self, wavenumber_per_mm: f64) -> WaveCompliance {
         let q = wavenumber_per_mm * self.thickness_mm;
         let (reduced, scale) = if q > 0.0 {
             (Reduced::at(q, self.poissons_ratio), 1.0 / (self.shear_modulus_mpa * wavenumber_per_mm))
         } else {
-            // Uniform traction: shear by h / μ, compression by h / (λ + 2μ). The product of 0 and ∞ is no number.
+            // Uniform traction: shear by h / μ, compression by h / (λ + 2μ). The product of 0 and ∞ is not a number.
             (Reduced::slope(self.poissons_ratio), self.thickness_mm / self.shear_modulus_mpa)
         };
         WaveCompliance {
@@ -154,7 +154,7 @@ pub(super) struct Reduced {
     pub(super) coupling: f64,
 }
 
-/// Beyond this q what the base adds is less than 1e-250.
+/// Beyond this q the effect of the base is less than 1e-250.
 const DEEP: f64 = 300.0;
 
 impl Reduced {

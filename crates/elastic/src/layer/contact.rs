@@ -2,7 +2,7 @@
 
 use super::{Layer, LayerError, LayerOperator, SurfaceGrid};
 
-/// When a solve ends.
+/// Termination of a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ContactParams {
     /// The residual displacement in contact, relative to the wanted one (both as root mean squares), below which
@@ -20,7 +20,7 @@ impl Default for ContactParams {
     }
 }
 
-/// The outcome of a press. Fields are row by row, one entry a cell.
+/// The outcome of a press. Fields are row by row, one entry per cell.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LayerPress {
     /// Traction of the body on the gel, `MPa`.
@@ -35,11 +35,11 @@ pub(crate) struct LayerPress {
     pub(crate) iterations: usize,
     /// Contact regions tried; 1 where the region was given.
     pub(crate) regions: usize,
-    /// Whether residual and region settled.
+    /// Whether residual and region converged.
     pub(crate) has_converged: bool,
 }
 
-/// Presses rigid bodies into a layer: finds the tractions on a contact region for given displacements there, zero
+/// Presses rigid bodies into a layer: finds the tractions on a contact region that cause given displacements there, zero
 /// elsewhere, by conjugate gradients preconditioned with the stiffness of waves.
 #[derive(Debug)]
 pub(crate) struct LayerContact {
@@ -53,7 +53,7 @@ pub(crate) struct LayerContact {
 /// Which components are unknown in contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Held {
-    /// Depth alone: nothing holds a point sideways.
+    /// Only depth: no shear force acts on a point.
     Depth,
     /// All three.
     All,
@@ -82,16 +82,16 @@ impl LayerContact {
         self.operator.grid()
     }
 
-    /// Presses a frictionless body in: where the gel touches it, it has the wanted depth, mm, and is pressed; elsewhere
-    /// it lies deeper than wanted and is free. `f64::NEG_INFINITY` where there is no body. For a flat punch the wanted
-    /// depth is the same everywhere, for a relief it is `depth − height`.
+    /// Presses a frictionless body in: where the gel touches it, it has the wanted depth, mm, and a positive pressure;
+    /// elsewhere it is deeper than wanted and free. `f64::NEG_INFINITY` where there is no body. For a flat punch the
+    /// wanted depth is the same everywhere, for a relief it is `depth − height`.
     ///
-    /// Begins with all cells of positive wanted depth, then drops those that pull and adds those that the gel would
-    /// reach into, until neither is left.
+    /// Begins with all cells of positive wanted depth, then alternately drops those that pull and adds those where gel
+    /// and body would overlap, until there are none.
     ///
     /// # Panics
     ///
-    /// If there is not one wanted depth a cell, or one is no number or infinite.
+    /// If there is not one wanted depth per cell, or one is infinite or not a number.
     pub(crate) fn press_frictionless(&mut self, wanted_depth_mm: &[f64], params: &ContactParams) -> LayerPress {
         assert_eq!(wanted_depth_mm.len(), self.grid().len(), "one wanted depth a cell");
         assert!(wanted_depth_mm.iter().all(|depth| *depth < f64::INFINITY), "a wanted depth is finite");
@@ -108,12 +108,12 @@ impl LayerContact {
         self.finish(press)
     }
 
-    /// Holds a region at given displacements `(x, y, z)`, mm, as a body does that the gel sticks to. Displacements
-    /// outside the region are not read.
+    /// Prescribes displacements `(x, y, z)`, mm, in a region, as of a body that the gel sticks to. Displacements outside
+    /// the region are not read.
     ///
     /// # Panics
     ///
-    /// If there is not one entry a cell.
+    /// If there is not one entry per cell.
     pub(crate) fn press_stuck(
         &mut self,
         region: &[bool],
@@ -148,8 +148,8 @@ impl LayerContact {
         press
     }
 
-    /// Brings the tractions in contact, from what they are, to where the displacements there are as wanted. Says whether
-    /// the tolerance was reached.
+    /// Changes the tractions in contact until the displacements there are as wanted. Returns whether the tolerance was
+    /// reached.
     fn solve(&mut self, held: Held, wanted: &[[f64; 3]], press: &mut LayerPress, params: &ContactParams) -> bool {
         let LayerPress { traction_mpa: traction, in_contact, iterations, .. } = press;
         for field in [&mut self.preconditioned, &mut self.direction, &mut self.image] {
@@ -208,7 +208,7 @@ impl LayerContact {
     }
 }
 
-/// Zeroes a field outside contact, and sideways where nothing holds there.
+/// Zeroes a field outside contact, and its components along the surface if there is no friction.
 fn restrict(held: Held, in_contact: &[bool], field: &mut [[f64; 3]]) {
     for (value, touches) in field.iter_mut().zip(in_contact) {
         *value = match (held, touches) {
@@ -219,7 +219,7 @@ fn restrict(held: Held, in_contact: &[bool], field: &mut [[f64; 3]]) {
     }
 }
 
-/// Drops cells that pull and adds those whose wanted depth the gel does not reach. Says whether there were any.
+/// Drops cells that pull and adds those whose wanted depth the gel does not reach. Returns whether there were any.
 fn revise(press: &mut LayerPress, wanted_depth_mm: &[f64]) -> bool {
     let mut has_changed = false;
     let fields = press.traction_mpa.iter().zip(&press.displacement_mm).zip(wanted_depth_mm);

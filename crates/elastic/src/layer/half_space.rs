@@ -1,4 +1,4 @@
-//! What uniform traction on a square cell does to the surface of a half-space.
+//! The displacement of a half-space's surface by uniform traction on a square cell.
 //!
 //! Point forces (Boussinesq, Cerruti; Johnson, *Contact mechanics*, §3.2 and §3.6) integrated over the cell: with μ the
 //! shear modulus and r the distance, force along β displaces along α by
@@ -11,8 +11,8 @@
 //! The integral of each over a rectangle is the second difference of a primitive over its corners (A. E. H. Love, *The
 //! stress produced in a semi-infinite solid by pressure on part of the boundary*, 1929, for pressure).
 
-/// Displacement along the first axis at an offset `(x, y)` from a cell with unit traction along the second. Those not
-/// here follow from symmetry: `yx = xy`, `zx = −xz`, `zy = −yz`.
+/// Displacement along the first axis at an offset `(x, y)` from a cell with unit traction along the second. The other
+/// components follow from symmetry: `yx = xy`, `zx = −xz`, `zy = −yz`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Influence {
     pub(super) xx: f64,

@@ -1,8 +1,8 @@
-//! The compliance of an elastic layer: what its surface does under traction.
+//! The compliance of an elastic layer: the displacement of its surface under traction.
 //!
-//! A layer without end along x and y, bonded at its base `z = thickness`, isotropic, small strain. Traction is the force
-//! on the gel for each mm² of the undeformed surface `z = 0`, pressing +z. A wave of traction `t e^{i k·x}` makes a wave
-//! of displacement `U(k) t e^{i k·x}`. Along the wave (∥), across it (⊥) and in depth (z), with `k = |k|`:
+//! A layer of infinite extent along x and y, bonded at its base `z = thickness`, isotropic, small strain. Traction is the
+//! force on the gel per mm² of the undeformed surface `z = 0`, pressing +z. A wave of traction `t e^{i k·x}` causes a
+//! wave of displacement `U(k) t e^{i k·x}`. Along the wave (∥), across it (⊥) and in depth (z), with `k = |k|`:
 //!
 //! ```text
 //! u_∥ = L t_∥ + i C t_z        u_z = N t_z − i C t_∥        u_⊥ = S t_⊥
@@ -17,13 +17,13 @@
 //! μ k C = (2 (1 − 2ν) κ sinh² q − 2q²) / D     μ k S = tanh q
 //! ```
 //!
-//! N is that of a frictionless indenter on a bonded layer: K. L. Johnson, *Contact mechanics* (1985), §5.8. For long
-//! waves a uniform layer is left, `L = S = thickness / μ`, `N = thickness / (λ + 2μ)`, `C = 0`. For short ones it is the
-//! half-space of Boussinesq and Cerruti (Johnson §3.2, §3.6): `1 − ν`, `1 − ν`, `(1 − 2ν) / 2` and 1 on the right.
+//! N is that of a frictionless indenter on a bonded layer: K. L. Johnson, *Contact mechanics* (1985), §5.8. The limit of
+//! long waves is a uniform layer, `L = S = thickness / μ`, `N = thickness / (λ + 2μ)`, `C = 0`. The limit of short ones
+//! is the half-space of Boussinesq and Cerruti (Johnson §3.2, §3.6): `1 − ν`, `1 − ν`, `(1 − 2ν) / 2` and 1 on the right.
 //!
-//! [`Layer`] gives these at a wavenumber. [`LayerOperator`] applies them to tractions on a grid of cells, each cell's
-//! traction uniform, with displacements at the cells' centres. [`BlockOperator`] adds what the free sides of a block change. Nothing here is nonlinear: beyond
-//! some ten per cent of strain the elements are the truth.
+//! [`Layer`] gives these at a wavenumber. [`LayerOperator`] applies them to tractions on a grid of cells, with uniform
+//! traction in each cell and displacements at the cells' centres. [`BlockOperator`] adds the effect of the free sides of a block. All of this is linear: beyond
+//! some ten per cent of strain the finite elements are needed.
 
 mod compliance;
 #[cfg(test)]

@@ -10,13 +10,13 @@ use super::{Layer, LayerError, SurfaceGrid};
 
 /// From tractions on a grid of cells to the displacements of their centres.
 ///
-/// Each cell carries uniform traction; the surface outside the grid is free and the layer goes on without end. The sum
-/// over cells is a convolution, done by Fourier transform on a grid padded with zeros to `cells + reach` along each axis,
-/// where the reach is that of the kernel: `cells − 1`, or 24 thicknesses where that is less, beyond which a bonded
-/// layer does not move. So the periodic images of the transform never touch the grid and the sum is exact. The kernel is
-/// the closed form of a half-space plus the smooth remainder that a base adds.
+/// Each cell has uniform traction; the surface outside the grid is free and the layer has infinite extent. The sum over
+/// cells is a convolution, done by Fourier transform on a grid padded with zeros to `cells + reach` along each axis,
+/// where the reach is that of the kernel: `cells − 1`, or 24 thicknesses where that is less, beyond which a bonded layer
+/// does not move. So the periodic images of the transform never touch the grid and the sum is exact. The kernel is the
+/// closed form of a half-space plus the smooth remainder that a base adds.
 ///
-/// Made once per layer and grid: it owns plans and scratch, and no call allocates.
+/// Made once per layer and grid: it owns plans and scratch memory, and no call allocates.
 #[derive(Debug)]
 pub struct LayerOperator {
     grid: SurfaceGrid,
@@ -50,7 +50,7 @@ impl LayerOperator {
     ///
     /// # Panics
     ///
-    /// If a field has not one entry a cell.
+    /// If a field does not have one entry per cell.
     pub fn displacement_into(&mut self, traction_mpa: &[[f64; 3]], displacement_mm: &mut [[f64; 3]]) {
         self.convolve(Kernel::Compliance, traction_mpa, displacement_mm);
     }
@@ -60,17 +60,17 @@ impl LayerOperator {
     ///
     /// # Panics
     ///
-    /// If a field has not one entry a cell.
+    /// If a field does not have one entry per cell.
     pub fn depth_into(&mut self, traction_mpa: &[[f64; 3]], displacement_mm: &mut [[f64; 3]]) {
         self.convolve_normal(Kernel::Compliance, traction_mpa, displacement_mm);
     }
 
-    /// What the traction of a wave would be for a given displacement, cut off at the grid's border: an approximate
-    /// inverse, symmetric and positive definite, for conjugate gradients.
+    /// The traction of an infinite wave for a given displacement, cut off at the grid's border: an approximate inverse,
+    /// symmetric and positive definite, for conjugate gradients.
     ///
     /// # Panics
     ///
-    /// If a field has not one entry a cell.
+    /// If a field does not have one entry per cell.
     pub fn precondition_into(&mut self, displacement_mm: &[[f64; 3]], traction_mpa: &mut [[f64; 3]]) {
         self.convolve(Kernel::Stiffness, displacement_mm, traction_mpa);
     }
@@ -79,7 +79,7 @@ impl LayerOperator {
     ///
     /// # Panics
     ///
-    /// If a field has not one entry a cell.
+    /// If a field does not have one entry per cell.
     pub fn precondition_depth_into(&mut self, displacement_mm: &[[f64; 3]], traction_mpa: &mut [[f64; 3]]) {
         self.convolve_normal(Kernel::Stiffness, displacement_mm, traction_mpa);
     }

@@ -1,4 +1,4 @@
-//! What a bonded base takes away from a half-space's influence.
+//! The difference between the influence of a layer with a bonded base and that of a half-space.
 //!
 //! The difference of the reduced compliances falls with `e^{−2q}`, so its transform back into space is smooth: with
 //! `ρ = r / thickness` and φ the angle of the offset, a point force displaces by `1 / 2πμ·thickness` times
@@ -8,16 +8,16 @@
 //! xx, yy: ∫ ½ (ΔL + ΔS) J0(qρ) dq ∓ cos 2φ ∫ ½ (ΔL − ΔS) J2(qρ) dq        xy: −sin 2φ ∫ ½ (ΔL − ΔS) J2(qρ) dq
 //! ```
 //!
-//! The four integrals are tabulated over ρ. A uniform cell in place of the point multiplies by `e^{−(k·side)²/24}`, to
-//! the fourth order in `side / thickness`.
+//! The four integrals are tabulated over ρ. A uniform cell instead of a point multiplies by `e^{−(k·side)²/24}`, to the
+//! fourth order in `side / thickness`.
 
 use super::compliance::Reduced;
 use super::half_space::Influence;
 
 /// Differences are below 1e-15 beyond.
 const LAST_Q: f64 = 20.0;
-/// Distance in thicknesses beyond which a bonded layer is taken not to move: influence falls with `e^{−0.8 ρ}` or faster
-/// and is below 1e-7 of that at one thickness.
+/// Distance in thicknesses beyond which a bonded layer is assumed not to move: influence falls with `e^{−0.8 ρ}` or
+/// faster and is below 1e-7 of that at one thickness.
 pub(super) const REACH: f64 = 24.0;
 /// Spacing of the table: cubic interpolation is then exact to 1e-8.
 const STEP: f64 = 0.02;
@@ -53,7 +53,7 @@ impl Remainder {
         Self { thickness_mm, area_mm2: cell_mm * cell_mm, table }
     }
 
-    /// What is added to the influence of a half-space's cell, times μ, mm; none out of the base's reach, where nothing
+    /// The term added to the influence of a half-space's cell, times μ, mm; none out of the base's reach, where nothing
     /// moves.
     pub(super) fn at(&self, [x, y]: [f64; 2]) -> Option<Influence> {
         let r = x.hypot(y);

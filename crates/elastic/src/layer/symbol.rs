@@ -8,7 +8,7 @@ use super::Layer;
 use super::half_space::Influence;
 use super::transform::Transform;
 
-/// The matrix at one frequency: `xz` and `yz` stand for `i xz` and `i yz`, and the lower triangle for its conjugate.
+/// The matrix at one frequency: `xz` and `yz` represent `i xz` and `i yz`, and the lower triangle is the conjugate.
 pub(super) type Entry = Influence;
 
 /// The matrices at all frequencies of a [`Transform`]'s spectrum, with the transform's scale taken out.
@@ -57,7 +57,7 @@ impl Symbol {
             let kx = TAU * column as f64 / (width as f64 * cell_mm);
             let turned = if 2 * row > height { row as f64 - height as f64 } else { row as f64 };
             let ky = TAU * turned / (height as f64 * cell_mm);
-            // What is odd along an axis vanishes at its highest frequency, which has no sign.
+            // An odd function along an axis vanishes at its highest frequency, which has no sign.
             let has_sign = [2 * column != width, 2 * row != height].map(|has| f64::from(u8::from(has)));
             stiffness(layer, [kx, ky], has_sign, scale)
         };
@@ -66,7 +66,7 @@ impl Symbol {
         Self { entries }
     }
 
-    /// The matrices, as the spectrum lies.
+    /// The matrices, in the order of the spectrum.
     pub(super) fn entries(&self) -> &[Entry] {
         &self.entries
     }
@@ -109,7 +109,7 @@ fn stiffness(layer: &Layer, [kx, ky]: [f64; 2], has_sign: [f64; 2], scale: f64) 
     }
 }
 
-/// The offset, without its sign, at a place of a periodic axis, and the sign of an odd function there.
+/// The absolute offset at a place of a periodic axis, and the sign of an odd function there.
 fn folded(place: usize, length: usize, is_odd: bool) -> (usize, f64) {
     let is_negative = 2 * place > length;
     let sign = if is_odd && is_negative { -1.0 } else { 1.0 };

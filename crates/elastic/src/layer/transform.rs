@@ -6,11 +6,11 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftNum, FftPlanner};
 
-/// Rows that are turned into columns at a time: their neighbours in a column then share a cache line.
+/// Rows that are transposed to columns at a time: their neighbours in a column then share a cache line.
 const BAND: usize = 8;
 
-/// Plans for one size, with their scratch. A spectrum holds the frequencies `0 ..= width / 2` along x, each with all
-/// `height` frequencies along y side by side.
+/// Plans for one size, with their scratch memory. A spectrum contains the frequencies `0 ..= width / 2` along x, each
+/// with all `height` frequencies along y next to each other.
 pub(super) struct Transform<T: FftNum> {
     width: usize,
     height: usize,
@@ -115,7 +115,8 @@ impl<T: FftNum> Transform<T> {
         self.forward_columns.process_with_scratch(spectrum, &mut self.scratch);
     }
 
-    /// Hands the first `rows` rows of the field of a spectrum to `write`, times `width · height`. The spectrum is spent.
+    /// Passes the first `rows` rows of the field of a spectrum to `write`, times `width · height`. The spectrum is
+    /// overwritten.
     pub(super) fn inverse_into(
         &mut self,
         rows: usize,
@@ -132,7 +133,7 @@ impl<T: FftNum> Transform<T> {
                 }
             }
             for (row, values) in (first..first + count).zip(self.band.chunks_exact_mut(width)) {
-                // A real field has real ends; rounding leaves a trace there.
+                // The first and last values of a real field's spectrum are real, except for rounding.
                 values[0].im = T::zero();
                 if self.width.is_multiple_of(2) {
                     values[width - 1].im = T::zero();

@@ -1,4 +1,4 @@
-//! What contact leaves of the surface nodes' freedom, and how a linear solve keeps to it.
+//! The constraints of contact on the surface nodes, and their use in a linear solve.
 
 use super::Press;
 use super::frame::{Frame, dot};
@@ -6,7 +6,7 @@ use super::touch::Touch;
 use crate::solver::{Grid, OWN, Stencil, column};
 use rayon::prelude::*;
 
-/// What a constraint leaves of a node's freedom.
+/// The constraint of a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Constraint {
     /// Projector onto the free directions.
@@ -18,7 +18,7 @@ pub(super) struct Constraint {
     /// Given force along the free directions, N.
     pub(super) drag: [f64; 3],
     /// Stiffness added by friction, N/mm.
-    pub(super) rub: [[f64; 3]; 3],
+    pub(super) friction: [[f64; 3]; 3],
     /// Stiffness added because the face bends, N/mm.
     pub(super) bend: [[f64; 3]; 3],
 }
@@ -39,21 +39,21 @@ impl Press<'_> {
                         motion,
                         push: 0.0,
                         drag: [0.0; 3],
-                        rub: [[0.0; 3]; 3],
+                        friction: [[0.0; 3]; 3],
                         bend: [[0.0; 3]; 3],
                     })
                 }
-                Touch::Sliding | Touch::Rubbing(_) => {
+                Touch::Sliding | Touch::Frictional(_) => {
                     let gap = frame.gap(self.relief, place)?;
                     let n = gap.normal;
                     let push = dot(&self.forces[grid.on_surface(surface)], &n).max(0.0);
                     let free = [0, 1, 2].map(|r| [0, 1, 2].map(|c| f64::from(u8::from(r == c)) - n[r] * n[c]));
-                    let (drag, rub) = match touch {
-                        Touch::Rubbing(rub) => (rub.drag(), rub.stiffness(&free)),
+                    let (drag, friction) = match touch {
+                        Touch::Frictional(friction) => (friction.drag(), friction.stiffness(&free)),
                         _ => ([0.0; 3], [[0.0; 3]; 3]),
                     };
                     let bend = gap.curvature.map(|row| row.map(|value| -push * value));
-                    Some(Constraint { free, motion: n.map(|value| -gap.distance * value), push, drag, rub, bend })
+                    Some(Constraint { free, motion: n.map(|value| -gap.distance * value), push, drag, friction, bend })
                 }
             }
         };
@@ -61,7 +61,7 @@ impl Press<'_> {
     }
 }
 
-/// Leaves of each constrained node's vector what the constraint leaves free.
+/// Projects each constrained node's vector onto its free directions.
 pub(super) fn project(grid: Grid, constraints: &[Option<Constraint>], field: &mut [[f32; 3]]) {
     for (surface, constraint) in constraints.iter().enumerate() {
         if let Some(constraint) = constraint {
@@ -71,7 +71,7 @@ pub(super) fn project(grid: Grid, constraints: &[Option<Constraint>], field: &mu
     }
 }
 
-/// Takes the given forces off the forces that hold the nodes.
+/// Subtracts the given forces from the nodal forces.
 pub(super) fn apply_drag(grid: Grid, constraints: &[Option<Constraint>], forces: &mut [[f64; 3]]) {
     for (surface, constraint) in constraints.iter().enumerate() {
         if let Some(constraint) = constraint {
@@ -81,20 +81,20 @@ pub(super) fn apply_drag(grid: Grid, constraints: &[Option<Constraint>], forces:
     }
 }
 
-/// Adds what friction and, if `is_bent`, the bent face add to the stiffness.
+/// Adds the contributions of friction and, if `is_bent`, of the bent face to the stiffness.
 pub(super) fn add_stiffness(grid: Grid, constraints: &[Option<Constraint>], is_bent: bool, matrix: &mut Stencil) {
     for (surface, constraint) in constraints.iter().enumerate() {
         if let Some(constraint) = constraint {
             let rows = &mut matrix.rows[grid.on_surface(surface)];
             for (r, c) in (0..9).map(|n| (n / 3, n % 3)) {
                 let bend = if is_bent { constraint.bend[r][c] } else { 0.0 };
-                rows[r][OWN + c] += (constraint.rub[r][c] + bend) as f32;
+                rows[r][OWN + c] += (constraint.friction[r][c] + bend) as f32;
             }
         }
     }
 }
 
-/// Makes a matrix `A` to `P A P + d (I − P)`, `d` each node's own mean stiffness.
+/// Replaces a matrix `A` by `P A P + d (I − P)`, with `d` each node's own mean stiffness.
 pub(super) fn constrain(matrix: &mut Stencil, constraints: &[Option<Constraint>]) {
     let (grid, slab) = (matrix.grid, matrix.grid.slab());
     let [nx, ny, _] = grid.nodes;

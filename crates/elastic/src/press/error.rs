@@ -1,13 +1,13 @@
 use crate::{BlockError, Pose};
 
-/// Why a press can not be computed.
+/// Why a press cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PressError {
-    /// The block can not be.
+    /// The block is impossible.
     #[error(transparent)]
     Block(#[from] BlockError),
-    /// A coefficient of friction that can not be.
+    /// An impossible coefficient of friction.
     #[error("friction is {coefficient}: a finite coefficient above 0 is allowed")]
     Friction {
         /// The coefficient, dimensionless.
@@ -19,15 +19,15 @@ pub enum PressError {
         /// The pose.
         pose: Pose,
     },
-    /// The gel finds no rest, however small the steps.
+    /// No equilibrium was found, however small the steps.
     #[error("the press did not converge beyond a depth of {reached_mm:.3} mm on its way to {asked_mm:.3} mm")]
     Stalled {
         /// Depth of the last pose that converged, mm.
         reached_mm: f64,
-        /// Depth that was asked for, mm.
+        /// Requested depth, mm.
         asked_mm: f64,
     },
-    /// The caller asked for it.
+    /// The caller stopped it.
     #[error("the press was interrupted")]
     Stopped,
 }

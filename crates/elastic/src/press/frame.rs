@@ -1,21 +1,21 @@
-//! The indenter's frame: where its points are in gel space.
+//! The indenter's frame: positions of its points in gel space.
 
 use crate::{Pose, Relief};
 
-/// Length by which a turn compares with a shift, mm.
+/// Length by which a rotation is compared with a translation, mm.
 const ARM_MM: f64 = 4.0;
-/// Squared cosine of the angle between two ways above which one goes on where the other went.
+/// Squared cosine of the angle between two motions above which one continues the other.
 const STRAIGHT: f64 = 0.99;
 
 /// Rotation and origin of the indenter in gel space.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     rotation: [[f64; 3]; 3],
-    /// Where the indenter's origin stands, mm.
+    /// The position of the indenter's origin, mm.
     pub(super) origin: [f64; 3],
 }
 
-/// How a point of the gel lies to the indenter's face.
+/// A point of the gel relative to the indenter's face.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Gap {
     /// Distance to the face to first order, mm; negative inside the indenter.
@@ -51,7 +51,7 @@ impl Frame {
         self.rotation.map(|row| dot(&row, &direction))
     }
 
-    /// How a point of gel space lies to the face; absent where the indenter has none.
+    /// A point of gel space relative to the face; absent where the indenter has none.
     pub(super) fn gap(&self, relief: &dyn Relief, point: [f64; 3]) -> Option<Gap> {
         let own = self.indenter_from_gel(point);
         let face = relief.at(own[0], own[1]);
@@ -70,7 +70,7 @@ impl Frame {
 }
 
 impl Pose {
-    /// The pose a share of the way from this one to another.
+    /// The pose at a fraction of the motion from this one to another.
     #[must_use]
     pub fn towards(&self, other: &Self, share: f64) -> Self {
         let mix = |a: f64, b: f64| a + share * (b - a);
@@ -82,7 +82,8 @@ impl Pose {
         }
     }
 
-    /// How much of the way from this pose to `next` the way from `start` to `goal` is; absent where it goes elsewhere.
+    /// The motion from this pose to `next`, as a fraction of that from `start` to `goal`; absent if the direction
+    /// differs.
     pub(super) fn share_of_way(&self, next: &Self, start: &Self, goal: &Self) -> Option<f64> {
         let way = |from: &Self, to: &Self| {
             let turn = |from: f64, to: f64| ARM_MM * (to - from);

@@ -1,9 +1,9 @@
 //! A rigid indenter pressed into the gel, step by step.
 //!
 //! Contact is node against surface and exact: where a node touches, its displacement along the indenter's normal (and
-//! sideways, where it sticks) is prescribed, and the force that this takes is the contact force. Which nodes touch is
-//! found together with the displacement: a node that would penetrate is taken in, one that would have to be pulled is
-//! let go ([Hueeber2005]). Between nodes the surface may cut the indenter's edges by what a cell can not resolve.
+//! along the surface, where it sticks) is prescribed, and the reaction is the contact force. The set of touching nodes is
+//! found together with the displacement: a node that would penetrate is added, one that would have to be pulled is
+//! released ([Hueeber2005]). Between nodes the surface may penetrate the indenter's edges by less than a cell resolves.
 
 mod constraint;
 mod error;
@@ -29,28 +29,28 @@ use touch::Touch;
 /// How often a step may be halved.
 const MOST_HALVINGS: u32 = 6;
 
-/// Is asked again and again while a step is solved, and says whether to go on.
-pub type GoOn<'a> = &'a mut (dyn FnMut() -> ControlFlow<()> + Send);
+/// Called repeatedly while a step is solved; returns whether to continue.
+pub type ContinueCheck<'a> = &'a mut (dyn FnMut() -> ControlFlow<()> + Send);
 
-/// What is pressed, and how it holds.
+/// The gel and the contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressSetup {
     /// The gel.
     pub block: GelBlock,
-    /// Its law.
+    /// Its material law.
     pub law: Law,
-    /// What happens where it touches.
+    /// The contact law.
     pub contact: ContactLaw,
 }
 
-/// How a step went.
+/// The outcome of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepReport {
-    /// Newton iterations, all parts of the step together.
+    /// Newton iterations, summed over all parts of the step.
     pub newton_iterations: usize,
     /// Conjugate-gradient iterations.
     pub linear_iterations: usize,
-    /// Parts into which the step was cut.
+    /// Number of parts into which the step was divided.
     pub parts: usize,
     /// Strain energy, N mm.
     pub energy_nmm: f64,
@@ -58,7 +58,7 @@ pub struct StepReport {
     pub base_force_n: [f64; 3],
 }
 
-/// A motion of the indenter and what the gel did.
+/// A motion of the indenter and the resulting displacement of the gel.
 #[derive(Debug)]
 struct Advance {
     poses: [Pose; 2],
@@ -74,12 +74,12 @@ pub struct Press<'a> {
     multigrid: Multigrid,
     solver: Solver,
     work: newton::Scratch,
-    /// Present state; what the last converged part of a step came to while one is under way.
+    /// Current state; while a step is solved, the result of its last converged part.
     displacement: Vec<[f64; 3]>,
     forces: Vec<[f64; 3]>,
     touches: Vec<Touch>,
     pose: Pose,
-    /// How the last part of a step went, if the press has moved.
+    /// The outcome of the last part of a step, if the press has moved.
     last: Option<Advance>,
     assembled: Assembled,
     state: SurfaceState,
@@ -97,7 +97,7 @@ impl<'a> Press<'a> {
     ///
     /// # Errors
     ///
-    /// [`PressError::Block`] or [`PressError::Friction`] if the setup can not be.
+    /// [`PressError::Block`] or [`PressError::Friction`] if the setup is impossible.
     pub fn new(
         setup: &PressSetup,
         mesh: BlockMesh,
@@ -138,9 +138,9 @@ impl<'a> Press<'a> {
         Ok(press)
     }
 
-    /// Moves the indenter from where it stands to `pose` and finds the gel's new rest.
+    /// Moves the indenter from its current pose to `pose` and finds the gel's new equilibrium.
     ///
-    /// A step that does not converge is halved, and halved again. After an error the press is where it last converged.
+    /// A step that does not converge is halved, repeatedly. After an error the press is in the last converged state.
     ///
     /// # Errors
     ///
@@ -149,33 +149,33 @@ impl<'a> Press<'a> {
         self.step_while(pose, &mut || ControlFlow::Continue(()))
     }
 
-    /// The same, unless it is stopped: `go_on` is asked before every Newton iteration. Stopped, the press is where it last
-    /// converged.
+    /// The same, but it can be stopped: `should_continue` is called before every Newton iteration. If it is stopped, the
+    /// press is in the last converged state.
     ///
     /// # Errors
     ///
     /// As [`Press::step`], and [`PressError::Stopped`].
-    pub fn step_while(&mut self, pose: &Pose, go_on: GoOn) -> Result<&SurfaceState, PressError> {
+    pub fn step_while(&mut self, pose: &Pose, should_continue: ContinueCheck) -> Result<&SurfaceState, PressError> {
         if !pose.is_finite() {
             return Err(PressError::Pose { pose: *pose });
         }
-        // Inside the pool, a task costs little.
-        let advanced = rayon::scope(|_| self.advance(pose, go_on));
+        // Within the pool, a task costs little.
+        let advanced = rayon::scope(|_| self.advance(pose, should_continue));
         self.write_state();
         advanced?;
         Ok(&self.state)
     }
 
-    fn advance(&mut self, pose: &Pose, go_on: GoOn) -> Result<(), PressError> {
+    fn advance(&mut self, pose: &Pose, should_continue: ContinueCheck) -> Result<(), PressError> {
         self.report = StepReport::default();
         let (from, mut reached, mut halvings) = (self.pose, 0.0, 0_u32);
         while reached < 1.0 {
             let share = 0.5_f64.powi(halvings.cast_signed());
             let target = if reached + share >= 1.0 { *pose } else { from.towards(pose, reached + share) };
             self.report.parts += 1;
-            if self.equilibrate(&target, go_on)? {
+            if self.equilibrate(&target, should_continue)? {
                 reached += share;
-                // What was hard may be over.
+                // The difficult part may be over.
                 halvings = halvings.saturating_sub(1);
             } else if halvings == MOST_HALVINGS {
                 return Err(PressError::Stalled { reached_mm: self.pose.depth_mm, asked_mm: pose.depth_mm });
@@ -186,13 +186,13 @@ impl<'a> Press<'a> {
         Ok(())
     }
 
-    /// The surface as it is.
+    /// The current surface.
     #[must_use]
     pub fn surface(&self) -> &SurfaceState {
         &self.state
     }
 
-    /// How the last step went.
+    /// The outcome of the last step.
     #[must_use]
     pub fn report(&self) -> StepReport {
         self.report

@@ -1,43 +1,44 @@
-//! Newton's method for the gel's rest and the set of touching nodes together.
+//! Newton's method for the gel's equilibrium and the set of touching nodes together.
 
 use super::constraint::{Constraint, add_stiffness, apply_drag, constrain, project};
 use super::frame::{Frame, dot};
 use super::touch::{Node, Touch};
-use super::{Advance, GoOn, Press, PressError, StepReport};
+use super::{Advance, ContinueCheck, Press, PressError, StepReport};
 use crate::Pose;
 use crate::solver::{Field, Grid, Outcome, Stop};
 
-/// Residual, over the contact force, at which the gel is at rest, dimensionless.
+/// Residual, over the contact force, at which the gel is in equilibrium, dimensionless.
 const TOLERANCE: f64 = 3e-6;
-/// Distance from the face at which a touching node lies on it, mm.
+/// Distance from the face at which a touching node counts as lying on it, mm.
 const DISTANCE_MM: f64 = 1e-7;
 const MOST_ITERATIONS: usize = 40;
 /// Residual of a linear solve over its right side, dimensionless, and its most steps.
 const LINEAR_TOLERANCE: f64 = 1e-3;
 const MOST_LINEAR_ITERATIONS: usize = 200;
-/// A solve ends when it leaves this share of what is left at rest, even if its relative residual is larger.
+/// A solve ends when it reaches this share of the equilibrium residual, even if its relative residual is larger.
 const GOAL_SHARE: f64 = 0.3;
-/// Residual over the contact force below which friction takes up the present normal forces.
+/// Residual over the contact force below which friction uses the current normal forces.
 const BALANCED: f64 = 1e-2;
-/// Iterations after which friction keeps the normal forces that it took up, and jumping nodes are wedged.
+/// Iterations after which friction keeps its normal forces, and nodes that keep jumping are fixed.
 const LATE: usize = 15;
-/// A Newton step is shortened until its slope has fallen to this share; so many lengths are tried.
+/// A Newton step is shortened until its slope has fallen to this share; at most this many lengths are tried.
 const SLOPE_LEFT: f64 = 0.5;
 const MOST_TRIALS: usize = 12;
-/// By how much a step is lengthened at once where the gel is about to snap, and how far a node may go in it, mm.
+/// Factor by which a step is lengthened at once where the gel is about to snap, and the largest motion of a node in it,
+/// mm.
 const LENGTHENING: f64 = 8.0;
 const SNAP_MM: f64 = 0.2;
-/// Change of the drag forces over the contact force at which sliding has settled.
+/// Change of the friction forces over the contact force at which sliding has converged.
 const DRAG_TOLERANCE: f64 = 1e-5;
 
-/// Room for the iteration.
+/// Scratch memory for the iteration.
 #[derive(Debug)]
 pub(super) struct Scratch {
     right: Vec<[f64; 3]>,
     step: Vec<[f64; 3]>,
     trial: Vec<[f64; 3]>,
     forces: Vec<[f64; 3]>,
-    /// Prescribed motion, and the forces that it takes.
+    /// Prescribed motion, and its reaction forces.
     motion: Vec<[f32; 3]>,
     moved: Vec<[f32; 3]>,
 }
@@ -51,15 +52,15 @@ impl Scratch {
 }
 
 impl Press<'_> {
-    /// Finds the rest at `pose`; whether it was found. If not, the press is as it was.
+    /// Finds the equilibrium at `pose`; returns whether it was found. If not, the press is unchanged.
     ///
     /// # Errors
     ///
-    /// [`PressError::Stopped`] where `go_on` says so.
-    pub(super) fn equilibrate(&mut self, pose: &Pose, go_on: GoOn) -> Result<bool, PressError> {
+    /// [`PressError::Stopped`] if `should_continue` says so.
+    pub(super) fn equilibrate(&mut self, pose: &Pose, should_continue: ContinueCheck) -> Result<bool, PressError> {
         let rest = (self.displacement.clone(), self.forces.clone(), self.touches.clone(), self.assembled);
         self.predict(pose);
-        let found = self.iterate(pose, &rest.0, go_on);
+        let found = self.iterate(pose, &rest.0, should_continue);
         if found == Ok(true) {
             let change = self.displacement.iter().zip(&rest.0).map(|(now, then)| [0, 1, 2].map(|c| now[c] - then[c]));
             self.last = Some(Advance { poses: [self.pose, *pose], displacement: change.collect() });
@@ -71,7 +72,7 @@ impl Press<'_> {
         found
     }
 
-    /// Starts where the gel comes to if it goes on as in the last part, provided that the indenter does.
+    /// Starts from the extrapolation of the last part, provided that the indenter's motion continues.
     fn predict(&mut self, pose: &Pose) {
         let Some(Advance { poses, displacement }) = &self.last else { return };
         let Some(share) = poses[0].share_of_way(&poses[1], &self.pose, pose) else { return };
@@ -86,14 +87,14 @@ impl Press<'_> {
         }
     }
 
-    fn iterate(&mut self, pose: &Pose, rest: &[[f64; 3]], go_on: GoOn) -> Result<bool, PressError> {
+    fn iterate(&mut self, pose: &Pose, rest: &[[f64; 3]], should_continue: ContinueCheck) -> Result<bool, PressError> {
         let frames = [self.frame(&self.pose), self.frame(pose)];
         let mut changes = vec![0_u8; self.touches.len()];
         for iteration in 0..MOST_ITERATIONS {
-            if go_on().is_break() {
+            if should_continue().is_break() {
                 return Err(PressError::Stopped);
             }
-            // The set at the last rest carries the first iteration, if there is one.
+            // The contact set of the last equilibrium supports the first iteration, if there is one.
             let is_seeding = iteration == 0 && self.touches.iter().all(|touch| *touch == Touch::Free);
             let changed = if iteration > 0 || is_seeding {
                 self.update_touches((&frames, rest), &mut changes, iteration)
@@ -102,7 +103,7 @@ impl Press<'_> {
             };
             let constraints = self.constraints(&frames[1]);
             if !changed && self.is_at_rest(&constraints) {
-                self.settle_rubs(&frames[1]);
+                self.move_anchors(&frames[1]);
                 return Ok(true);
             }
             self.report.newton_iterations += 1;
@@ -113,7 +114,7 @@ impl Press<'_> {
         Ok(false)
     }
 
-    /// Asks every surface node what it does; whether any answer changed.
+    /// Updates the contact state of every surface node; returns whether any changed.
     fn update_touches(
         &mut self,
         (frames, rest): (&[Frame; 2], &[[f64; 3]]),
@@ -139,7 +140,7 @@ impl Press<'_> {
             let touch = self.touches[surface];
             let next = node.next(touch, changes[surface]);
             let is_same = match (touch, next) {
-                (Touch::Rubbing(a), Touch::Rubbing(b)) => {
+                (Touch::Frictional(a), Touch::Frictional(b)) => {
                     let (a, b) = (a.drag(), b.drag());
                     let change = [0, 1, 2].map(|c| a[c] - b[c]);
                     dot(&change, &change).sqrt() <= DRAG_TOLERANCE * contact_force
@@ -156,12 +157,12 @@ impl Press<'_> {
         changed
     }
 
-    /// Lets the anchors of rubbing nodes follow them.
-    fn settle_rubs(&mut self, frame: &Frame) {
+    /// Moves the anchors of sliding nodes with them.
+    fn move_anchors(&mut self, frame: &Frame) {
         for surface in 0..self.touches.len() {
-            if let Touch::Rubbing(rub) = self.touches[surface] {
+            if let Touch::Frictional(friction) = self.touches[surface] {
                 let place = self.place(surface, &self.displacement);
-                self.touches[surface] = Touch::Rubbing(rub.at_rest(frame, place, self.relief));
+                self.touches[surface] = Touch::Frictional(friction.at_rest(frame, place, self.relief));
             }
         }
     }
@@ -179,7 +180,7 @@ impl Press<'_> {
         touching.map(move |(surface, touch)| (grid.on_surface(surface), *touch))
     }
 
-    /// Where a surface node is under a displacement, mm.
+    /// Position of a surface node under a displacement, mm.
     pub(super) fn place(&self, surface: usize, displacement: &[[f64; 3]]) -> [f64; 3] {
         let grid = self.assembly.grid;
         let node = self.assembly.mesh.node(surface % grid.nodes[0], surface / grid.nodes[0], 0);
@@ -196,7 +197,7 @@ impl Press<'_> {
         self.residual_norm(constraints) <= TOLERANCE * self.contact_force() + 1e-14
     }
 
-    /// Norm of the forces that nothing balances, N.
+    /// Norm of the unbalanced forces, N.
     fn residual_norm(&self, constraints: &[Option<Constraint>]) -> f64 {
         let grid = self.assembly.grid;
         let all = crate::solver::dot(grid, &self.forces, &self.forces);
@@ -210,9 +211,9 @@ impl Press<'_> {
         (all + constrained.sum::<f64>()).max(0.0).sqrt()
     }
 
-    /// One Newton step; whether there was one that turns no element inside out.
+    /// One Newton step; returns whether there was one that turns no element inside out.
     fn newton_step(&mut self, frame: &Frame, constraints: &[Option<Constraint>]) -> bool {
-        // A node on a sharp fillet may be about to snap off: without the bend, the step still goes downhill.
+        // A node on a sharp fillet may be about to snap off: without the bend, the step still reduces the energy.
         let mut most_share = 1.0;
         for is_bent in [true, false] {
             if self.assembly.tangent_into(&self.displacement, self.multigrid.finest_mut()).is_err() {
@@ -224,14 +225,14 @@ impl Press<'_> {
             most_share = f64::INFINITY;
         }
         if most_share > 1.0 {
-            // Near an unstable rest the step is tiny, and what grows must leave it.
+            // Near an unstable equilibrium the step is tiny, and the growing mode must leave it.
             let longest = self.work.step.iter().map(|step| dot(step, step)).fold(0.0, f64::max).sqrt();
             most_share = (SNAP_MM / longest).max(1.0);
         }
         self.take_step(frame, constraints, most_share)
     }
 
-    /// Solves for the step with the tangent matrix as it is, with or without what the bent face adds to it.
+    /// Solves for the step with the current tangent matrix, with or without the contribution of the bent face.
     fn solve_step(&mut self, constraints: &[Option<Constraint>], is_bent: bool) -> Outcome {
         let grid = self.assembly.grid;
         add_stiffness(grid, constraints, is_bent, self.multigrid.finest_mut());
@@ -262,7 +263,7 @@ impl Press<'_> {
         outcome
     }
 
-    /// Goes the prescribed motion and so much of the Newton step that the energy along it has no slope left.
+    /// Applies the prescribed motion and the part of the Newton step at which the energy along it has zero slope.
     ///
     /// The step is lengthened up to `most_share` while the energy still falls.
     fn take_step(&mut self, frame: &Frame, constraints: &[Option<Constraint>], most_share: f64) -> bool {
@@ -295,34 +296,34 @@ impl Press<'_> {
             }
             bracket[usize::from(left < 0.0)] = (share, left);
             let [(low, above), (high, below)] = bracket;
-            // Regula falsi, kept off the ends.
+            // Regula falsi, kept away from the ends.
             let fraction = if high.is_nan() { 0.5 } else { (above / (above - below)).clamp(0.1, 0.9) };
             share = low + fraction * (if high.is_nan() { share } else { high } - low);
         }
         false
     }
 
-    /// How the energy falls along the step at the trial displacement, N mm.
+    /// Slope of the energy along the step at the trial displacement, N mm.
     ///
-    /// The face bends away from a straight step. What the energy gains by following it is what the present normal force
-    /// does along the step with the trial place's normal.
+    /// The face bends away from a straight step. The energy gained by following it is the work of the current normal
+    /// force along the step with the normal at the trial place.
     fn slope_at_trial(&self, frame: &Frame, constraints: &[Option<Constraint>]) -> f64 {
         let Scratch { step, trial, forces, .. } = &self.work;
         let mut slope = -crate::solver::dot(self.assembly.grid, forces, step);
         for (surface, touch) in self.touches.iter().enumerate() {
-            if let (Touch::Sliding | Touch::Rubbing(_), Some(constraint)) = (touch, &constraints[surface]) {
+            if let (Touch::Sliding | Touch::Frictional(_), Some(constraint)) = (touch, &constraints[surface]) {
                 let (along, place) = (&step[self.assembly.grid.on_surface(surface)], self.place(surface, trial));
                 let Some(gap) = frame.gap(self.relief, place) else { continue };
                 slope += constraint.push * dot(&gap.normal, along);
-                if let Touch::Rubbing(rub) = touch {
-                    slope += dot(&rub.moved_to(frame, &place, &gap.normal).drag(), along);
+                if let Touch::Frictional(friction) = touch {
+                    slope += dot(&friction.moved_to(frame, &place, &gap.normal).drag(), along);
                 }
             }
         }
         slope
     }
 
-    /// Writes what the present state came to.
+    /// Writes the result of the current state.
     pub(super) fn finish_report(&mut self) {
         let StepReport { energy_nmm, base_force_n, .. } = &mut self.report;
         (*energy_nmm, *base_force_n) = (self.assembled.energy, self.assembled.base_force);

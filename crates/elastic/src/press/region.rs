@@ -1,17 +1,17 @@
-//! Which part of the surface is touched, and how finely it is divided.
+//! The part of the surface that is touched, and its mesh size.
 
 use crate::fem::{BlockMesh, graded_lines};
 use crate::{GelBlock, Pose, Relief};
 use serde::{Deserialize, Serialize};
 
-/// How far beyond what is touched the mesh stays fine, mm.
+/// The mesh stays fine up to this distance from the touched part, mm.
 const MARGIN_MM: f64 = 1.0;
 
-/// How finely a block is divided.
+/// The mesh size of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshParams {
-    /// Cell size where the gel is touched; ignored where `cells` are given.
+    /// Cell size where the gel is touched; ignored if `cells` are given.
     pub resolution: Resolution,
     /// Even cells along x, y and z, as the published 99 × 99 × 10.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -34,10 +34,10 @@ pub enum Resolution {
 impl MeshParams {
     /// A mesh of the block, finest on the surface within the region.
     ///
-    /// Lines run along the outer edges of a flat face, so that it is as wide on the mesh as it is.
+    /// Lines run along the outer edges of a flat face, so that it has its true width on the mesh.
     ///
-    /// Contact is node by node: where the surface is slid, the force depends on which rows of nodes the leading wall
-    /// reaches and which the trailing edge lets go. A sticking square of 6 mm, ν = 0.35, E = 0.6 `MPa`, 1 mm deep and
+    /// Contact is node by node: when the surface is slid, the force depends on which rows of nodes the leading wall
+    /// reaches and which the trailing edge releases. A sticking square of 6 mm, ν = 0.35, E = 0.6 `MPa`, 1 mm deep and
     /// then 1.5 mm along x, force in N with lines on its edges and half a cell beside them:
     ///
     /// | cell, mm | on the edges: x, z | beside them: x, z |
@@ -46,7 +46,7 @@ impl MeshParams {
     /// | 0.3 | 7.02, 7.65 | 7.23, 7.65 |
     /// | 0.2 | 7.24, 7.69 | 7.04, 7.68 |
     ///
-    /// The normal force is settled to 0.5 %, the shear force scatters by ±1.6 % about 7.13 N. The number of steps, 10,
+    /// The normal force is converged to 0.5 %, the shear force scatters by ±1.6 % about 7.13 N. The number of steps, 10,
     /// 20 or 40, changes neither by 0.01 %.
     #[must_use]
     pub fn mesh(&self, block: &GelBlock, region: &SweptRegion) -> BlockMesh {
@@ -76,14 +76,14 @@ impl MeshParams {
 /// The part of the surface that an indenter may touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SweptRegion {
-    /// From where to where along x and y, mm.
+    /// Range along x and y, mm.
     pub extent_mm: [[f64; 2]; 2],
-    /// From where to where along x and y a flat face first meets the surface, mm, if the indenter has one.
+    /// Range along x and y where a flat face first meets the surface, mm, if the indenter has one.
     pub face_mm: Option<[[f64; 2]; 2]>,
 }
 
 impl SweptRegion {
-    /// Where cells are fine along an axis, mm, and how long they are, so that lines run along the face's edges.
+    /// Range of fine cells along an axis, mm, and their length, so that lines run along the face's edges.
     fn fine(&self, axis: usize, spacing_mm: f64) -> ([f64; 2], f64) {
         let [from, to] = self.extent_mm[axis];
         let face = self.face_mm.map(|face| face[axis]);
@@ -96,7 +96,7 @@ impl SweptRegion {
     }
 }
 
-/// The part of the surface that an indenter may touch on its way through `poses`.
+/// The part of the surface that an indenter may touch during `poses`.
 #[must_use]
 pub fn swept_region(relief: &dyn Relief, centre_mm: [f64; 2], poses: &[Pose]) -> SweptRegion {
     let half = relief.half_extent_mm();

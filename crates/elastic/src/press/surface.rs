@@ -1,11 +1,11 @@
-//! The surface as it is told to others.
+//! The surface as the result of a press.
 
 use super::Press;
 use super::touch::Touch;
 use crate::SurfaceState;
 
 impl Press<'_> {
-    /// Writes the present state for whoever asks.
+    /// Writes the current state.
     pub(super) fn write_state(&mut self) {
         self.finish_report();
         let [x_mm, y_mm, _] = self.assembly.mesh.lines().map(<[f64]>::to_vec);
@@ -48,7 +48,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// Length that each line stands for: half the way to each neighbour, mm.
+/// Length that each line represents: half the distance to each neighbour, mm.
 fn widths(lines: &[f64]) -> Vec<f64> {
     let at = |n: usize| lines[n.min(lines.len() - 1)];
     (0..lines.len()).map(|n| 0.5 * (at(n + 1) - at(n.saturating_sub(1)))).collect()

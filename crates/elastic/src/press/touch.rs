@@ -1,37 +1,37 @@
-//! What each node of the surface does: free, held, or sliding.
+//! The contact state of each surface node: free, held, or sliding.
 
 use super::frame::{Frame, dot};
 use crate::{ContactLaw, Relief};
 
-/// A node that lies this little inside the indenter does not touch it, mm.
+/// A node this little inside the indenter does not touch it, mm.
 const PENETRATION_MM: f64 = 1e-7;
-/// A sliding node that keeps missing the face by more than this, mm, is wedged in an inner edge between two faces: it
-/// stays where it is.
+/// A sliding node that repeatedly misses the face by more than this, mm, is wedged in an inner edge between two faces: it
+/// is fixed at its place.
 const WEDGED_MM: f64 = 1e-5;
-/// Share of the largest nodal force by which a node must be pulled before it is let go.
+/// A node is released only if it must be pulled by this share of the largest nodal force.
 const PULL: f64 = 1e-7;
-/// How often a node may change its mind in a step; afterwards it stays in touch.
+/// How often the state of a node may change in a step; afterwards it stays in contact.
 const MOST_CHANGES: u8 = 4;
 
-/// What a node of the surface does.
+/// The contact state of a surface node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Touch {
-    /// Touches nothing.
+    /// No contact.
     Free,
     /// Stays at a point of the indenter, given in its frame, mm.
     Held { anchor: [f64; 3] },
-    /// Stays on the face, unhindered.
+    /// Slides on the face without friction.
     Sliding,
-    /// Stays on the face and rubs on it.
-    Rubbing(Rub),
+    /// Slides on the face with friction.
+    Frictional(FrictionState),
 }
 
 /// Coulomb friction at a node.
 ///
-/// The shear force grows with the slip up to its bound, the coefficient times the normal force, and then stays there:
-/// `t = −bound · s / max(|s|, s₀)`. What Coulomb's law calls sticking is a slip below `s₀`, [`Rub::ELASTIC_SLIP_MM`].
+/// The shear force grows with the slip up to its bound, the coefficient times the normal force, and is then constant: `t
+/// = −bound · s / max(|s|, s₀)`. Sticking in Coulomb's law corresponds to a slip below `s₀`, [`FrictionState::ELASTIC_SLIP_MM`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rub {
+pub(super) struct FrictionState {
     /// Point of the face that slip is counted from, in the indenter's frame, mm.
     pub(super) anchor: [f64; 3],
     /// Slip along the face, mm.
@@ -40,11 +40,11 @@ pub(super) struct Rub {
     bound: f64,
 }
 
-impl Rub {
+impl FrictionState {
     /// Slip at which the shear force reaches its bound, mm.
     pub(super) const ELASTIC_SLIP_MM: f64 = 2e-3;
 
-    /// The rub when its node has come to `place`, where the face has this normal.
+    /// The friction state when its node is at `place`, where the face has this normal.
     pub(super) fn moved_to(self, frame: &Frame, place: &[f64; 3], normal: &[f64; 3]) -> Self {
         let start = frame.gel_from_indenter(self.anchor);
         let way = [0, 1, 2].map(|c| place[c] - start[c]);
@@ -58,7 +58,7 @@ impl Rub {
         self.slip.map(|slip| scale * slip)
     }
 
-    /// How the drag falls with further slip along the face, N/mm; `free` projects onto the face.
+    /// Derivative of the friction force by further slip along the face, N/mm; `free` projects onto the face.
     pub(super) fn stiffness(&self, free: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
         let size = length(&self.slip);
         let scale = self.bound / size.max(Self::ELASTIC_SLIP_MM);
@@ -67,7 +67,7 @@ impl Rub {
         [0, 1, 2].map(|r| [0, 1, 2].map(|c| entry(r, c)))
     }
 
-    /// The rub from which the next step starts: its anchor has followed what slipped beyond the elastic slip.
+    /// The friction state at the start of the next step: its anchor has followed the slip beyond the elastic slip.
     pub(super) fn at_rest(self, frame: &Frame, place: [f64; 3], relief: &dyn Relief) -> Self {
         let size = length(&self.slip);
         if size <= Self::ELASTIC_SLIP_MM {
@@ -79,26 +79,26 @@ impl Rub {
     }
 }
 
-/// What is known of a node when it is asked what it does.
+/// Data of a node for the update of its state.
 pub(super) struct Node<'a> {
     pub(super) relief: &'a dyn Relief,
     pub(super) law: ContactLaw,
-    /// Indenter's frame at the last rest and now.
+    /// Indenter's frame at the last equilibrium and now.
     pub(super) frames: [&'a Frame; 2],
-    /// The node's place at the last rest and now, mm.
+    /// The node's position at the last equilibrium and now, mm.
     pub(super) places: [[f64; 3]; 2],
-    /// Force that holds it now, N.
+    /// Its current contact force, N.
     pub(super) force: [f64; 3],
-    /// Whether the iteration has gone on for long.
+    /// Whether there were many iterations.
     pub(super) is_late: bool,
-    /// Whether forces nearly balance, so that the normal force means something.
+    /// Whether forces nearly balance, so that the normal force is meaningful.
     pub(super) is_balanced: bool,
     /// Norm of all nodal forces in contact, N.
     pub(super) contact_force: f64,
 }
 
 impl Node<'_> {
-    /// What the node does next.
+    /// The node's next state.
     pub(super) fn next(&self, touch: Touch, changes: u8) -> Touch {
         let Some(gap) = self.frames[1].gap(self.relief, self.places[1]) else { return Touch::Free };
         if touch == Touch::Free {
@@ -112,10 +112,10 @@ impl Node<'_> {
             return Touch::Held { anchor: self.below() };
         }
         match (touch, self.law) {
-            (Touch::Rubbing(rub), ContactLaw::Friction(coefficient)) => {
-                let rub = rub.moved_to(self.frames[1], &self.places[1], &gap.normal);
-                let bound = if self.is_balanced { coefficient * push.max(0.0) } else { rub.bound };
-                Touch::Rubbing(Rub { bound, ..rub })
+            (Touch::Frictional(friction), ContactLaw::Friction(coefficient)) => {
+                let friction = friction.moved_to(self.frames[1], &self.places[1], &gap.normal);
+                let bound = if self.is_balanced { coefficient * push.max(0.0) } else { friction.bound };
+                Touch::Frictional(FrictionState { bound, ..friction })
             }
             _ => touch,
         }
@@ -127,16 +127,18 @@ impl Node<'_> {
         [x, y, -self.relief.at(x, y).height_mm]
     }
 
-    /// A node that has just come in touch.
+    /// A node that has just come into contact.
     fn touched(&self) -> Touch {
         match self.law {
             ContactLaw::Frictionless => Touch::Sliding,
             ContactLaw::Stick => Touch::Held { anchor: self.anchor() },
-            ContactLaw::Friction(_) => Touch::Rubbing(Rub { anchor: self.anchor(), slip: [0.0; 3], bound: 0.0 }),
+            ContactLaw::Friction(_) => {
+                Touch::Frictional(FrictionState { anchor: self.anchor(), slip: [0.0; 3], bound: 0.0 })
+            }
         }
     }
 
-    /// Where on the indenter the node met it on its straight way there since the last rest, in the indenter's frame.
+    /// Point of the indenter that the node met on a straight path since the last equilibrium, in the indenter's frame.
     fn anchor(&self) -> [f64; 3] {
         let [from, to] = [0, 1].map(|n| self.frames[n].indenter_from_gel(self.places[n]));
         let at = |share: f64| [0, 1, 2].map(|c| from[c] + share * (to[c] - from[c]));

@@ -1,31 +1,32 @@
-//! Fewer lines along one axis: which nodes stay, and how the others follow.
+//! Coarsening along one axis: which nodes are kept, and how the others are interpolated.
 
 use super::stencil::{REACH, Rows};
 use super::{Grid, Stencil};
 use fearless_simd::dispatch;
 use rayon::prelude::*;
 
-/// Drops every other line along an axis; a dropped line follows its neighbours linearly.
+/// Drops every other line along an axis; a dropped line is interpolated linearly from its neighbours.
 #[derive(Debug, Clone)]
 pub(crate) struct Coarsening {
     /// 0 for x, 1 for y, 2 for z.
     axis: usize,
     fine: Grid,
     pub(crate) coarse: Grid,
-    /// For each fine line the coarse lines it follows and by how much; a share of zero where there is only one.
+    /// For each fine line the coarse lines it is interpolated from, with weights; a weight of zero where there is only
+    /// one.
     parents: Vec<[(usize, f32); 2]>,
-    /// For each coarse line the fine lines that follow it and by how much.
+    /// For each coarse line the fine lines interpolated from it, with weights.
     children: Vec<Vec<(usize, f32)>>,
 }
 
 impl Coarsening {
-    /// Coarsens `axis` of a grid with lines at `lines`, mm. If the lines are followed by a bonded one at `bonded`, the
-    /// last dropped line follows that too, which does not move.
+    /// Coarsens `axis` of a grid with lines at `lines`, mm. If there is a bonded line at `bonded` after them, the last
+    /// dropped line is also interpolated from that, which does not move.
     ///
     /// Returns the coarse lines as well.
     pub(crate) fn new(fine: Grid, axis: usize, lines: &[f64], bonded: Option<f64>) -> (Self, Vec<f64>) {
         let last = lines.len() - 1;
-        // A free last line must stay; a bonded one beyond it holds the field there.
+        // A free last line must be kept; a bonded one after it fixes the field there.
         let stays = |line: usize| line.is_multiple_of(2) || line == last && bonded.is_none();
         let kept: Vec<usize> = (0..=last).filter(|&line| stays(line)).collect();
         let parents: Vec<_> = (0..=last)

@@ -1,24 +1,24 @@
-//! Preconditioned conjugate gradients ([Saad2003]), in a subspace that constraints leave.
+//! Preconditioned conjugate gradients ([Saad2003]), in the subspace allowed by constraints.
 //!
-//! Matrix and vectors are in single precision: a Newton iteration, which knows its residual in double, corrects what a
-//! solve leaves. Scalar products are summed in double.
+//! Matrix and vectors are in single precision: the Newton iteration, with its residual in double precision, corrects the
+//! rest. Scalar products are summed in double.
 
 use super::grid::LEAST_VALUES;
 use super::{Field, Grid, Multigrid};
 use rayon::prelude::*;
 
-/// How a solve ended.
+/// The outcome of a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Outcome {
     /// Steps taken.
     pub(crate) iterations: usize,
     /// Norm of the residual over that of the right side, dimensionless.
     pub(crate) relative_residual: f64,
-    /// Whether a direction was met along which the matrix is not positive; the solution is what came before it.
+    /// Whether a direction was found along which the matrix is not positive; the solution is the one before it.
     pub(crate) is_indefinite: bool,
 }
 
-/// Solves with scratch of its own.
+/// The solver with its scratch memory.
 #[derive(Debug)]
 pub(crate) struct Solver {
     grid: Grid,
@@ -52,7 +52,7 @@ impl Solver {
         solution.fill([0.0; 3]);
         self.solution.fill([0.0; 3]);
         let mut outcome = Outcome { iterations: 0, relative_residual: 0.0, is_indefinite: false };
-        // Single precision holds few tiny numbers: the right side is brought to size one.
+        // Single precision represents few tiny numbers: the right side is scaled to size one.
         let scale = dot(grid, right, right).sqrt();
         if scale <= 0.0 {
             return outcome;
@@ -85,7 +85,8 @@ impl Solver {
             }
             self.precondition(multigrid, project);
             let next_slope = dot(grid, &self.residual, &self.preconditioned);
-            // Polak and Ribière's form forgives a preconditioner that rounds: ⟨z₊, r₊ − r⟩ / ⟨z, r⟩, r₊ − r = −step · A p.
+            // Polak and Ribière's form tolerates rounding in the preconditioner: ⟨z₊, r₊ − r⟩ / ⟨z, r⟩, r₊ − r = −step ·
+            // A p.
             let turn = (-step * dot(grid, &self.product, &self.preconditioned) / slope).max(0.0) as f32;
             each(&mut self.direction, &self.preconditioned, |direction, towards| {
                 *direction = [0, 1, 2].map(|c| towards[c] + turn * direction[c]);
@@ -103,7 +104,7 @@ impl Solver {
     }
 }
 
-/// When a solve ends.
+/// Termination of a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stop {
     /// Norm of the residual that is good enough.
@@ -133,7 +134,7 @@ fn add_scaled(target: &mut Field<f32>, factor: f32, source: &Field<f32>) {
     each(target, source, |target, source| *target = [0, 1, 2].map(|c| target[c] + factor * source[c]));
 }
 
-/// Does the same at every node.
+/// Applies the same operation to every node.
 fn each<T: Send, S: Sync>(target: &mut [T], source: &[S], visit: impl Fn(&mut T, &S) + Sync) {
     let nodes = target.par_iter_mut().zip(source.par_iter()).with_min_len(LEAST_VALUES);
     nodes.for_each(|(target, source)| visit(target, source));

@@ -1,4 +1,4 @@
-//! Where a node of a structured grid lies in memory.
+//! Storage order of the nodes of a structured grid.
 
 /// A box of `nx · ny · nz` nodes with one layer of empty nodes around it, so that every node has 26 neighbours.
 ///
@@ -9,7 +9,7 @@ pub(crate) struct Grid {
     pub(crate) nodes: [usize; 3],
 }
 
-/// Fewest nodes whose rows are worth a task of their own, and fewest whose mere values are.
+/// Least number of nodes whose rows justify a task of their own, and the same for single values.
 const LEAST_ROWS: usize = 512;
 pub(super) const LEAST_VALUES: usize = 8192;
 
@@ -24,12 +24,12 @@ impl Grid {
         self.row() * (self.nodes[2] + 2)
     }
 
-    /// Fewest slabs that a thread should be given: a coarse grid stays with one.
+    /// Least number of slabs per thread: a coarse grid is processed by one thread.
     pub(crate) fn least_slabs(self) -> usize {
         LEAST_ROWS.div_ceil(self.slab())
     }
 
-    /// All nodes, the empty layer included.
+    /// All nodes, including the empty layer.
     pub(crate) fn len(self) -> usize {
         self.slab() * (self.nodes[1] + 2)
     }

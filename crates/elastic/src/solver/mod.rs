@@ -1,8 +1,8 @@
 //! Solves `A x = b` on a structured grid: conjugate gradients, preconditioned by one cycle of geometric multigrid.
 //!
 //! The coarse matrices are Galerkin products `Iᵀ A I`, taken one axis at a time, so that every level keeps the 27-node
-//! stencil whatever the mesh's grading ([Trottenberg2001]). All of it is in single precision: whoever needs more
-//! solves again for what is left. Sums run over slabs in a fixed order: the result does not depend on the number of threads.
+//! stencil whatever the mesh's grading ([Trottenberg2001]). All of it is in single precision: for more accuracy, solve
+//! again for the residual. Sums run over slabs in a fixed order: the result does not depend on the number of threads.
 
 mod coarsen;
 mod conjugate_gradients;

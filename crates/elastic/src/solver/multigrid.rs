@@ -19,7 +19,7 @@ pub(crate) struct Multigrid {
     levels: Vec<Level>,
 }
 
-/// A grid with its matrix, and how it becomes the next coarser one.
+/// A grid with its matrix, and its coarsening.
 #[derive(Debug)]
 struct Level {
     matrix: Stencil,
@@ -27,11 +27,11 @@ struct Level {
     solution: Vec<[f32; 3]>,
     right: Vec<[f32; 3]>,
     product: Vec<[f32; 3]>,
-    /// Up to three steps, an axis each, to the next level.
+    /// Up to three steps, one axis each, to the next level.
     steps: Vec<Step>,
 }
 
-/// One axis' coarsening, and room for what lies between two levels.
+/// The coarsening along one axis, and memory for intermediate results.
 #[derive(Debug)]
 struct Step {
     coarsening: Coarsening,

@@ -1,21 +1,22 @@
 //! Gauss–Seidel, slab by slab: the even slabs together, then the odd ones, node after node within a slab.
 //!
-//! A slab sees only itself and its two neighbours, so slabs of one parity can be smoothed at once and the result does
-//! not depend on the number of threads. A backward sweep is the transpose of a forward one, which keeps a cycle symmetric.
+//! A slab depends only on itself and its two neighbours, so slabs of one parity can be smoothed in parallel and the
+//! result does not depend on the number of threads. A backward sweep is the transpose of a forward one, which keeps a
+//! cycle symmetric.
 
 use super::stencil::{Rows, row_product};
 use super::{Grid, Stencil};
 use fearless_simd::{Simd, dispatch};
 use rayon::prelude::*;
 
-/// In which order the nodes are visited.
+/// The order in which the nodes are visited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sweep {
     Forward,
     Backward,
 }
 
-/// Smooths with one matrix; made anew when the matrix changes.
+/// Smooths with one matrix; created again when the matrix changes.
 #[derive(Debug, Clone)]
 pub(super) struct Smoother {
     inverse_blocks: Vec<[[f32; 3]; 3]>,
@@ -80,7 +81,7 @@ impl Smoother {
     }
 }
 
-/// What a slab is smoothed with.
+/// The inputs of smoothing a slab.
 struct Slab<'a> {
     grid: Grid,
     rows: &'a [Rows],
@@ -104,7 +105,7 @@ impl Slab<'_> {
     }
 }
 
-/// Inverse of a 3×3 block; zero where it has none, which leaves the node as it is.
+/// Inverse of a 3×3 block; zero if it has none, which leaves the node unchanged.
 fn inverse(a: [[f32; 3]; 3]) -> [[f32; 3]; 3] {
     let a = a.map(|row| row.map(f64::from));
     let minor = |r: usize, c: usize| {

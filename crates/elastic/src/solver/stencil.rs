@@ -4,7 +4,7 @@ use super::{Field, Grid};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use rayon::prelude::*;
 
-/// Coefficients that one component of a row has: 27 nodes of three components.
+/// Number of coefficients of one component of a row: 27 nodes of three components.
 pub(crate) const REACH: usize = 81;
 
 /// The three rows of a node, one after the other. Within a row come the neighbours' components: y slowest, then z, then
@@ -19,7 +19,7 @@ pub(crate) fn column([dx, dy, dz]: [isize; 3]) -> usize {
 /// Place in a row of a node's own first component.
 pub(crate) const OWN: usize = 39;
 
-/// A matrix over the nodes of a grid, with three components a node.
+/// A matrix over the nodes of a grid, with three components per node.
 #[derive(Debug, Clone)]
 pub(crate) struct Stencil {
     pub(crate) grid: Grid,
@@ -47,7 +47,7 @@ impl Stencil {
         });
     }
 
-    /// The block by which a node acts on itself.
+    /// The diagonal block of a node.
     pub(crate) fn own_block(&self, node: usize) -> [[f32; 3]; 3] {
         self.rows[node].map(|row| [row[OWN], row[OWN + 1], row[OWN + 2]])
     }
@@ -63,7 +63,7 @@ pub(super) fn row_product<S: Simd>(
     row: usize,
     place: usize,
 ) -> [f32; 3] {
-    // A neighbour's row holds nine values: eight lanes, and one.
+    // A neighbour's row has nine values: eight lanes, and one.
     let (mut lanes, mut ninths) = ([f32x8::splat(simd, 0.0); 3], [0.0; 3]);
     for (along_y, slab) in slabs.into_iter().enumerate() {
         for along_z in 0..3 {

@@ -52,7 +52,7 @@ impl BenchmarkReport {
         section.table(table);
         if !self.told.is_empty() {
             let mut table =
-                HtmlTable::new("What the tracker was told otherwise than the sensors are", ["key", "value"]);
+                HtmlTable::new("Values of the tracker that differ from the simulated sensor", ["key", "value"]);
             self.told.iter().for_each(|(key, value)| table.row(key.as_str(), [Cell::text(value.as_str())]));
             section.table(table);
         }
@@ -84,7 +84,7 @@ impl BenchmarkReport {
         table
     }
 
-    /// Contact and force of the methods that tell them.
+    /// Contact and force of the methods that estimate them.
     fn contact_table(&self, variation: &str) -> HtmlTable {
         let mut table = HtmlTable::new(
             "Contact and force, means over the scenes: overlap of contact, and errors as parts of the true value",

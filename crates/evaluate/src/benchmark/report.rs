@@ -15,9 +15,9 @@ pub struct MethodScore {
     /// Its errors in the last frame, mm.
     #[serde(flatten)]
     pub score: DepthScore,
-    /// Pixels that both it and the truth call contact over those that either does, 0 to 1; none if it tells no contact.
+    /// Pixels that both it and the truth call contact over those that either does, 0 to 1; none if it does not estimate contact.
     pub contact_overlap: Option<f64>,
-    /// Error of the normal force over the true one, dimensionless; none if it tells no force.
+    /// Error of the normal force over the true one, dimensionless; none if it does not estimate force.
     pub normal_force: Option<f64>,
     /// Distance of the shear force from the true one over its size; none where that is below 5 % of the normal force.
     pub shear_force: Option<f64>,
@@ -26,7 +26,7 @@ pub struct MethodScore {
 }
 
 impl MethodScore {
-    /// The score of a method that tells depth alone.
+    /// The score of a method that only estimates depth.
     pub(super) fn new(method: &str, score: DepthScore) -> Self {
         let (contact_overlap, normal_force, shear_force, torque) = (None, None, None, None);
         Self { method: method.into(), score, contact_overlap, normal_force, shear_force, torque }
@@ -100,7 +100,7 @@ pub struct BenchmarkReport {
     pub means: Vec<MethodMeans>,
     /// Every case.
     pub cases: Vec<CaseReport>,
-    /// What the tracker was told otherwise than the sensors are: keys of the profile with their values.
+    /// Values of the tracker that differ from the simulated sensor: keys of the profile with their values.
     pub told: Vec<(String, String)>,
     /// Cases that were not solved to their end, and why.
     pub unsolved: Vec<String>,
@@ -185,7 +185,7 @@ impl MethodMeans {
     }
 }
 
-/// A part in percent, a dash where there is none.
+/// A part in percent, or a dash.
 pub(super) fn percent(part: Option<f64>) -> String {
     part.map_or_else(|| "—".into(), |part| format!("{:.1} %", 100.0 * part))
 }
@@ -194,7 +194,7 @@ pub(super) fn percent(part: Option<f64>) -> String {
 impl fmt::Display for BenchmarkReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (key, value) in &self.told {
-            writeln!(f, "told {key} = {value}")?;
+            writeln!(f, "changed {key} = {value}")?;
         }
         for why in &self.unsolved {
             writeln!(f, "not solved: {why}")?;
@@ -261,11 +261,11 @@ mod tests {
                 .collect(),
         };
         let cases = [case("a".into(), Some(0.5)), case("b".into(), Some(1.5)), case("c".into(), None)];
-        let told = [("elastic.learned".into(), "false".into())];
+        let told = [("elastic.network".into(), "false".into())];
         let outcomes = cases.into_iter().map(Ok).chain([Err("d: frame 3 did not converge".into())]);
         let report = BenchmarkReport::new(Extent::Quick, &told, outcomes.collect());
         let text = report.to_string();
-        assert!(text.contains("told elastic.learned = false") && text.contains("not solved: d: frame 3"), "{text}");
+        assert!(text.contains("changed elastic.network = false") && text.contains("not solved: d: frame 3"), "{text}");
         assert_eq!(report.methods(), ["nothing", "mine"]);
         let mine = &report.means[1];
         assert_eq!((mine.cases, mine.everywhere_mm, mine.worst_inside_mm), (2, 1.0, 3.0));

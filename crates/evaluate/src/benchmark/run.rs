@@ -20,7 +20,7 @@ pub struct Benchmark<'a> {
     pub extent: Extent,
     /// The cases, those of [`cases`](super::cases) or some of them.
     pub cases: Vec<Case>,
-    /// What the tracker is told otherwise than the sensors are: keys of the profile with their values.
+    /// Values of the tracker that differ from the simulated sensor: keys of the profile with their values.
     pub assignments: &'a [(String, String)],
     /// Other programs.
     pub entries: &'a [Entry],
@@ -37,7 +37,7 @@ impl Benchmark<'_> {
     }
 }
 
-/// Runs the benchmark. A case that cannot be solved to its end is left out and named. `progress` is told what has been done after every case and calibration; it may end the run.
+/// Runs the benchmark. A case that cannot be solved to its end is skipped and named. `progress` is called after every case and calibration with its name; it may end the run.
 ///
 /// # Errors
 ///

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 const MARGIN: usize = 3;
 /// Ground between a dot and the image's edge, px: nearer, optics blur carries part of its light out of the image.
 const CLEAR: usize = 2;
-/// A dot has at least so many px.
+/// Least number of px of a dot.
 const LEAST_AREA: usize = 9;
 /// A dot's area lies within this factor of the median one, either way.
 const AREA_FACTOR: usize = 3;

@@ -2,7 +2,7 @@
 
 /// A dot is sought within this part of the distance between neighbours.
 const GATE: f64 = 0.45;
-/// A lost dot moves as so many of its nearest neighbours do.
+/// Number of nearest neighbours whose mean motion a lost dot takes.
 const NEIGHBOURS: usize = 4;
 
 /// The dots of the first image on their way.

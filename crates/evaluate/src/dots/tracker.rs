@@ -8,7 +8,7 @@ use super::detect::find_dots;
 use super::follow::Followed;
 use super::spline::ThinPlate;
 
-/// A field needs so many dots.
+/// Least number of dots for a field.
 const LEAST: usize = 4;
 
 /// What one image of dots tells.
@@ -65,7 +65,7 @@ impl DotTracker {
     }
 
     /// The reading of the next image. Between two images a dot may move by less than half the distance to its neighbour,
-    /// beyond what its last motion foretells.
+    /// beyond the prediction by its last motion.
     ///
     /// # Errors
     ///

@@ -23,16 +23,16 @@ pub enum ExperimentError {
         /// How far it came.
         reason: String,
     },
-    /// The camera is none.
+    /// The camera is impossible.
     #[error(transparent)]
     Camera(#[from] CameraError),
     /// A frame cannot be tracked.
     #[error(transparent)]
     Track(#[from] TrackError),
-    /// The profile cannot be told so.
+    /// A value cannot be set in the profile.
     #[error(transparent)]
     Profile(#[from] ProfileError),
-    /// A parameter is none.
+    /// A parameter is out of range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// The dots cannot be followed.

@@ -51,7 +51,7 @@ pub fn follow(
     }
 }
 
-/// Follows a recording and gives what `take` makes of its last frame.
+/// Tracks a recording and returns the result of `take` for its last frame.
 ///
 /// # Errors
 ///

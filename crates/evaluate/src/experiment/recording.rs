@@ -17,7 +17,7 @@ const FRAMES_PER_SECOND: f64 = 90.0;
 pub struct Recording {
     /// The scene's name.
     pub name: String,
-    /// What the tracker is told: the scene's camera and gel, unless it is [told otherwise](Self::told).
+    /// The tracker's profile: the scene's camera and gel, unless [changed](Self::told).
     pub profile: Profile,
     /// How deep the indenter is in every frame, mm.
     pub depths_mm: Vec<f64>,
@@ -41,7 +41,7 @@ impl Recording {
         Self::told(scene, &[], cache)
     }
 
-    /// The same, whose tracker is told otherwise than the sensor is: keys of the profile with their values.
+    /// The same with changed values of the tracker's profile: keys with their values.
     ///
     /// # Errors
     ///

@@ -52,7 +52,7 @@ pub enum Block {
         /// Plain text.
         text: String,
     },
-    /// A paragraph that stands out.
+    /// A highlighted paragraph.
     Warning {
         /// Plain text.
         text: String,
@@ -93,7 +93,7 @@ impl Section {
         self.blocks.push(Block::Text { text: text.into() });
     }
 
-    /// Adds a paragraph that stands out.
+    /// Adds a highlighted paragraph.
     pub fn warning(&mut self, text: impl Into<String>) {
         self.blocks.push(Block::Warning { text: text.into() });
     }
@@ -118,7 +118,7 @@ impl Section {
         Ok(())
     }
 
-    /// Adds pictures side by side, so many to a row.
+    /// Adds pictures side by side, this many in a row.
     ///
     /// # Errors
     ///

@@ -43,7 +43,7 @@ impl Cell {
         Self { text: text.into(), is_best: false }
     }
 
-    /// A number with so many decimals; a dash if it is none.
+    /// A number with this many decimals; a dash if it is not a number.
     #[must_use]
     pub fn figure(value: f64, decimals: usize) -> Self {
         if value.is_finite() { Self::text(format!("{value:.decimals$}").replace('-', "−")) } else { Self::none() }

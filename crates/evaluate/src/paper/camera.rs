@@ -66,7 +66,7 @@ fn section(table: &TableOne, fit: &CameraFit) -> Result<Section, ExperimentError
     let mut section = Section::new("camera", "Table I: camera calibration");
     section.text(
         "A rigid board under a slanted camera with a distorting lens slides in 20 steps of 0.5 mm; the flow from image to image is \
-         averaged on a 100×100 grid, 80 % of which is fitted. Before is the plain camera: upright, without distortion, its scale the one \
+         averaged on a 100×100 grid, 80 % of which is fitted. Before is the plain camera: upright, without distortion, its scale that \
          of the mean flow. The paper does not print its unit; ratios compare.",
     );
     let mut rows =

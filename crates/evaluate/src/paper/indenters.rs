@@ -190,7 +190,7 @@ fn by_elasticity(setting: Setting, measured: &[Measured]) -> Result<Section, Exp
     let title = format!("Beyond the paper: depth from elasticity, {}", setting.name());
     let mut section = Section::new(&format!("elastic-{}", setting.word()), title);
     section.text(
-        "The same flow, read by perspective and the gel's elasticity instead of density: camera and gel are the scene's own, and no          press was calibrated with. It tells contact and force as well.",
+        "The same flow, evaluated by perspective and the gel's elasticity instead of density: camera and gel are the scene's own, and no          press was calibrated with. It also estimates contact and force.",
     );
     for (caption, figure) in REGIONS {
         let mut table = HtmlTable::new(

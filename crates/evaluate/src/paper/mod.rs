@@ -1,4 +1,4 @@
-//! The tables and figures of [Du2021], made again from the simulated sensor and the tracker.
+//! The tables and figures of [Du2021], reproduced with the simulated sensor and the tracker.
 //!
 //! [`reproduce`] goes through them in the paper's order and returns a [`Reproduction`]: all numbers, and a page that shows
 //! them beside what the paper prints. Everything is measured in the [`Setting`] that the paper's text fixes and, where it
@@ -35,7 +35,7 @@ use crate::experiment::ExperimentError;
 
 pub use crate::experiment::Extent;
 
-/// Is told what comes next; may end the run.
+/// Called with the name of the next part; may end the run.
 pub type Progress<'a> = &'a (dyn Fn(&str) -> ControlFlow<()> + Sync);
 
 /// Makes all tables and figures.

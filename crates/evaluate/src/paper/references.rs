@@ -53,7 +53,7 @@ pub(super) fn measure(lab: &Lab) -> Result<(Vec<ReferenceErrors>, Section), Expe
         "Length of the displacement in the last frame on the default sensor. The paper pushes a new reference whenever the coarse \
          flow leaves a photometric error above 10 levels, and shows that a single reference loses a strong press. Here a single \
          reference that starts from the frame before does not lose it: its affine patches follow the stretch. What a stack adds is \
-         the error of every reference it stands on, which the paper does not measure. The default policy, anchored, finishes every \
+         the error of every reference that it is based on, which the paper does not measure. The default policy, anchored, finishes every \
          frame against the first image.",
     );
     let mut table = HtmlTable::new(

@@ -39,7 +39,7 @@ impl Reproduction {
             }
         };
         Page {
-            title: "Du et al. 2021, made again".into(),
+            title: "Du et al. 2021, reproduced".into(),
             lead: format!(
                 "Tables and figures of “High-Resolution 3-Dimensional Contact Deformation Tracking for FingerVision Sensor With Dense \
                  Random Color Pattern” (IEEE RA-L 2021, doi 10.1109/LRA.2021.3061306), from a simulated sensor with exact truth and open \

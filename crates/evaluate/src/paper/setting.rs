@@ -1,4 +1,4 @@
-//! What is simulated: the paper's sensor as far as its text fixes it, and the default one.
+//! The simulated sensors: the paper's, with the values given in its text, and the default one.
 
 use fingervision_gel::{Scene, SceneError};
 use serde::Serialize;

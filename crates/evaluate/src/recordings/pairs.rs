@@ -24,7 +24,7 @@ enum Truth {
     Dense(&'static str),
 }
 
-/// Two files and what lies between them.
+/// Two image files and the motion between them.
 struct RecordedPair {
     name: &'static str,
     reference: &'static str,

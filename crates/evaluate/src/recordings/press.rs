@@ -18,7 +18,7 @@ const DEPTH_AT_REST: [usize; 5] = [0, 10, 20, 30, 40];
 const STEADY: [usize; 3] = [80, 90, 100];
 /// The frames from shortly before the press to shortly after it.
 const PRESS: RangeInclusive<usize> = 57..=113;
-/// Every so many frames from the first on are looked at closely.
+/// Distance between the frames that are examined closely, from the first on.
 const EVERY: usize = 3;
 /// Two flows that are this far apart cannot both be right, px.
 const APART_PX: f32 = 1.0;

@@ -53,7 +53,7 @@ impl Value for u8 {
     }
 }
 
-/// An array `[frame][row][column]`, or with a fourth dimension of so many channels, and the frame last read.
+/// An array `[frame][row][column]`, or with the channels as fourth dimension, and the frame last read.
 #[derive(Debug)]
 pub(super) struct FrameArray<T> {
     path: PathBuf,
@@ -66,7 +66,7 @@ pub(super) struct FrameArray<T> {
 }
 
 impl<T: Value> FrameArray<T> {
-    /// Opens a file if it is there and checks that it holds what its header says.
+    /// Opens a file if it exists and checks that its length agrees with its header.
     ///
     /// Bytes behind the last whole frame are allowed: a run that was cut off leaves some.
     pub(super) fn open(path: &Path, channels: usize) -> Result<Option<Self>, RunError> {

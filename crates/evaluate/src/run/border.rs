@@ -1,4 +1,4 @@
-//! What lies near the border of the contact, measured on the undeformed gel.
+//! The pixels near the border of the contact, by distance on the undeformed gel.
 //!
 //! The border runs between a pixel that is in contact and a neighbour that is not, half-way between their centres. Its
 //! points and the pixels are laid onto the undeformed surface by the camera, and a pixel belongs to the band if some
@@ -12,7 +12,7 @@
 use fingervision_image::Rect;
 use fingervision_optics::Camera;
 
-/// Rounding shall not leave out a pixel that lies exactly at the reach, mm.
+/// Rounding must not leave out a pixel that lies exactly at the reach, mm.
 const ROUNDING_MM: f64 = 1e-9;
 
 /// Finds the pixels near the border of a contact, frame by frame.

@@ -155,7 +155,7 @@ impl Comparer {
         depth_judged.judge(&Judged { mask, mask_name, arrays: &depth }, frame)
     }
 
-    /// Says of each pixel that is compared in which regions it lies, and counts the others: by where the flow holds, and by
+    /// Sets the regions of each pixel that is compared, and counts the others: by where the flow is valid, and by
     /// where depth holds if that is known on its own.
     fn assign_regions(&mut self, inputs: &mut Inputs) -> (Regions<PixelCounts>, Option<Regions<PixelCounts>>) {
         let Inputs { truth, band, .. } = inputs;
@@ -246,7 +246,7 @@ impl Comparer {
     }
 }
 
-/// The regions of a pixel that is in contact or not, near its border or not, as far as that is known.
+/// The regions of a pixel that is in contact or not, near its border or not, if that is known.
 fn regions_of(contact: Option<bool>, near: Option<bool>) -> u8 {
     let region = |region, is_there: bool| if is_there { bit(region) } else { 0 };
     bit(Region::Everywhere)
@@ -255,7 +255,7 @@ fn regions_of(contact: Option<bool>, near: Option<bool>) -> u8 {
         | region(Region::Outside, contact == Some(false) && near == Some(false))
 }
 
-/// Takes a pixel into the tallies of its regions.
+/// Adds a pixel to the statistics of its regions.
 fn push(tallies: &mut [Tally; 4], regions: u8, estimate: f64, truth: f64, error: f64) {
     for (region, tally) in Region::ALL.into_iter().zip(tallies) {
         if regions & bit(region) != 0 {

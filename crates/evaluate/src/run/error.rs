@@ -68,7 +68,7 @@ pub enum RunError {
         /// Columns and rows of the arrays, px.
         size: (usize, usize),
     },
-    /// A run that lies on other pixels than the truth.
+    /// A run whose pixels differ from those of the truth.
     #[error("the run's grid {} is no part of the truth's {}", shown(.run), shown(.truth))]
     Grids {
         /// Where the run's fields lie in the camera image.
@@ -132,7 +132,7 @@ impl RunError {
             Self::NoFields { hint, .. } | Self::Array { hint, .. } => Some(hint.clone()),
             Self::Read { .. } => Some("check that the file is there and may be read".into()),
             Self::Table { .. } => {
-                Some("a table has a line of column names, then a line of numbers a frame, parted by commas".into())
+                Some("a table has a line of column names, then a line of numbers a frame, separated by commas".into())
             }
             Self::Settings(error) => {
                 error.hint().or_else(|| Some("check that the file is there and may be read".into()))

@@ -66,7 +66,7 @@ impl Fields {
         [self.flow.is_some(), self.depth.is_some(), self.displacement.is_some(), self.contact.is_some()]
     }
 
-    /// The names of the fields that are here, parted by commas.
+    /// The names of the fields that are here, separated by commas.
     pub(super) fn names(&self) -> String {
         let present = NAMES.into_iter().zip(self.presence()).filter_map(|(name, is_here)| is_here.then_some(name));
         present.collect::<Vec<_>>().join(", ")

@@ -4,12 +4,12 @@ use super::report::mean_of;
 use super::table_file::Forces;
 use super::{ForceErrors, ForceReport, LoadErrors};
 
-/// Shear below this part of the normal force is none: an error is no part of it.
+/// Shear below this part of the normal force counts as zero: no relative error is given.
 pub(crate) const LEAST_SHEAR: f64 = 0.05;
-/// Torque below that of the normal force on so long an arm, mm, is none.
+/// Torque below that of the normal force on an arm of this length, mm, counts as zero.
 pub(crate) const LEAST_ARM_MM: f64 = 0.1;
 
-/// The largest true force of so many frames, N.
+/// The largest true force of the frames, N.
 pub(super) fn peak_n(truth: &Forces, frames: u64) -> f64 {
     let length = |force: &[Option<f64>; 4]| force[..3].iter().flatten().map(|value| value * value).sum::<f64>().sqrt();
     truth.iter().take(frames as usize).map(length).fold(0.0, f64::max)

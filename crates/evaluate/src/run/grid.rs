@@ -18,7 +18,7 @@ pub(super) struct Grid<'a> {
 }
 
 impl Grid<'_> {
-    /// Where the grid lies in the camera image; at its upper left corner where nothing is known.
+    /// The position of the grid in the camera image; its upper left corner if it is not known.
     fn place(&self) -> Result<Rect, RunError> {
         let (width, height) = self.size;
         let Some([x, y, columns, rows]) = self.region else { return Ok(Rect::whole(width, height)) };

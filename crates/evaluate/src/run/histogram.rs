@@ -1,6 +1,6 @@
 //! Quantiles of more numbers than memory holds.
 
-/// Bits of a number that are not told apart.
+/// Lower bits of a number that are ignored.
 const DROPPED_BITS: u32 = 12;
 
 /// Counts of non-negative numbers by their leading bits.

@@ -159,7 +159,7 @@ fn read_toml<T: DeserializeOwned>(noun: &'static str, path: &Path) -> Result<Opt
     }
 }
 
-/// Leaves out what only one side holds, except what tells where the truth is seen and touched.
+/// Drops fields that only one side contains, except those that show where the truth is visible and touched.
 fn in_common(
     (run_path, mut run): (&Path, Fields),
     (truth_path, mut truth): (&Path, Fields),
@@ -185,7 +185,7 @@ fn in_common(
     }
     if truth.contact.is_none() {
         run.contact = None;
-        notes.push("the truth has no contact.npy: errors are not told apart by region".into());
+        notes.push("the truth has no contact.npy: errors are not separated by region".into());
     }
     if run.mask.is_none() {
         notes.push("valid.npy is absent: every finite pixel of the run counts as valid".into());

@@ -21,7 +21,7 @@ pub(super) struct Judged<'a> {
 }
 
 impl Judgement {
-    /// A judgement of grids of so many pixels.
+    /// A judgement of grids with this number of pixels.
     pub(super) fn new(pixels: usize) -> Self {
         Self { valid: vec![0; pixels], regions: vec![0; pixels], pixels: [PixelCounts::default(); 4] }
     }
@@ -52,7 +52,7 @@ impl Judgement {
         Ok(())
     }
 
-    /// Says of each pixel that is compared in which regions it lies, and counts the others. `regions_of` has a bit for each
+    /// Sets the regions of each pixel that is compared, and counts the others. `regions_of` has a bit for each
     /// region of a pixel, seen or not.
     pub(super) fn assign(&mut self, seen: &[u8], regions_of: impl Fn(usize) -> u8) -> Regions<PixelCounts> {
         let mut pixels = [PixelCounts::default(); 4];

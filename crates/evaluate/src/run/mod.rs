@@ -10,7 +10,7 @@
 //! (`valid.npy`; where that is absent, wherever the estimate is a number). Fields that only one side has are left out,
 //! and the report says so. A run on a part of the image names it in its `run.toml`, and the truth is cropped.
 //!
-//! Depth from elasticity fills in what the flow leaves open. A run says so by a `depth_valid.npy`: depth, displacement and
+//! Depth from elasticity is also valid where the flow is not. Such a run contains a `depth_valid.npy`: depth, displacement and
 //! contact are then compared where that holds, whatever `valid.npy` says of the flow, and depth once more over the pixels
 //! where both hold.
 //!

@@ -26,7 +26,7 @@ struct Scene {
     name: Option<String>,
 }
 
-/// Refuses the truth of another scene than the run was tracked from, as far as both are known.
+/// Refuses the truth of another scene than the tracked one, if both are known.
 pub(super) fn expect_same_scene(
     run: &Path,
     source: Option<&Source>,

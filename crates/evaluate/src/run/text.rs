@@ -8,7 +8,7 @@ use super::report::{
 
 /// Width of the names of rows.
 const NAME: usize = 26;
-/// Stands for a figure that there is none of.
+/// Shown for a missing figure.
 const NONE: &str = "—";
 
 /// What a region is called.
@@ -169,7 +169,7 @@ fn figures(errors: Option<&Errors>) -> [String; 7] {
     ]
 }
 
-/// A number with so many decimals, no negative zero.
+/// A number with this many decimals, without negative zero.
 fn figure(value: Option<f64>, decimals: usize) -> String {
     let Some(value) = value else { return NONE.into() };
     let text = format!("{value:.decimals$}");

@@ -8,7 +8,7 @@ use fingervision_gel::Motion;
 use fingervision_image::{Frame, Image};
 use fingervision_touch::{Fields, Flag, Policy, Profile, Tracker};
 
-/// An error that nobody would call a measurement, px.
+/// An error beyond which a displacement counts as wrong, px.
 const WRONG_PX: f32 = 1.0;
 
 /// How far off one reading is.

@@ -1,7 +1,7 @@
 //! Simulated presses, frame by frame through the whole tracker.
 //!
 //! The same frames go through a tracker under every reference policy; what it reads is compared with exact truth, a
-//! border of 16 px left out. Beside the presses that figures are asked for there are the ones that break trackers: a
+//! border of 16 px left out. In addition to the presses with required figures there are ones on which trackers fail: a
 //! press at start-up, slow drift, dropped frames.
 
 mod follow;
@@ -35,7 +35,7 @@ impl Outcomes {
     }
 }
 
-/// Tracks all sequences under some policies, the first of which is the one that figures are asked of.
+/// Tracks all sequences under some policies, the first of which has required figures.
 ///
 /// # Errors
 ///

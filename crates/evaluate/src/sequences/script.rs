@@ -38,13 +38,13 @@ pub struct Script {
 }
 
 impl Script {
-    /// A round bump that grows evenly from nothing to its amplitude in so many frames.
+    /// A round bump that grows evenly from zero to its amplitude in this many frames.
     #[must_use]
     pub fn press(amplitude_px: f64, frames: usize) -> Self {
         Self::bump(amplitude_px, (0..=frames).map(|frame| frame as f64 / frames as f64))
     }
 
-    /// Presses and releases, one after the other, each in so many frames down and as many up.
+    /// Presses and releases, one after the other, each with this many frames down and up.
     #[must_use]
     pub fn presses(amplitude_px: f64, frames: usize, count: usize) -> Self {
         let fraction = move |frame: usize| 1.0 - (frame as f64 / frames as f64 - 1.0).abs();
@@ -97,7 +97,7 @@ impl Script {
         self
     }
 
-    /// The same with only every so many frames left.
+    /// The same with only every n-th frame.
     #[must_use]
     pub fn every(mut self, frames: usize) -> Self {
         self.steps = self.steps.into_iter().step_by(frames).collect();

@@ -1,36 +1,36 @@
-//! The pull between neighbouring patches, and how it gives way where the flow is rough.
+//! The coupling of neighbouring patches, and how it weakens where the flow is rough.
 //!
-//! A pair is bound by the mismatch of its affine predictions half-way and by the difference of its gradients. Its *bond*
-//! is 1 where the present field is as smooth as the prior expects and falls as `1/(1 + q/t)` with its roughness `q`: a
-//! robust prior of Cauchy's kind, so that the rim of a press or an edge of motion is not smoothed away.
+//! A pair is coupled by the mismatch of its affine predictions half-way and by the difference of its gradients. Its
+//! *bond* is 1 where the current field is as smooth as the prior expects and falls as `1/(1 + q/t)` with its roughness
+//! `q`: a robust prior of Cauchy's kind, so that the rim of a press or a motion edge is not smoothed away.
 
 use super::grid::PatchGrid;
 use super::nodes::Planes;
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
-/// Stiffness of the pull between neighbours, per px².
+/// Stiffness of the coupling between neighbours, per px².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stiffness {
     /// `1/s_c²`: on the mismatch half-way.
     pub(crate) continuity: f32,
     /// `1/s_k²`: on the difference of the gradients, px per stride.
     pub(crate) curvature: f32,
-    /// Roughness at which a pair's pull has halved, in units of what the two stiffnesses make of it, dimensionless.
+    /// Roughness at which a pair's coupling has halved, in units of its energy by the two stiffnesses, dimensionless.
     pub(crate) tolerance: f32,
 }
 
-/// The bonds of all pairs of neighbours and their scratch.
+/// The bonds of all pairs of neighbours and their scratch memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Bonds {
     grid: PatchGrid,
     stiffness: Stiffness,
-    /// Weight of every node's pair to the right, 0 to 1; a row ends with one that has no partner.
+    /// Weight of every node's pair to the right, 0 to 1; the last one of a row has no partner.
     right: Vec<f32>,
     /// Weight of every node's pair below, 0 to 1.
     below: Vec<f32>,
-    /// What the pairs of a row exert: on the mismatch, on the x slope and on the y slope. Along a row, entry `i` belongs
-    /// to the pair `(i − 1, i)`; the first and the last stay zero.
+    /// Derivatives of the energy of a row's pairs: by the mismatch, by the x slope and by the y slope. Along a row, entry
+    /// `i` belongs to the pair `(i − 1, i)`; the first and the last stay zero.
     forces: [Vec<f32>; 3],
 }
 
@@ -48,12 +48,12 @@ impl Bonds {
         }
     }
 
-    /// The stiffness of a whole bond.
+    /// The stiffness of a bond of weight 1.
     pub(crate) fn stiffness(&self) -> Stiffness {
         self.stiffness
     }
 
-    /// Weakens the bonds between which a field is rougher than the prior expects.
+    /// Weakens the bonds where a field is rougher than the prior expects.
     #[simd]
     pub(crate) fn weigh<S: Simd>(&mut self, simd: S, field: &Planes) {
         let _ = simd;
@@ -82,7 +82,7 @@ impl Bonds {
         }
     }
 
-    /// Mean roughness of the pairs at a node when the bonds were last weighed, in units of what the stiffness expects.
+    /// Mean roughness of the pairs at a node at the last update of the bonds, in units of what the stiffness expects.
     pub(crate) fn roughness(&self, node: usize) -> f32 {
         let columns = self.grid.columns;
         let bonds = [
@@ -205,7 +205,7 @@ fn add_roughness(
     }
 }
 
-/// Turns roughness into the weight of the bond.
+/// Converts roughness to the weight of the bond.
 #[inline(always)]
 fn soften(tolerance: f32, roughness: &mut [f32]) {
     for roughness in roughness {
@@ -213,7 +213,7 @@ fn soften(tolerance: f32, roughness: &mut [f32]) {
     }
 }
 
-/// What pairs exert on their mismatch and on both slopes.
+/// Derivatives of a pair's energy by its mismatch and by both slopes.
 #[inline(always)]
 fn exert(
     stiffness: Stiffness,

@@ -1,14 +1,14 @@
-//! Corrections on coarser grids: what lets the coupled system converge in a few steps.
+//! Corrections on coarser grids, with which the coupled system converges in a few steps.
 //!
-//! The pull between neighbours is far stiffer than a patch's own texture. With the nodes' own blocks as the only preconditioner
-//! a smooth motion takes many conjugate-gradient steps, since each step carries it one node further. Coarser grids correct it at
-//! once. Every `spacing`-th node carries a coarse node with a value and two slopes for each component; the fine field is their
-//! Hermite interpolant, which represents any affine motion exactly and bends little between nodes. The residual is restricted
-//! to the coarse nodes, each coarse node is solved alone, and the corrections of all grids are added: the multilevel
-//! preconditioner of [Bramble1990].
+//! The coupling between neighbours is far stiffer than a patch's own texture. With only the nodes' own blocks as
+//! preconditioner, a smooth motion takes many conjugate-gradient steps, since each step propagates it by one node.
+//! Coarser grids correct it at once. Every `spacing`-th node has a coarse node with a value and two slopes for each
+//! component; the fine field is their Hermite interpolant, which represents any affine motion exactly and bends little
+//! between nodes. The residual is restricted to the coarse nodes, each coarse node is solved alone, and the corrections
+//! of all grids are added: the multilevel preconditioner of [Bramble1990].
 //!
-//! With `t` the distance from a coarse node in spacings, `g₀, g₁` the Hermite functions of value and slope and `d₀, d₁` their
-//! derivatives by fine nodes, a coarse node `(A, Aₓ, A_y)` makes at a fine one
+//! With `t` the distance from a coarse node in spacings, `g₀, g₁` the Hermite functions of value and slope and `d₀, d₁`
+//! their derivatives by fine nodes, a coarse node `(A, Aₓ, A_y)` gives at a fine one
 //!
 //! ```text
 //! a   = g₀(x) g₀(y) A + g₁(x) g₀(y) Aₓ + g₀(x) g₁(y) A_y
@@ -24,13 +24,13 @@ use super::symmetric::{PACKED, packed};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
-/// Fine nodes from one coarse node to the next, on the grids that are used.
+/// Spacings of the coarse nodes in fine nodes, on the grids that are used.
 const SPACINGS: [usize; 2] = [4, 16];
 
-/// Inverse blocks of the coarse nodes, packed: a grid each.
+/// Inverse blocks of the coarse nodes, packed, for each grid.
 pub(crate) type CoarseBlocks = Vec<Vec<[f32; PACKED]>>;
 
-/// The coarser grids of a patch grid and their scratch.
+/// The coarser grids of a patch grid and their scratch memory.
 #[derive(Debug, Clone)]
 pub(crate) struct CoarseGrids {
     grids: Vec<CoarseGrid>,
@@ -44,8 +44,8 @@ struct CoarseGrid {
     rows: usize,
     /// Basis at every offset from −spacing to spacing.
     basis: Vec<Basis>,
-    /// Restricted down the columns: for a component and a coarse row `Σ g₀ r + d₀ r_y`, `Σ g₀ r_x`, `Σ g₁ r + d₁ r_y`,
-    /// `Σ g₁ r_x`, a fine row each.
+    /// Restricted along the columns: for a component and a coarse row `Σ g₀ r + d₀ r_y`, `Σ g₀ r_x`, `Σ g₁ r + d₁ r_y`,
+    /// `Σ g₁ r_x`, for each fine column.
     lines: [Vec<f32>; 8],
     /// Residual, then correction, of the coarse nodes.
     nodes: Vec<[f32; UNKNOWNS]>,
@@ -75,7 +75,7 @@ impl Basis {
     }
 }
 
-/// What a coarse node's value and slopes make of value and slopes at a fine node.
+/// Contributions of a coarse node's value and slopes to value and slopes at a fine node.
 fn shape(x: Basis, y: Basis) -> [[f64; 3]; 3] {
     let rows = [
         [x.g0 * y.g0, x.g1 * y.g0, x.g0 * y.g1],
@@ -91,7 +91,7 @@ impl CoarseGrids {
         Self { grids: SPACINGS.into_iter().filter(fits).map(|spacing| CoarseGrid::new(fine, spacing)).collect() }
     }
 
-    /// The inverse blocks of patches with these normal equations, in units of the noise, all of them trusted.
+    /// The inverse blocks of patches with these normal equations, in units of the noise, all of them valid.
     pub(crate) fn blocks(&self, normal: &[Vec<f32>; PACKED], scale: f32, stiffness: Stiffness) -> CoarseBlocks {
         self.grids.iter().map(|grid| grid.blocks(normal, scale, stiffness)).collect()
     }
@@ -137,14 +137,14 @@ impl CoarseGrid {
         self.basis[fine + self.spacing - coarse * self.spacing]
     }
 
-    /// The fine nodes, of so many along an axis, that a coarse node reaches.
+    /// The range of fine nodes along an axis that a coarse node affects.
     #[inline(always)]
     fn support(&self, coarse: usize, count: usize) -> std::ops::Range<usize> {
         let centre = coarse * self.spacing;
         (centre + 1).saturating_sub(self.spacing)..(centre + self.spacing).min(count)
     }
 
-    /// The two coarse nodes on both sides of a fine one; twice the same where it lies on one.
+    /// The two coarse nodes on both sides of a fine one; twice the same if it coincides with one.
     #[inline(always)]
     fn beside(&self, fine: usize) -> std::ops::RangeInclusive<usize> {
         fine / self.spacing..=fine.div_ceil(self.spacing)
@@ -181,10 +181,10 @@ impl CoarseGrid {
             .collect()
     }
 
-    /// The energy of whole bonds in the field of one coarse node, for one component.
+    /// The energy of bonds of weight 1 in the field of one coarse node, for one component.
     fn bond_energy(&self, stiffness: Stiffness) -> [[f64; 3]; 3] {
         let (continuity, curvature) = (f64::from(stiffness.continuity), f64::from(stiffness.curvature));
-        // One node beyond its reach the field is zero.
+        // One node beyond its range the field is zero.
         let at = |x: usize, y: usize| match (self.basis.get(x), self.basis.get(y)) {
             (Some(&x), Some(&y)) => shape(x, y),
             _ => [[0.0; 3]; 3],
@@ -210,7 +210,7 @@ impl CoarseGrid {
         energy
     }
 
-    /// Brings a residual to the coarse nodes: down the columns first, where a row is worked on at once.
+    /// Restricts a residual to the coarse nodes: along the columns first, so that whole rows are processed at once.
     #[simd]
     fn restrict<S: Simd>(&mut self, simd: S, residual: &Planes) {
         let _ = simd;

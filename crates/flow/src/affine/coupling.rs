@@ -1,4 +1,4 @@
-//! Neighbouring patches pull on each other: the prior that the flow is smooth.
+//! Couples neighbouring patches: the prior that the flow is smooth.
 //!
 //! The increments `δ` of all nodes minimise
 //!
@@ -6,12 +6,13 @@
 //! Σ_i m_i (δᵢᵀ Aᵢ δᵢ − 2 bᵢᵀ δᵢ)  +  Σ_ij |c_ij|²/s_c²  +  Σ_ij |∇_i − ∇_j|²/s_k²
 //! ```
 //!
-//! with the patches' normal equations `A, b` in units of the image noise, `m` 1 where a patch is trusted and 0 where
-//! it failed. For neighbours `i, j` the mismatch `c_ij` is the difference of their affine predictions half-way, which
+//! with the patches' normal equations `A, b` in units of the image noise, `m` 1 where a patch is valid and 0 where it
+//! failed. For neighbours `i, j` the mismatch `c_ij` is the difference of their affine predictions half-way, which
 //! vanishes on any quadratic field, and `∇` are their gradients in px per stride. Where texture is rich the data
-//! decide; where it is poor the neighbours do. The system is solved by a fixed number of conjugate-gradient steps. Their
-//! preconditioner are the nodes' own 6×6 blocks, with the bonds as they are in this step, and those of two coarser grids
-//! ([`super::coarse_grids`]). This is the regularised digital image correlation of [Hild2012] on patches instead of elements.
+//! determine the flow; where it is poor the neighbours do. The system is solved by a fixed number of conjugate-gradient
+//! steps. Their preconditioner consists of the nodes' own 6×6 blocks, with the current bonds, and those of two coarser
+//! grids ([`super::coarse_grids`]). This is the regularised digital image correlation of [Hild2012] on patches instead of
+//! elements.
 
 use super::bonds::{Bonds, Stiffness};
 use super::coarse_grids::{CoarseBlocks, CoarseGrids};
@@ -24,7 +25,7 @@ use fearless_simd_macros::simd;
 /// Least pivot of a node's block, per px².
 const TRACE: f32 = 1e-3;
 
-/// The solver and its scratch.
+/// The solver and its scratch memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Coupling {
     grid: PatchGrid,
@@ -57,7 +58,7 @@ impl Coupling {
         }
     }
 
-    /// The stiffness of the pull.
+    /// The stiffness of the coupling.
     pub(crate) fn stiffness(&self) -> Stiffness {
         self.bonds.stiffness()
     }
@@ -83,7 +84,7 @@ impl Coupling {
             let weight = load(system.trust) * system.scale;
             let mut block: [_; PACKED] = std::array::from_fn(|k| load(&system.normal[k]) * weight);
             let (beside, above) = (load(beside), load(above));
-            // A lone patch has no neighbour; a trace keeps its block invertible.
+            // A single patch has no neighbour; a small diagonal keeps its block invertible.
             let all = (beside + above) * continuity + TRACE;
             let slopes = (beside + above) * curvature + TRACE;
             let along = [all, beside.mul_add(0.25 * continuity, slopes), above.mul_add(0.25 * continuity, slopes)];
@@ -92,7 +93,7 @@ impl Coupling {
             }
             for i in 0..UNKNOWNS {
                 for j in 0..i {
-                    // Still times D here: divided once the row is done.
+                    // Not yet divided by D: done at the end of the row.
                     for k in 0..j {
                         block[packed(i, j)] = block[packed(i, j)] - block[packed(i, k)] * block[packed(j, k)];
                     }
@@ -112,7 +113,7 @@ impl Coupling {
 
     /// Writes the increments into `increment`: `iterations` steps from zero.
     ///
-    /// `field` is the present flow, whose own roughness the prior also counts.
+    /// `field` is the current flow, whose own roughness is part of the prior.
     #[simd]
     pub(crate) fn solve<S: Simd>(
         &mut self,
@@ -162,7 +163,7 @@ pub(crate) struct System<'a> {
     pub(crate) coarse: &'a CoarseBlocks,
     /// Factor on `normal`: one over the noise variance, and over the patches' overlap.
     pub(crate) scale: f32,
-    /// `m`: 1 where the patch is trusted, else 0.
+    /// `m`: 1 where the patch is valid, else 0.
     pub(crate) trust: &'a [f32],
     /// `b`, scaled like `normal`.
     pub(crate) right: &'a Planes,

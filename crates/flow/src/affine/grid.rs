@@ -1,9 +1,9 @@
-//! Where the patches lie.
+//! The positions of the patches.
 //!
-//! Patches are `WINDOW` px wide and stand every `STRIDE` px, so their windows overlap by half and every pixel belongs
-//! to four of them, except along the border. The grid starts half a stride outside the image: patch `(i, j)` covers the *padded* columns
-//! `[STRIDE·i, STRIDE·i + WINDOW)`, where padded column `X` is image column `X − MARGIN`; its centre, the *node*, lies at
-//! image column `STRIDE·i + STRIDE/2 − ½`.
+//! Patches are `WINDOW` px wide and lie every `STRIDE` px, so their windows overlap by half and every pixel belongs to
+//! four of them, except along the border. The grid starts half a stride outside the image: patch `(i, j)` covers the
+//! *padded* columns `[STRIDE·i, STRIDE·i + WINDOW)`, where padded column `X` is image column `X − MARGIN`; its centre,
+//! the *node*, lies at image column `STRIDE·i + STRIDE/2 − ½`.
 
 /// Distance between neighbouring patches, px.
 pub(crate) const STRIDE: usize = 8;
@@ -11,7 +11,7 @@ pub(crate) const STRIDE: usize = 8;
 pub(crate) const WINDOW: usize = 2 * STRIDE;
 /// Padded column of the image's first column.
 pub(crate) const MARGIN: usize = STRIDE / 2;
-/// Pixels that a kernel handles at once; padded rows are a multiple of it.
+/// Pixels that a kernel processes together; padded rows are a multiple of it.
 pub(crate) const LANES: usize = 16;
 
 /// The grid of patches over an image.

@@ -1,10 +1,10 @@
-//! What a patch's numbers are worth: which patches failed, and how uncertain the flow is at every pixel.
+//! Validity and uncertainty: which patches failed, and the deviation of the flow at every pixel.
 //!
-//! A patch's own uncertainty is that of its displacement when its slopes are known as well as the prior knows them and
-//! the change of light is unknown: the trace of the inverse normal matrix times the noise variance, a Cramér–Rao bound
-//! ([Kay1993] §3). Where a patch has little texture its neighbours inform it through the coupling, and its deviation
-//! grows with the way to them. Both are scaled by the residual that is left, where that exceeds the noise, and grow
-//! where the field is rougher than patches can follow.
+//! A patch's own uncertainty is that of its displacement when its slopes are known to the accuracy of the prior and the
+//! change of light is unknown: the trace of the inverse normal matrix times the noise variance, a Cramér–Rao bound
+//! ([Kay1993] §3). Where a patch has little texture, its neighbours determine it through the coupling, and its deviation
+//! grows with the distance to them. Both are scaled by the residual where that exceeds the noise, and grow where the
+//! field is rougher than patches can represent.
 
 use super::grid::{PatchGrid, STRIDE};
 use super::nodes::{NodeField, UNKNOWNS};
@@ -15,20 +15,20 @@ use crate::{Estimate, ValidityParams};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
-/// Systematic error that no averaging removes, px²: sampling and interpolation, measured on noise-free images.
+/// Systematic error that averaging does not remove, px²: sampling and interpolation, measured on noise-free images.
 const FLOOR_VARIANCE: f32 = 0.003 * 0.003;
 
 /// Part of the roughness between neighbours, squared, that becomes a patch's own error: measured on simulated presses.
 const ROUGH_PATCH: f32 = 0.06;
-/// The same for a patch that knows only what its neighbours say.
+/// The same for a patch that is determined by its neighbours only.
 const ROUGH_STEP: f32 = 0.2;
 
-/// A patch that a step moves by less has settled, px.
+/// A patch that a step moves by less has converged, px.
 const SETTLED_PX: f32 = 0.1;
-/// Part of the template's contrast that a patch shows at least: with less it has nothing in common with the picture.
+/// Least part of the template's contrast in a patch: with less, the picture does not show the template.
 const LEAST_CONTRAST: f32 = 0.4;
 
-/// Lowers each node's variance to what a neighbour knows and the way from it costs: two passes over the grid.
+/// Lowers each node's variance to that of a neighbour plus the cost of the distance from it: two passes over the grid.
 pub(crate) fn spread_variance(grid: PatchGrid, steps: &[f32], variance: &mut [f32]) {
     let columns = grid.columns;
     let mut lower = |node: usize, from: Option<usize>| {
@@ -48,8 +48,8 @@ pub(crate) fn spread_variance(grid: PatchGrid, steps: &[f32], variance: &mut [f3
 }
 
 impl Refinement {
-    /// Turns the measured energy into what is left of it after the step and the change of light, at the template's contrast:
-    /// `(Σ r² − l·D⁻¹l) / γ² − 2 b·δ + δ·Aδ` with `b` over γ already, exact for the linear model.
+    /// Turns the measured energy into the residual energy after the step and the change of light, at the template's
+    /// contrast: `(Σ r² − l·D⁻¹l) / γ² − 2 b·δ + δ·Aδ` with `b` over γ already, exact for the linear model.
     fn predict_energy(&mut self, template: &Template) {
         let unscale = 1.0 / self.scale();
         let [gain, offset] = &self.light;
@@ -75,7 +75,7 @@ impl Refinement {
         self.trust.fill(1.0);
     }
 
-    /// Whether the last step still moved more than a hundredth of the patches that are trusted by more than [`SETTLED_PX`].
+    /// Whether the last step still moved more than a hundredth of the valid patches by more than [`SETTLED_PX`].
     pub(crate) fn is_moving(&self) -> bool {
         let [u, _, _, v, ..] = &self.increment.planes;
         let nodes = u.iter().zip(v).zip(&self.trust).take(self.grid.nodes());
@@ -83,7 +83,7 @@ impl Refinement {
         100 * moving.count() > self.grid.nodes()
     }
 
-    /// 1 for every patch that is trusted, 0 where it failed.
+    /// 1 for every valid patch, 0 where it failed.
     pub(crate) fn trust(&self) -> &[f32] {
         &self.trust
     }
@@ -103,9 +103,9 @@ impl Refinement {
         }
     }
 
-    /// The patches' own variance, scaled by the residual where that exceeds the noise; failed patches know nothing. To it
-    /// comes what a patch cannot follow where the field is rough. `steps` takes what the way from each node to the
-    /// next costs, given what it costs in a smooth field.
+    /// The patches' own variance, scaled by the residual where that exceeds the noise; infinite for failed patches. Added
+    /// is the error of a patch where the field is rough. `steps` takes the cost of the distance between neighbouring
+    /// nodes, given that cost in a smooth field.
     pub(crate) fn scale_variance(&self, own: &[f32], smooth_step: f32, variance: &mut [f32], steps: &mut [f32]) {
         for node in 0..self.grid.nodes() {
             let rough = self.coupling.roughness(node) * smooth_step;
@@ -116,16 +116,16 @@ impl Refinement {
         }
     }
 
-    /// Adds what is still to be corrected, which no neighbour knows better.
+    /// Adds the correction that is still missing, which neighbours do not reduce.
     pub(crate) fn add_unfinished(&self, variance: &mut [f32]) {
         for (variance, unfinished) in variance.iter_mut().zip(&self.unfinished) {
             *variance += unfinished;
         }
     }
 
-    /// How well the patches with a variance up to `textured` match; `ranks` is scratch.
+    /// How well the patches with a variance up to `textured` match; `ranks` is scratch memory.
     ///
-    /// Patches that left the image do not count, unless they are the majority: then the flow has run away.
+    /// Patches that left the image do not count, unless they are the majority: then the flow has diverged.
     pub(crate) fn summarise(&self, template: &Template, textured: f32, ranks: &mut Vec<f32>) -> Match {
         let (mut all, mut inside, mut good, mut energy) = (0.0_f32, 0.0, 0.0, 0.0);
         ranks.clear();
@@ -152,11 +152,11 @@ impl Refinement {
 /// How well the textured patches of a picture match.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Match {
-    /// Part of them that is trusted, 0 to 1.
+    /// The part of them that is valid, 0 to 1.
     pub(crate) part: f32,
-    /// What those leave unexplained, root mean square, grey levels; not a number where there are none.
+    /// Their residual, root mean square, grey levels; not a number where there are none.
     pub(crate) residual_levels: f32,
-    /// Part of its variance that half of all patches leave unexplained at least, 0 to 1.
+    /// The median over all patches of the unexplained part of the variance, 0 to 1.
     pub(crate) unexplained: f32,
 }
 

@@ -1,8 +1,8 @@
 //! The flow as affine models at the nodes of the patch grid, and its expansion to pixels.
 //!
 //! Every node holds the displacement and its gradient in strides: `(u, ∂u/∂x, ∂u/∂y, v, ∂v/∂x, ∂v/∂y)`, six planes in
-//! all. Between nodes the field is the bicubic Hermite interpolant, which is continuous with its gradient and takes up
-//! any quadratic without error; beyond the outermost nodes it goes on linearly.
+//! total. Between nodes the field is the bicubic Hermite interpolant, which is continuous with its gradient and
+//! represents any quadratic without error; beyond the outermost nodes it is extrapolated linearly.
 
 use super::grid::{MARGIN, PatchGrid, STRIDE};
 use crate::FlowField;
@@ -70,8 +70,9 @@ impl NodeField {
 
     /// Adds `change`, an increment found on the next coarser level.
     ///
-    /// A level tells motion from its own error only where it is a fair part of its pixel: smaller changes fade out as
-    /// `m⁴/(m⁴ + z⁴)` with their length `m`, `z` a tenth of a coarse pixel, and are left to the finer levels.
+    /// A level distinguishes motion from its own error only if the motion is a fair part of its pixel: smaller changes
+    /// are damped by `m⁴/(m⁴ + z⁴)` with their length `m`, `z` a tenth of a coarse pixel, and are left to the finer
+    /// levels.
     pub(crate) fn add_change(&mut self, change: &Self) {
         const FADE: f32 = 1e-4;
         let columns = change.grid.columns;
@@ -97,8 +98,8 @@ impl NodeField {
         }
     }
 
-    /// Gives every node that is not trusted what its neighbours suggest: the mean of their affine predictions, from the
-    /// trusted nodes outwards ring by ring. `rings` is scratch of a plane's length.
+    /// Gives every failed node the value that its neighbours suggest: the mean of their affine predictions, from the
+    /// valid nodes outwards ring by ring. `rings` is scratch memory of a plane's length.
     pub(crate) fn heal(&mut self, trust: &[f32], rings: &mut [usize]) {
         let (columns, nodes) = (self.grid.columns, self.grid.nodes());
         for (ring, trust) in rings.iter_mut().zip(trust) {
@@ -217,7 +218,7 @@ impl Expander {
         }
     }
 
-    /// Takes up a new field: call before [`Expander::row`].
+    /// Sets a new field: call before [`Expander::row`].
     pub(crate) fn prepare(&mut self, field: &NodeField) {
         let (columns, rows) = (self.grid.columns, self.grid.rows);
         for (twist, first) in self.twist.iter_mut().zip([0, 3]) {

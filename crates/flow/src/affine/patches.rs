@@ -15,7 +15,7 @@ use fearless_simd::{Level, dispatch};
 pub(crate) struct AffineReference {
     /// Level 0 to the coarsest, grey: for the coarse levels and, on every other row, a first step at full size.
     grey: Vec<Template>,
-    /// Level 0 as the last steps match it: in colour where the pictures have colour.
+    /// Level 0 as used by the last steps: in colour where the pictures have colour.
     full: Template,
     /// Part of the patches that have texture, 0 to 1.
     pub(crate) textured: f32,
@@ -24,14 +24,14 @@ pub(crate) struct AffineReference {
 }
 
 impl AffineReference {
-    /// The gain that brings the mean of a picture to the reference's. The patches eliminate what light does beyond that,
-    /// but their steps are whole only where gains are alike.
+    /// The gain that brings the mean of a picture to the reference's. The patches eliminate further changes of light, but
+    /// their steps have the full length only where gains are equal.
     fn gain(&self, current: &Picture) -> f32 {
         (self.mean_level.max(1.0) / current.mean_level().max(1.0)).clamp(0.1, 10.0)
     }
 }
 
-/// The patches of every level and their scratch.
+/// The patches of every level and their scratch memory.
 #[derive(Debug, Clone)]
 pub(crate) struct AffinePatches {
     params: FlowParams,
@@ -52,7 +52,7 @@ struct LevelState {
     change: NodeField,
 }
 
-/// Steps at full size that a frame takes at most beyond those it always takes.
+/// Most additional steps at full size of a frame.
 const MORE_STEPS: usize = 4;
 
 /// Least width and height of a level that holds patches, px.
@@ -118,15 +118,15 @@ impl AffinePatches {
         reference.textured = textured as f32 / nodes.len() as f32;
     }
 
-    /// Takes `flow` as the present flow.
+    /// Sets `flow` as the current flow.
     pub(crate) fn start(&mut self, flow: &FlowField) {
         self.levels[0].field.sample(flow);
     }
 
     /// Follows the motion since the start from level `coarsest` down to full size, with `steps` steps there.
     ///
-    /// The first of several such steps is taken in grey on every other row, at a fraction of the cost; patches that fail in it
-    /// are given what their neighbours suggest.
+    /// The first of several such steps is taken in grey on every other row, at a fraction of the cost; patches that fail
+    /// in it get the value that their neighbours suggest.
     pub(crate) fn follow(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize, steps: usize) {
         let coarsest = coarsest.min(self.levels.len() - 1);
         let gain = reference.gain(current);
@@ -152,8 +152,8 @@ impl AffinePatches {
         self.finish_full(reference, current, steps - first_steps);
     }
 
-    /// Settles a field that a search has found: steps at full size between which patches that fail are given what
-    /// their neighbours suggest, and so another chance.
+    /// Refines a field found by a search: steps at full size, between which failed patches get the value that their
+    /// neighbours suggest, and are tried again.
     pub(crate) fn settle(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
         self.follow(reference, current, 1, 1);
         for _ in 1..steps {
@@ -172,7 +172,8 @@ impl AffinePatches {
         }
     }
 
-    /// Steps at full size, and more of them while patches still move. Patches that fail in one step carry no weight in the next.
+    /// Steps at full size, with additional ones while patches still move. Patches that fail in one step have no weight in
+    /// the next.
     fn finish<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, steps: usize) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         for step in 0..steps + MORE_STEPS {
@@ -184,7 +185,7 @@ impl AffinePatches {
         }
     }
 
-    /// Tells which patches match at the present flow, without moving them.
+    /// Finds which patches match at the current flow, without moving them.
     pub(crate) fn inspect(&mut self, reference: &AffineReference, current: &Picture) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         let template = &reference.full;
@@ -196,7 +197,7 @@ impl AffinePatches {
         refinement.judge(template, field, &self.params.validity);
     }
 
-    /// Counts what is finer in the flow that was taken than the patches as error; `smooth` is scratch.
+    /// Counts detail in the given flow that is finer than the patches as error; `smooth` is scratch memory.
     pub(crate) fn add_fine_error(&mut self, flow: &FlowField, smooth: &mut FlowField) {
         self.expand(smooth);
         self.levels[0].refinement.add_fine_error(flow, smooth);

@@ -1,8 +1,8 @@
 //! Gauss–Newton steps of all patches at once.
 //!
-//! One step warps the current picture onto the reference with the present flow, forms every patch's right-hand side
-//! from the residual, solves the coupled system and composes the increments with the flow. Rows are worked off in bands
-//! of one stride, so that what a patch needs is still in the cache when its window is complete.
+//! One step warps the current picture onto the reference with the current flow, forms every patch's right-hand side from
+//! the residual, solves the coupled system and composes the increments with the flow. Rows are processed in bands of one
+//! stride, so that a patch's data are still in the cache when its window is complete.
 
 use super::bonds::Stiffness;
 use super::coupling::{Coupling, System};
@@ -27,13 +27,13 @@ pub(crate) struct Current<'a, T> {
 /// Products under a row of patches: two gradient sums, two light sums, energy.
 const PRODUCTS: usize = 5;
 
-/// Range of a patch's contrast that its step is divided by: far below, the patch is misplaced, and its step a guess.
+/// Range of a patch's contrast by which its step is divided: far below, the patch is misplaced, and its step unreliable.
 const CONTRASTS: (f32, f32) = (0.4, 1.5);
 
-/// Part of the last step's square that stays to be corrected after it: steps shrink by a factor of three to ten.
+/// Part of the last step's square that remains to be corrected after it: steps shrink by a factor of three to ten.
 const UNFINISHED: f32 = 0.05;
 
-/// Square of the error of a flow that a search found, over that of the step that the patches would take from it.
+/// Square of the error of a flow found by a search, over that of the step that the patches would take from it.
 const UNCORRECTED: f32 = 2.0;
 
 /// State of the refinement for one picture size.
@@ -50,12 +50,12 @@ pub(crate) struct Refinement {
     row_sums: [Vec<f32>; 2],
     pub(super) gradient: [Vec<f32>; UNKNOWNS],
     pub(super) light: [Vec<f32>; 2],
-    /// Part of the template's contrast that each patch shows: 1 where light changed for the whole picture alone.
+    /// Part of the template's contrast in each patch: 1 if light changed only for the picture as a whole.
     pub(super) contrast: Vec<f32>,
     pub(super) energy: Vec<f32>,
-    /// Residual left per sample, grey levels².
+    /// Residual per sample, grey levels².
     pub(super) mean_energy: Vec<f32>,
-    /// Square of the step that is still to be taken where the measurement ends, px².
+    /// Square of the step that remains at the end of the measurement, px².
     pub(super) unfinished: Vec<f32>,
     /// Whether the patch's centre lies in the current image.
     pub(super) is_inside: Vec<bool>,
@@ -118,7 +118,7 @@ impl Refinement {
         field.compose(&self.increment);
     }
 
-    /// Measures the residual at `field` without moving it. What a step would correct counts as error.
+    /// Measures the residual at `field` without moving it. The correction by a further step counts as error.
     pub(crate) fn inspect<T: Texel>(
         &mut self,
         template: &Template,
@@ -158,7 +158,8 @@ impl Refinement {
         self.coupling.solve(simd, &system, field, &mut self.increment, iterations);
     }
 
-    /// Counts what is finer in a flow than the patches, whose own field is `smooth`, as error: no patch can see it.
+    /// Counts detail of a flow that is finer than the patches, whose own field is `smooth`, as error: no patch can
+    /// represent it.
     pub(crate) fn add_fine_error(&mut self, flow: &FlowField, smooth: &FlowField) {
         let PatchGrid { width, height, columns, .. } = self.grid;
         for y in 0..height {
@@ -172,7 +173,7 @@ impl Refinement {
         }
     }
 
-    /// Takes a part of the increment's square for what is still to be corrected.
+    /// Sets a part of the increment's square as the remaining correction.
     fn leave(&mut self, part: f32) {
         let [u, _, _, v, ..] = &self.increment.planes;
         for (unfinished, (u, v)) in self.unfinished.iter_mut().zip(u.iter().zip(v)) {
@@ -238,9 +239,9 @@ impl Refinement {
 
     /// Eliminates the change of light from the gradient sums and scales them by the noise.
     ///
-    /// A patch that shows a part `γ` of the template's contrast, `I(x + u) = γ T(x − δ)`, has sums that say `γ δ`: they are
+    /// A patch with a part `γ` of the template's contrast, `I(x + u) = γ T(x − δ)`, has sums that give `γ δ`: they are
     /// divided by γ, the regression of the picture on the template. In a patch that is misplaced by δ, γ is the texture's
-    /// autocorrelation at δ, and dividing by it lengthens the step by what the curvature of the texture takes from it.
+    /// autocorrelation at δ, and dividing by it corrects the step for the curvature of the texture.
     fn form_right(&mut self, template: &Template) {
         let scale = self.scale();
         let [gain, offset] = &self.light;
@@ -276,7 +277,7 @@ impl Refinement {
     }
 }
 
-/// Turns displacements along padded row `row` into places in the current picture; far outside beyond the image.
+/// Converts displacements along padded row `row` to places in the current picture; far outside beyond the image.
 #[inline(always)]
 fn to_positions(grid: PatchGrid, row: usize, xs: &mut [f32], ys: &mut [f32]) {
     let y = row as f32 - MARGIN as f32;

@@ -1,4 +1,4 @@
-//! What is computed once per reference: its texels, gradients and normal matrices.
+//! Quantities computed once per reference: its texels, gradients and normal matrices.
 
 use super::coarse_grids::CoarseBlocks;
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
@@ -17,8 +17,9 @@ pub(crate) struct Template {
     channels: usize,
     /// Every `row_step`-th row is matched, counted from the padded top: 1, 2, 4 or 8.
     pub(crate) row_step: usize,
-    /// What the splines see at whole pixels, its x and its y gradient, for one channel after the other and row by row:
-    /// what a kernel reads at once lies side by side. Padded by the grid's margin; outside the image all is zero.
+    /// The spline-filtered values at whole pixels, their x and their y gradient, for one channel after the other and row
+    /// by row: values that a kernel reads together are adjacent. Padded by the grid's margin; outside the image all is
+    /// zero.
     lines: Vec<f32>,
     /// `Σ w J Jᵀ` of every node with the change of light eliminated, packed, in grey levels² per px².
     pub(crate) normal: [Vec<f32>; PACKED],
@@ -37,7 +38,7 @@ pub(crate) struct Template {
 }
 
 impl Template {
-    /// An empty template for pictures of this size and so many channels, matched on every `row_step`-th row.
+    /// An empty template for pictures of this size and number of channels, matched on every `row_step`-th row.
     pub(crate) fn new(grid: PatchGrid, channels: usize, row_step: usize) -> Self {
         let plane = || vec![0.0; grid.plane_len()];
         Self {
@@ -84,7 +85,7 @@ impl Template {
         }
     }
 
-    /// Takes the picture as the cubic B-splines see it at whole pixels, with its gradient.
+    /// Sets the picture, filtered by the cubic B-splines at whole pixels, with its gradient.
     fn smooth<T: Texel>(&mut self, picture: &Image<T>) {
         const VALUE: [f32; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
         const SLOPE: [f32; 3] = [-0.5, 0.0, 0.5];
@@ -111,7 +112,7 @@ impl Template {
     /// Forms a node's normal matrix and eliminates the change of light from it.
     fn assemble(&mut self, node: usize, planes: &[Vec<f32>; PatchSums::COUNT]) {
         let at = |plane: usize| f64::from(planes[plane][node]);
-        // Powers (x, y) of unknowns 1, ξ, η and the moments' places for their products.
+        // Powers (x, y) of unknowns 1, ξ, η and the indices of the moments of their products.
         let product = |p: usize, q: usize| [[0, 1, 2], [1, 3, 4], [2, 4, 5]][p][q];
         let mut normal = [[0.0; UNKNOWNS]; UNKNOWNS];
         let mut cross = [[0.0; 2]; UNKNOWNS];

@@ -1,4 +1,4 @@
-//! What one pixel of a picture is to the kernels: a grey level, or red, green, blue and a zero.
+//! The value of one pixel in the kernels: a grey level, or red, green, blue and a zero.
 //!
 //! Both kinds sample the current image with cubic B-splines on 4×4 px and multiply the residual with the template's
 //! gradient, sixteen pixels at a time.
@@ -19,13 +19,13 @@ pub(crate) struct TemplateBlock<'a> {
 pub(crate) struct Products<S: Simd> {
     /// `Σ r ∂T/∂x` and `Σ r ∂T/∂y`.
     pub(crate) gradient: [f32x16<S>; 2],
-    /// `Σ r (T − MID_LEVEL)` and `Σ r`: what a change of light explains.
+    /// `Σ r (T − MID_LEVEL)` and `Σ r`: the part explained by a change of light.
     pub(crate) light: [f32x16<S>; 2],
     /// `Σ r²`.
     pub(crate) energy: f32x16<S>,
 }
 
-/// Grey level that template values are measured from, so that gain and offset decouple.
+/// Grey level subtracted from template values, so that gain and offset decouple.
 pub(crate) const MID_LEVEL: f32 = 128.0;
 
 /// Where sixteen pixels are sampled: index of the upper left of 4×4 taps, and the taps' weights.
@@ -35,7 +35,7 @@ pub(crate) struct Taps<S: Simd> {
     pub(crate) weights_y: [f32x16<S>; 4],
 }
 
-/// A pixel that the affine kernels can work on.
+/// A pixel type for the affine kernels.
 pub(crate) trait Texel: Copy + Default + Send + Sync + 'static {
     /// Channels that carry a signal.
     const CHANNELS: usize;
@@ -43,7 +43,7 @@ pub(crate) trait Texel: Copy + Default + Send + Sync + 'static {
     /// The texel as channels, unused ones zero.
     fn channels(self) -> [f32; 4];
 
-    /// Sixteen samples of the current image: a register a channel, the unused ones zero or repeated.
+    /// Sixteen samples of the current image: one register for each channel, the unused ones zero or repeated.
     fn sample<S: Simd>(simd: S, current: &Image<Self>, taps: &Taps<S>) -> [f32x16<S>; 3];
 }
 

@@ -1,10 +1,11 @@
 //! Turns sparse patch displacements into a dense field.
 //!
 //! Every pixel averages the displacements of the patches that cover it, each weighted by the inverse of its photometric
-//! error there, `1/max(1, |I(x + u) − T(x)|)`: a patch that explains a pixel well speaks louder. [Kroeger2016], eq. (3).
+//! error there, `1/max(1, |I(x + u) − T(x)|)`: a patch that explains a pixel well has more weight. [Kroeger2016], eq.
+//! (3).
 //!
-//! Patches that were not found have next to no weight: only where no other patch covers a pixel does it take what they
-//! were filled with.
+//! Patches that were not found have almost no weight: a pixel takes their filled-in value only where no other patch
+//! covers it.
 
 use super::patches::{Match, PATCH, PatchTemplate};
 use crate::FlowField;

@@ -38,14 +38,14 @@ pub struct SearchParams {
 }
 
 impl SearchParams {
-    /// The preset of little work: finest level 2, no refinement.
+    /// The preset with the least work: finest level 2, no refinement.
     #[must_use]
     pub fn ultrafast() -> Self {
         let refine = RefineParams { passes: 0, ..RefineParams::default() };
         Self { finest_level: 2, stride: 4, iterations: 4, refine, ..Self::medium() }
     }
 
-    /// The preset in between: finest level 2, refined.
+    /// The middle preset: finest level 2, refined.
     #[must_use]
     pub fn fast() -> Self {
         Self { finest_level: 2, stride: 4, iterations: 5, ..Self::medium() }
@@ -112,14 +112,14 @@ pub(crate) struct SearchReference {
     templates: Vec<PatchTemplate>,
 }
 
-/// The search and its scratch for one picture size.
+/// The search and its scratch memory for one picture size.
 #[derive(Debug, Clone)]
 pub(crate) struct InverseSearch {
     params: SearchParams,
     simd: Level,
     /// From the finest level of the search to the coarsest.
     levels: Vec<SearchLevel>,
-    /// Fields on the way from the finest level to full size, if that is not level 0.
+    /// Fields between the finest level and full size, if that is not level 0.
     enlarged: Vec<FlowField>,
 }
 
@@ -225,8 +225,8 @@ impl InverseSearch {
 }
 
 impl SearchLevel {
-    /// Searches all patches in reading order, each also from its left and upper neighbour's displacement, and then those
-    /// in reverse order whose right or lower neighbour's displacement suits them better.
+    /// Searches all patches in reading order, each also from its left and upper neighbour's displacement, and then, in
+    /// reverse order, those for which the right or lower neighbour's displacement is better.
     #[inline(always)]
     fn run<S: Simd>(
         &mut self,

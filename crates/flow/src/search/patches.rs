@@ -1,9 +1,9 @@
 //! The patches of one pyramid level and the inverse search that moves them.
 //!
-//! Each 8×8 patch of the reference is moved by the displacement `u` that minimises
-//! `Σ (I(x + u) − T(x) − mean)²`, by Gauss–Newton in the inverse-compositional form ([Kroeger2016] §3.1,
-//! [Baker2004]): the gradient and the 2×2 matrix belong to the template and are made once per reference. The gradient
-//! is scaled as a derivative, so a step is a whole Gauss–Newton step.
+//! Each 8×8 patch of the reference is moved by the displacement `u` that minimises `Σ (I(x + u) − T(x) − mean)²`, by
+//! Gauss–Newton in the inverse-compositional form ([Kroeger2016] §3.1, [Baker2004]): the gradient and the 2×2 matrix
+//! belong to the template and are computed once per reference. The gradient is scaled as a derivative, so a step is a
+//! full Gauss–Newton step.
 
 use fearless_simd::{Simd, f32x8, prelude::*};
 use fearless_simd_macros::simd;
@@ -12,7 +12,7 @@ use fingervision_image::Image;
 /// Width and height of a patch, px.
 pub(crate) const PATCH: usize = 8;
 
-/// A level of the reference made ready for the search.
+/// A level of the reference prepared for the search.
 #[derive(Debug, Clone)]
 pub(crate) struct PatchTemplate {
     pub(crate) layout: PatchLayout,
@@ -22,7 +22,7 @@ pub(crate) struct PatchTemplate {
     patches: Vec<PatchNormal>,
 }
 
-/// Inverse structure tensor of a patch and the sums that take out a change of mean.
+/// Inverse structure tensor of a patch and the sums that remove a change of mean.
 #[derive(Debug, Clone, Copy, Default)]
 struct PatchNormal {
     inverse: [f32; 3],
@@ -148,7 +148,7 @@ impl PatchTemplate {
     }
 }
 
-/// The rules of the search.
+/// The parameters of the search.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SearchRules {
     /// Most Gauss–Newton steps.
@@ -201,7 +201,8 @@ pub(crate) fn search<S: Simd>(
             break;
         }
         if du.abs().max(dv.abs()) < rules.tolerance {
-            // Where steps have died out the place is right, though bilinear sampling may err less at a whole pixel.
+            // Where steps have converged the place is right, though bilinear sampling may have less error at a whole
+            // pixel.
             (best.u, best.v) = (u, v);
             break;
         }
@@ -209,7 +210,7 @@ pub(crate) fn search<S: Simd>(
     best
 }
 
-/// Searches a patch anew if one of the starts matches better than what was found so far.
+/// Searches a patch again if one of the starts matches better than the result so far.
 #[simd]
 pub(crate) fn reconsider<S: Simd>(
     simd: S,
@@ -222,7 +223,7 @@ pub(crate) fn reconsider<S: Simd>(
 ) -> Match {
     let corner = template.layout.corner(patch.0, patch.1);
     let is_better = |&start: &(f32, f32)| {
-        // A neighbour that moves alike has nothing to offer.
+        // A neighbour with a similar displacement gives no new start.
         let differs = (start.0 - found.u).abs().max((start.1 - found.v).abs()) > 0.5;
         differs && compare(simd, template, current, corner, start).is_some_and(|sums| sums.error() < found.error)
     };

@@ -6,8 +6,8 @@
 //! Σ  δ ψ(n₀ (∇I·w + I_t)²)  +  γ ψ(n_x (∇I_x·w + I_xt)² + n_y (∇I_y·w + I_yt)²)  +  α ψ(|∇(u + du)|² + |∇(v + dv)|²)
 //! ```
 //!
-//! with `ψ(s) = √(s + ε²)`, `n = 1/(|∇|² + ζ²)`, `I_t` the current image warped back less the reference. The robust
-//! weights are held while successive over-relaxation solves the linear system, and renewed in every outer pass.
+//! with `ψ(s) = √(s + ε²)`, `n = 1/(|∇|² + ζ²)`, `I_t` the current image warped back minus the reference. The robust
+//! weights are fixed while successive over-relaxation solves the linear system, and updated in every outer pass.
 
 use super::patches::differentiate;
 use crate::FlowField;
@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RefineParams {
-    /// Passes that renew the robust weights; 0 switches the refinement off.
+    /// Passes that update the robust weights; 0 switches the refinement off.
     pub passes: usize,
     /// Over-relaxation sweeps in each pass.
     pub sweeps: usize,
@@ -43,7 +43,7 @@ const ROBUST_FLOOR: f32 = 1e-6;
 /// `ζ²` of the normalisation, grey levels² per px².
 const GRADIENT_FLOOR: f32 = 0.01;
 
-/// Scratch of the refinement for one picture size.
+/// Scratch memory of the refinement for one picture size.
 #[derive(Debug, Clone)]
 pub(crate) struct VariationalRefinement {
     warped: Image<f32>,
@@ -257,7 +257,7 @@ mod tests {
             })
         };
         let (reference, current) = (wave(0.0), wave(0.7));
-        // Alternating errors of 0.2 px, as blocks of failed patches leave them.
+        // Alternating errors of 0.2 px, as blocks of failed patches cause them.
         let error = |x: usize, y: usize| if (x / 4 + y / 4).is_multiple_of(2) { 0.2 } else { -0.2 };
         let mut flow = FlowField {
             u: Image::from_fn(width, height, |x, y| 0.7 + error(x, y)),

@@ -1,4 +1,4 @@
-//! Which values an indenter can have.
+//! The possible values of an indenter.
 
 use std::fmt::Debug;
 
@@ -10,9 +10,9 @@ use super::{Indenter, IndenterError, IndenterRelief, IndenterShape};
 /// Most corners of a polygon, most pins, most letters.
 const MOST_POINTS: usize = 1000;
 const MOST_LETTERS: usize = 32;
-/// What lies so little behind the foremost point is where the press begins, mm.
+/// Points at most this far behind the foremost point belong to the first contact, mm.
 const FIRST_MM: f64 = 0.1;
-/// A body of this height must not be wider than the gel, mm.
+/// Up to this height behind the foremost point the body must not be wider than the gel, mm.
 const BODY_MM: f64 = 3.0;
 const LENGTH: &str = "a length of 0.01 to 1000 mm";
 
@@ -21,7 +21,7 @@ impl Indenter {
     ///
     /// # Errors
     ///
-    /// [`IndenterError::Setting`] or [`IndenterError::EdgesMeet`] for the first value that cannot be.
+    /// [`IndenterError::Setting`] or [`IndenterError::EdgesMeet`] for the first impossible value.
     pub fn validate(&self) -> Result<(), IndenterError> {
         self.shape.validate()?;
         let (fillet, slope, angle) = (self.fillet_mm, self.wall_slope, self.rotation_rad);
@@ -133,7 +133,7 @@ fn points(key: &str, points: &[[f64; 2]]) -> Result<(), IndenterError> {
     }
 }
 
-/// Checks that corners follow around an area without its outline meeting itself.
+/// Checks that the outline of the corners encloses an area and does not intersect itself.
 fn polygon(corners: &[[f64; 2]]) -> Result<(), IndenterError> {
     let key = "points_mm";
     check(corners.len() >= 3, key, &corners, "three corners or more, [[x, y], …] in mm")?;

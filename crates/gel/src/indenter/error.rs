@@ -3,7 +3,7 @@ use std::path::PathBuf;
 
 use fingervision_settings::SettingsError;
 
-/// An indenter that cannot be.
+/// An impossible indenter.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IndenterError {
@@ -18,7 +18,7 @@ pub enum IndenterError {
         /// Their ends, mm.
         places_mm: [[[f64; 2]; 2]; 2],
     },
-    /// A character that the typeface does not draw.
+    /// A character that the typeface does not contain.
     #[error("indenter.text = {text:?}: there is no letter for {character:?}")]
     NoGlyph {
         /// The text.
@@ -38,12 +38,12 @@ pub enum IndenterError {
         /// The gel's, mm.
         gel_mm: [f64; 2],
     },
-    /// A face that does not lie on the gel.
+    /// A face that is not on the gel.
     #[error("motion.centre_mm = {centre_mm:?}: the indenter's face reaches from x {:.3} to {:.3} and y {:.3} to {:.3} mm, the gel to x ±{} and y ±{} mm", face_mm[0][0], face_mm[0][1], face_mm[1][0], face_mm[1][1], gel_mm[0] / 2.0, gel_mm[1] / 2.0)]
     OffTheGel {
-        /// Where the indenter's origin stands, mm.
+        /// Position of the indenter's origin, mm.
         centre_mm: [f64; 2],
-        /// Where its foremost part lies, `[[from, to]; 2]` along x and y, mm.
+        /// Extent of its foremost part, `[[from, to]; 2]` along x and y, mm.
         face_mm: [[f64; 2]; 2],
         /// The gel's width along x and y, mm.
         gel_mm: [f64; 2],
@@ -53,18 +53,18 @@ pub enum IndenterError {
     Read {
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// The system's message.
         kind: io::ErrorKind,
     },
-    /// An image that is no height map.
+    /// An image that is not a height map.
     #[error("indenter.file: {} is no height map: {why}", file.display())]
     NoHeightMap {
         /// The file.
         file: PathBuf,
-        /// What it is instead.
+        /// The actual format.
         why: String,
     },
-    /// A file that is no STL mesh, or one without a body.
+    /// A file that is not an STL mesh, or contains no body.
     #[error("indenter.file: {} holds no body: {why}", file.display())]
     NoMesh {
         /// The file.
@@ -77,7 +77,7 @@ pub enum IndenterError {
     OpenMesh {
         /// The file.
         file: PathBuf,
-        /// Edges that border a hole.
+        /// Edges at the border of a hole.
         open_edges: usize,
         /// All edges.
         edges: usize,
@@ -89,7 +89,7 @@ pub enum IndenterError {
 }
 
 impl IndenterError {
-    /// The key in a scene that is to blame.
+    /// The key of a scene that causes the error.
     #[must_use]
     pub fn key(&self) -> String {
         match self {

@@ -1,4 +1,4 @@
-//! Flat faces: which points they hold, and how far others lie from them.
+//! Flat faces: which points they contain, and the distance of other points from them.
 
 use super::nearest::Nearest;
 use super::outline::Outline;
@@ -10,7 +10,7 @@ pub(super) enum Face {
     Outline(Outline),
     /// Round faces of one radius, which may overlap.
     Discs { radius_mm: f64, centres_mm: Vec<[f64; 2]> },
-    /// What lies between two circles about the origin.
+    /// A ring between two circles about the origin.
     Ring { inner_radius_mm: f64, outer_radius_mm: f64 },
 }
 
@@ -23,7 +23,7 @@ impl Face {
         }
     }
 
-    /// The way from the face to a point; absent on the face.
+    /// The vector from the face to a point; absent on the face.
     pub(super) fn nearest(&self, point: [f64; 2]) -> Option<Nearest> {
         match self {
             Self::Outline(outline) => outline.nearest(point),
@@ -62,7 +62,7 @@ fn beyond_circle(from_centre: [f64; 2], radius_mm: f64) -> Option<Nearest> {
     })
 }
 
-/// From a circle inwards. In the middle, where every direction is the nearest, there is none: the mean of all.
+/// From a circle inwards. In the middle all directions are equally near, and there is none: the mean of all.
 fn within_circle(from_centre: [f64; 2], radius_mm: f64) -> Option<Nearest> {
     let length = from_centre[0].hypot(from_centre[1]);
     if length == 0.0 {

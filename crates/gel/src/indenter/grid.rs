@@ -1,6 +1,6 @@
-//! A grid of heights over the indenter's plane, and what is done to it before it becomes a smooth surface.
+//! A grid of heights over the indenter's plane, and its processing before it becomes a smooth surface.
 
-/// How far behind the edge of the body its walls are followed, mm.
+/// Distance beyond the edge of the body up to which its walls are represented, mm.
 const WALL_HEIGHT_MM: f64 = 8.0;
 /// Finest and usual distance between nodes, mm.
 const SPACING_MM: [f64; 2] = [0.02, 0.05];
@@ -18,14 +18,14 @@ pub(super) struct HeightGrid {
 }
 
 impl HeightGrid {
-    /// An empty grid with room for a body of these half-extents and for its walls.
+    /// An empty grid that contains a body of these half-extents and its walls.
     ///
     /// Nodes lie 0.05 mm apart, closer under a fillet below 0.2 mm, wider on a body of more than about 50 mm.
     pub(super) fn around(half_extent_mm: [f64; 2], fillet_mm: f64, wall_slope: f64) -> Self {
         let half = half_extent_mm.map(|half| half + WALL_HEIGHT_MM / wall_slope);
         let [finest, usual] = SPACING_MM;
         let step_mm = (fillet_mm / 4.0).clamp(finest, usual).max(2.0 * half[0].max(half[1]) / MOST_NODES);
-        // Two nodes more on each side carry the spline to the edge.
+        // Two more nodes on each side extend the spline to the edge.
         let [columns, rows] = half.map(|half| 2 * ((half / step_mm).ceil() as usize + 2) + 1);
         Self { step_mm, columns, rows, heights_mm: vec![f64::INFINITY; columns * rows] }
     }
@@ -50,8 +50,8 @@ impl HeightGrid {
 
     /// Widens the body until no slope exceeds `wall_slope`: `h(p) ← min over q of h(q) + s·|p − q|`.
     ///
-    /// Every node takes the best of its neighbours' sources, in sweeps to and fro until none changes ([Danielsson1980]
-    /// with heights).
+    /// Every node takes the best of its neighbours' sources, in forward and backward sweeps until none changes
+    /// ([Danielsson1980] with heights).
     pub(super) fn limit_slope(&mut self, wall_slope: f64) {
         let rise = wall_slope * self.step_mm;
         let given = self.heights_mm.clone();
@@ -79,7 +79,7 @@ impl HeightGrid {
 
     /// Replaces every height by the mean around it, weighted by a normal distribution of this deviation.
     ///
-    /// A mean with weights that are nowhere negative makes no slope steeper.
+    /// A mean with non-negative weights makes no slope steeper.
     pub(super) fn smooth(&mut self, deviation_mm: f64) {
         let deviation = deviation_mm / self.step_mm;
         let reach = (4.0 * deviation).ceil() as usize;

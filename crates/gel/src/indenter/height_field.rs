@@ -7,13 +7,13 @@ use super::grid::HeightGrid;
 /// A cubic B-spline whose control points are the heights of a grid.
 ///
 /// Slopes are limited first, then edges are rounded, then the lowest height is made 0. The rounding is a normal
-/// distribution as wide as the fillet of a flat face (the same standard deviation along the edge's normal); the
-/// spline's own smoothing counts as part of it. Neither makes a slope steeper, so the surface keeps to the limit, but
-/// for what the grid's own step adds (below 1 %).
+/// distribution as wide as the fillet of a flat face (the same standard deviation along the edge's normal); the spline's
+/// own smoothing counts as part of it. Neither makes a slope steeper, so the surface stays within the limit, except for
+/// the effect of the grid's step (below 1 %).
 #[derive(Debug, Clone)]
 pub(super) struct HeightField {
     grid: HeightGrid,
-    /// Cosine and sine of the angle by which the body is turned.
+    /// Cosine and sine of the rotation of the body.
     turn: [f64; 2],
 }
 
@@ -76,7 +76,7 @@ impl HeightField {
         self.grid.heights_mm[row * self.grid.columns + column]
     }
 
-    /// The surface in the grid's own directions. Beyond the grid the height stays as it is at its edge, several mm behind
+    /// The surface in the grid's own directions. Beyond the grid the height is that at its edge, several mm behind
     /// everything that a press reaches.
     fn within(&self, point: [f64; 2]) -> ReliefPoint {
         let corner = self.grid.corner_mm();
@@ -92,7 +92,7 @@ impl HeightField {
         here
     }
 
-    /// The spline at a place counted in nodes.
+    /// The spline at a position in units of nodes.
     fn spline(&self, place: [f64; 2]) -> ReliefPoint {
         let last = [self.grid.columns, self.grid.rows].map(|count| (count - 3) as f64);
         let first = [0, 1].map(|axis| place[axis].floor().min(last[axis]));
@@ -116,8 +116,7 @@ impl HeightField {
     }
 }
 
-/// Weights of four control points at a share of the way from the second to the third, their first and second
-/// derivatives.
+/// Weights of four control points at a fraction between the second and the third, their first and second derivatives.
 fn weights(t: f64) -> [[f64; 4]; 3] {
     let u = 1.0 - t;
     let inner = |t: f64, u: f64| (4.0 - 3.0 * t * t * (1.0 + u)) / 6.0;

@@ -11,8 +11,8 @@ use super::grid::HeightGrid;
 /// Most columns or rows of an image.
 const MOST_PIXELS: u32 = 4096;
 
-/// A grey image laid over a rectangle: white is the foremost, black lies `depth_mm` behind it, the first row is at
-/// the top (smallest y). Values are taken as they are, without a gamma.
+/// A grey image on a rectangle: white is foremost, black lies `depth_mm` behind it, the first row is at the top (smallest
+/// y). Values are used directly, without a gamma.
 #[derive(Debug, Clone)]
 pub(super) struct HeightMap {
     columns: usize,
@@ -49,7 +49,7 @@ impl HeightMap {
         Ok(Self { columns: width as usize, rows: height as usize, whiteness, size_mm, depth_mm })
     }
 
-    /// The heights over a grid. Pixels closer than the nodes are averaged.
+    /// The heights over a grid. Pixels that are denser than the nodes are averaged.
     pub(super) fn over(&self, grid: &mut HeightGrid) {
         let step_mm = grid.step_mm;
         let parts = [0, 1].map(|axis| {
@@ -96,6 +96,6 @@ fn why(error: &DecodingError) -> String {
     match error {
         DecodingError::IoError(_) => "it is cut off".into(),
         DecodingError::LimitsExceeded => "it takes more memory than allowed".into(),
-        other => format!("it is no whole PNG ({other})"),
+        other => format!("it is not a complete PNG ({other})"),
     }
 }

@@ -10,7 +10,7 @@ static TYPEFACE: LazyLock<Face<'static>> = LazyLock::new(|| {
     Face::parse(include_bytes!("../../fonts/Inter-SemiBold.otf"), 0).expect("the embedded typeface is whole")
 });
 
-/// How far a straight edge may lie from the curve that it stands for, as a share of the cap height.
+/// Largest distance between a straight edge and the curve that it approximates, as a share of the cap height.
 const FLATNESS: f64 = 1e-3;
 
 /// The outlines of a line of text whose capitals are `height_mm` high, its box centred at the origin, upright in the
@@ -47,7 +47,7 @@ fn centred(mut loops: Vec<Vec<[f64; 2]>>) -> Vec<Vec<[f64; 2]>> {
 /// Draws outlines in font units, y up, as loops of straight edges in mm, y down.
 struct Pen {
     loops: Vec<Vec<[f64; 2]>>,
-    /// Where the letter begins, font units.
+    /// Start of the letter, font units.
     advance: f64,
     /// Length of a font unit, mm.
     scale: f64,
@@ -67,8 +67,7 @@ impl Pen {
         }
     }
 
-    /// Follows a Bézier curve from where the pen is. Wang's formula bounds how many edges keep it within the
-    /// flatness.
+    /// Approximates a Bézier curve from the current point. Wang's formula bounds the number of edges for the flatness.
     fn follow<const N: usize>(&mut self, controls: [[f64; 2]; N]) {
         let Some(&start) = self.loops.last().and_then(|corners| corners.last()) else { return };
         let mut points = vec![start];

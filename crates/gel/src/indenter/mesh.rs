@@ -13,11 +13,11 @@ const TRIANGLE_BYTES: usize = 50;
 
 /// A mesh in the indenter's frame: its box is centred at the origin, its top faces the gel.
 ///
-/// An STL file is read as a drawing program shows it from above: X to the right, Y up in the image, Z towards the
-/// viewer, here the camera.
+/// An STL file is viewed from above as in a drawing program: X to the right, Y up in the image, Z towards the viewer,
+/// here the camera.
 #[derive(Debug, Clone)]
 pub(super) struct Mesh {
-    /// Corners as x, y and how far they lie behind the foremost, mm.
+    /// Corners as x, y and the distance behind the foremost one, mm.
     triangles: Vec<[[f64; 3]; 3]>,
     half_extent_mm: [f64; 2],
 }
@@ -60,7 +60,7 @@ impl Mesh {
     }
 }
 
-/// Lowers the nodes under one triangle to it. A triangle that stands upright covers none; its neighbours hold its edge.
+/// Lowers the nodes under one triangle to it. A vertical triangle covers none; its neighbours contain its edge.
 fn lower(grid: &mut HeightGrid, [a, b, c]: &[[f64; 3]; 3]) {
     let edge = |p: &[f64; 3], q: &[f64; 3], [x, y]: [f64; 2]| (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
     let area = edge(a, b, [c[0], c[1]]);
@@ -78,7 +78,7 @@ fn lower(grid: &mut HeightGrid, [a, b, c]: &[[f64; 3]; 3]) {
         for column in columns.clone() {
             let node = grid.node_mm(column, row);
             let shares = [edge(b, c, node), edge(c, a, node), edge(a, b, node)].map(|share| share / area);
-            // A node on the edge of two triangles belongs to both, whatever rounding says.
+            // A node on the edge of two triangles belongs to both, whatever the rounding.
             if shares.iter().all(|&share| share >= -1e-9) {
                 let height: f64 = shares.iter().zip([a, b, c]).map(|(share, corner)| share * corner[2]).sum();
                 let kept = &mut grid.heights_mm[row * counts[0] + column];
@@ -97,20 +97,22 @@ fn triangles(mut bytes: Vec<u8>) -> Result<Vec<[[f64; 3]; 3]>, String> {
         let bodies =
             bytes.split(|&byte| byte == b'\n').filter(|line| line.trim_ascii().starts_with(b"endsolid")).count();
         if bodies > 1 {
-            return Err(format!("it holds {bodies} solids, which would have to be one"));
+            return Err(format!("it contains {bodies} solids, but must be a single one"));
         }
-        // The reader knows the text form by "solid" and a space.
+        // The reader recognises the text form by "solid" and a space.
         bytes.splice(0..5, *b"solid ");
     } else if let Some(count) = count {
         let length = count.checked_mul(TRIANGLE_BYTES).map(|length| length + HEADER_BYTES);
         if length.is_none_or(|length| length > bytes.len()) {
             let held = (bytes.len() - HEADER_BYTES) / TRIANGLE_BYTES;
-            return Err(format!("it is cut off, or no STL: it announces {count} triangles and has room for {held}"));
+            return Err(format!(
+                "it is cut off, or not an STL: its header announces {count} triangles, but its size allows {held}"
+            ));
         }
         // A binary header may begin with "solid " too.
         bytes[0] = b' ';
     } else {
-        return Err("it is cut off, or no STL".into());
+        return Err("it is cut off, or not an STL".into());
     }
     let mut cursor = Cursor::new(bytes);
     let reader = stl_io::create_stl_reader(&mut cursor).map_err(|error| why(&error))?;
@@ -118,7 +120,7 @@ fn triangles(mut bytes: Vec<u8>) -> Result<Vec<[[f64; 3]; 3]>, String> {
 }
 
 fn corners(triangle: &stl_io::Triangle) -> Result<[[f64; 3]; 3], String> {
-    // Adding 0 makes one number of 0 and −0, so that corners can be told apart by their bits.
+    // Adding 0 makes 0 and −0 the same number, so that corners can be compared by their bits.
     let corners = triangle.vertices.map(|vertex| vertex.0.map(|value| f64::from(value) + 0.0));
     match corners.iter().flatten().find(|value| !value.is_finite()) {
         Some(value) => Err(format!("a coordinate is {value}")),
@@ -133,8 +135,8 @@ fn why(error: &std::io::Error) -> String {
     }
 }
 
-/// Checks that every edge belongs to an even number of triangles. Triangles without area, whose corners are two or one,
-/// do not count.
+/// Checks that every edge belongs to an even number of triangles. Triangles without area, with only one or two different
+/// corners, do not count.
 fn check_closed(triangles: &[[[f64; 3]; 3]], file: &Path) -> Result<(), IndenterError> {
     let mut edges: HashMap<[[u64; 3]; 2], bool> = HashMap::new();
     for triangle in triangles {

@@ -1,15 +1,15 @@
-//! Rigid indenters: their description in a scene, and their shape as the mechanics sees it.
+//! Rigid indenters: their description in a scene, and their shape for the mechanics.
 //!
-//! A flat face has the size that is asked for; outside it, at the distance `d`, the body falls off by a fillet of radius
-//! `r` and a wall of slope `s`: `h = r − √(r² − d²)` until that slopes by `s`, then straight. Inside a hole the distance is
-//! that to the hole's rim. A sphere is `h = R − √(R² − ρ²)`, likewise straight from where it slopes by `s`.
+//! A flat face has the given size; outside it, at the distance `d`, the body falls off by a fillet of radius `r` and a
+//! wall of slope `s`: `h = r − √(r² − d²)` until the slope is `s`, then straight. Inside a hole the distance is that to
+//! the hole's rim. A sphere is `h = R − √(R² − ρ²)`, also straight from where its slope is `s`.
 //!
-//! A height map and a mesh are sampled to a fine grid. No slope of theirs exceeds `s` either: a steeper wall is made to
+//! A height map and a mesh are sampled on a fine grid. Their slopes are limited to `s` too: a steeper wall is made to
 //! lean outwards from its upper edge, which fills narrow grooves. Their edges, both sharp and hollow, are rounded over
 //! the fillet's width, half of it on each side.
 //!
-//! The indenter's frame is gel space put at the indenter: x right and y down in the image, z towards the camera. Shapes
-//! are centred at its origin, but for the points of a polygon and the centres of pins, which lie where they are given.
+//! The indenter's frame is gel space moved to the indenter: x right and y down in the image, z towards the camera. Shapes
+//! are centred at its origin, except the points of a polygon and the centres of pins, which are used as given.
 
 mod check;
 mod error;

@@ -1,4 +1,4 @@
-//! Flat faces bounded by straight edges, with holes, and how far a point lies from them.
+//! Flat faces bounded by straight edges, with holes, and the distance of a point from them.
 
 use super::nearest::Nearest;
 use super::segments::{Segment, SegmentGrid, is_wound};
@@ -8,12 +8,12 @@ const FEW_EDGES: usize = 24;
 
 /// A face bounded by closed loops of straight edges.
 ///
-/// A point belongs to it where the loops wind around it in total; a hole is a loop that winds the other way. Loops of
-/// the same sense may overlap.
+/// A point belongs to it if the total winding number of the loops is not zero; a hole is a loop of opposite orientation.
+/// Loops of the same orientation may overlap.
 #[derive(Debug, Clone)]
 pub(super) struct Outline {
     edges: Vec<Segment>,
-    /// Finds the edges near a point; absent where asking all is as fast.
+    /// Finds the edges near a point; absent if testing all is as fast.
     grid: Option<SegmentGrid>,
     extent_mm: [[f64; 2]; 2],
 }
@@ -45,7 +45,7 @@ impl Outline {
         known.unwrap_or_else(|| is_wound(&self.edges, point))
     }
 
-    /// The way from the face to a point; absent on the face.
+    /// The vector from the face to a point; absent on the face.
     pub(super) fn nearest(&self, point: [f64; 2]) -> Option<Nearest> {
         if self.contains(point) {
             return None;
@@ -75,7 +75,7 @@ fn nearest_of<'a>(edges: impl Iterator<Item = &'a Segment>, point: [f64; 2]) -> 
     }
     let [square, x, y] = best;
     let distance_mm = square.sqrt();
-    // Lines of equal distance are straight beside an edge and circles around a corner.
+    // Lines of equal distance are straight beside an edge and circular around a corner.
     let bend_per_mm = if is_corner { 1.0 / distance_mm } else { 0.0 };
     (distance_mm > 0.0).then(|| Nearest { distance_mm, away: [x / distance_mm, y / distance_mm], bend_per_mm })
 }

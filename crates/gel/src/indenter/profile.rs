@@ -1,4 +1,4 @@
-//! How a face falls off beyond its edge: a circular fillet, then a straight wall.
+//! The fall-off of a face beyond its edge: a circular fillet, then a straight wall.
 
 /// Height behind the face over the distance `d` from it.
 ///
@@ -9,7 +9,7 @@
 pub(super) struct Profile {
     radius_mm: f64,
     wall_slope: f64,
-    /// Where the wall begins.
+    /// Distance at which the wall begins.
     wall_from_mm: f64,
     wall_height_mm: f64,
 }
@@ -43,7 +43,7 @@ impl Profile {
             return Fall { height_mm, slope: self.wall_slope, bend_per_mm: 0.0 };
         }
         let root = (r * r - d * d).sqrt();
-        // d² / (r + root) is r − root without its cancellation.
+        // d² / (r + root) is r − root without cancellation.
         Fall { height_mm: d * d / (r + root), slope: d / root, bend_per_mm: r * r / (root * root * root) }
     }
 

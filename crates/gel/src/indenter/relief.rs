@@ -1,4 +1,4 @@
-//! The indenter as the mechanics see it: height, slope and curvature at any point.
+//! The indenter for the mechanics: height, slope and curvature at any point.
 
 use fingervision_elastic::{Relief, ReliefPoint};
 
@@ -7,7 +7,7 @@ use super::height_field::HeightField;
 use super::nearest::Nearest;
 use super::profile::{Fall, Profile};
 
-/// How much of the body [`Relief::half_extent_mm`] holds, mm behind the foremost point.
+/// Depth of the part of the body in [`Relief::half_extent_mm`], mm behind the foremost point.
 const FOREMOST_MM: f64 = 3.0;
 
 /// The shape of an [`Indenter`](super::Indenter), ready to be pressed.

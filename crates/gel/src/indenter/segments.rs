@@ -2,7 +2,7 @@
 
 /// Cells along a side of the grid.
 const CELLS: usize = 64;
-/// How far the grid reaches beyond the edges, mm.
+/// Distance by which the grid extends beyond the edges, mm.
 const MARGIN_MM: f64 = 2.0;
 
 /// A straight edge with a direction.
@@ -28,9 +28,9 @@ impl Segment {
         ([0, 1].map(|axis| self.from[axis] + held * self.along[axis]), !(share > 0.0 && share < 1.0))
     }
 
-    /// What the edge adds to how often its loop winds around a point.
+    /// The contribution of the edge to the winding number of its loop around a point.
     pub(super) fn winding(&self, point: [f64; 2]) -> i32 {
-        // Ends are compared as they are, so that two edges agree about the corner that they share.
+        // Ends are compared without arithmetic, so that two edges agree about their shared corner.
         let (starts_above, ends_above) = (point[1] < self.from[1], point[1] < self.to[1]);
         if starts_above == ends_above {
             return 0;
@@ -92,12 +92,12 @@ impl SegmentGrid {
         grid
     }
 
-    /// Whether the face holds a point; absent where the grid does not know.
+    /// Whether the face contains a point; absent where the grid does not decide.
     pub(super) fn is_inside(&self, point: [f64; 2]) -> Option<bool> {
         self.inside[self.cell(point)?]
     }
 
-    /// The edges among which the nearest to a point is; absent beyond the grid.
+    /// The edges among which the nearest to a point is; absent outside the grid.
     pub(super) fn near(&self, point: [f64; 2]) -> Option<&[u32]> {
         let cell = self.cell(point)?;
         Some(&self.near[self.starts[cell] as usize..self.starts[cell + 1] as usize])

@@ -1,4 +1,4 @@
-//! What an indenter is: the `[indenter]` table of a scene.
+//! The description of an indenter: the `[indenter]` table of a scene.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use super::outline::Outline;
 use super::profile::Profile;
 use super::{IndenterError, IndenterRelief, letter};
 
-/// A rigid body with its edges.
+/// A rigid body and its edges.
 ///
 /// As a table: `shape` is one of `"circle"`, `"rectangle"`, `"triangle"`, `"polygon"`, `"crossing"`, `"ring"`,
 /// `"sphere"`, `"pins"`, `"letter"`, `"height-map"`, `"stl"`; beside it stand the sizes of that shape, as named in
@@ -124,12 +124,12 @@ impl Default for Indenter {
 }
 
 impl Indenter {
-    /// Radius of the fillet unless said otherwise, mm.
+    /// Default radius of the fillet, mm.
     pub const FILLET_MM: f64 = 0.3;
-    /// Slope of the walls unless said otherwise, dimensionless.
+    /// Default slope of the walls, dimensionless.
     pub const WALL_SLOPE: f64 = 3.0;
 
-    /// A shape with the usual fillet and walls, not turned.
+    /// A shape with the default fillet and walls, not rotated.
     #[must_use]
     pub fn new(shape: IndenterShape) -> Self {
         Self { shape, fillet_mm: Self::FILLET_MM, wall_slope: Self::WALL_SLOPE, rotation_rad: 0.0 }
@@ -148,7 +148,7 @@ impl Indenter {
     ///
     /// # Errors
     ///
-    /// Whatever [`Indenter::validate`] finds, a letter that the typeface lacks, or what is wrong with the file.
+    /// The errors of [`Indenter::validate`], a letter that the typeface lacks, or an error of the file.
     pub fn relief(&self, folder: &Path) -> Result<IndenterRelief, IndenterError> {
         self.validate()?;
         let profile = Profile::new(self.fillet_mm, self.wall_slope);
@@ -185,12 +185,12 @@ impl Indenter {
 
     /// The body's shape, if it fits on a gel with its origin at `centre_mm`.
     ///
-    /// What lies at most 3 mm behind the foremost point must not be wider than the gel, and what lies at most 0.1 mm
-    /// behind it must lie on the gel.
+    /// The part at most 3 mm behind the foremost point must not be wider than the gel, and the part at most 0.1 mm behind
+    /// it must be on the gel.
     ///
     /// # Errors
     ///
-    /// Whatever [`Indenter::relief`] finds, [`IndenterError::WiderThanGel`] or [`IndenterError::OffTheGel`].
+    /// The errors of [`Indenter::relief`], [`IndenterError::WiderThanGel`] or [`IndenterError::OffTheGel`].
     pub fn relief_on(
         &self,
         block: &GelBlock,

@@ -114,7 +114,7 @@ impl Table {
         }
     }
 
-    /// Names the first key that belongs to another shape only, in the words for a key that no shape has.
+    /// Names the first key that belongs only to another shape, with the message for a key that no shape has.
     fn refuse_foreign_key(&self) -> Result<(), String> {
         let given = [
             ("radius_mm", self.radius_mm.is_some()),

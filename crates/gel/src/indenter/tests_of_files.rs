@@ -117,7 +117,7 @@ fn smooth_surfaces_of_files_keep_to_the_slope_of_the_wall() {
 }
 
 #[test]
-fn what_is_no_grey_image_is_refused() {
+fn an_image_that_is_not_grey_is_refused() {
     let folder = TempDir::new().unwrap();
     let refusal = || map(&folder, [8.0, 6.0], 1.0).unwrap_err();
     assert!(refusal().to_string().ends_with("map.png: no such file"), "{}", refusal());
@@ -204,7 +204,7 @@ fn a_mesh_without_triangles_or_cut_off_is_refused() {
     let whole = fs::read(folder.path().join("body.stl")).unwrap();
     for length in [0, 50, 83, 84, 1000, whole.len() - 1] {
         fs::write(folder.path().join("body.stl"), &whole[..length]).unwrap();
-        assert!(refusal().contains("it is cut off, or no STL"), "{length}: {}", refusal());
+        assert!(refusal().contains("it is cut off, or not an STL"), "{length}: {}", refusal());
     }
     let mut broken = whole;
     broken[100..104].copy_from_slice(&f32::NAN.to_le_bytes());
@@ -235,7 +235,7 @@ fn a_mesh_as_text_is_the_same_mesh() {
     write(&format!("solid ball\n{facets}"));
     assert!(stl(&folder).unwrap_err().to_string().contains("it is cut off"));
     write(&format!("solid a\n{facets}endsolid a\nsolid b\n{facets}endsolid b\n"));
-    assert!(stl(&folder).unwrap_err().to_string().contains("it holds 2 solids"));
+    assert!(stl(&folder).unwrap_err().to_string().contains("it contains 2 solids"));
 }
 
 #[test]

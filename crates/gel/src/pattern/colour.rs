@@ -1,8 +1,8 @@
 //! The dense random colour pattern.
 //!
 //! Every cell's colour is random, and differs from its eight neighbours by at least [`NEIGHBOUR_DISTANCE`] in RGB, so
-//! that every cell edge shows (Du, Zhang, Zhang, Wang 2021, doi 10.1109/LRA.2021.3061306). The pattern repeats like a
-//! torus, its seam included in the rule: it has no border.
+//! that every cell edge is visible (Du, Zhang, Zhang, Wang 2021, doi 10.1109/LRA.2021.3061306). The pattern repeats like
+//! a torus, and the rule also holds across the seam: it has no border.
 
 use super::texture::wrapped;
 use crate::GelError;
@@ -78,7 +78,7 @@ impl Cells for ColourPattern {
     }
 }
 
-/// Draws until the colour differs enough from every neighbour that has one.
+/// Draws colours until one differs enough from every neighbour that has one.
 fn distinct_colour(
     cells: &Image<Option<[f32; 3]>>,
     column: usize,
@@ -90,7 +90,7 @@ fn distinct_colour(
     loop {
         let colour = [(); 3].map(|()| f32::from(channel.sample(rng)));
         let mut neighbours = (0..9).filter_map(|k| {
-            // Adding all but one of the torus' columns steps back by one.
+            // Adding all except one of the torus' columns is one step back.
             let x = (column + columns - 1 + k % 3) % columns;
             let y = (row + rows - 1 + k / 3) % rows;
             cells.at(x, y)
@@ -130,7 +130,7 @@ mod tests {
         let mean = channels().sum::<f32>() / 30_000.0;
         let variance = channels().map(|level| (level - mean).powi(2)).sum::<f32>() / 30_000.0;
         assert!((mean - 128.0).abs() < 2.0, "mean {mean}");
-        // The rule of neighbours leaves the uniform distribution's (225² − 1) / 12 almost as it is.
+        // The rule for neighbours hardly changes the (225² − 1) / 12 of the uniform distribution.
         assert!((variance.sqrt() - 65.0).abs() < 2.0, "standard deviation {}", variance.sqrt());
     }
 

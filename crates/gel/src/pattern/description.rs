@@ -1,4 +1,4 @@
-//! What a pattern is: the `[pattern]` table of a scene, and the choice of what to print.
+//! The description of a pattern: the `[pattern]` table of a scene, and the options for printing.
 
 use std::fmt::Display;
 
@@ -10,7 +10,7 @@ use fingervision_image::Image;
 /// Most cells of a colour pattern along a side.
 const MOST_CELLS: usize = 4096;
 
-/// A pattern and how it lies on the gel.
+/// A pattern and its placement on the gel.
 ///
 /// As a table: `kind` is `"colour"`, `"dots"` or `"speckle"`; `cell_mm` belongs to the first, `dots` and
 /// `dot_diameter_mm` to the second, `speckle_diameter_mm` and `coverage` to the third. Keys left out take the default; a
@@ -18,17 +18,17 @@ const MOST_CELLS: usize = 4096;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "super::table::Table", into = "super::table::Table")]
 pub struct Pattern {
-    /// What is repeated.
+    /// The repeated element.
     pub motif: Motif,
     /// Darkest and brightest grey level. Colours are uniform between them; dots and speckles are dark on bright.
     pub levels: [u8; 2],
-    /// Which pattern: the same seed gives the same cells or speckles. A grid of dots is not random.
+    /// The seed: the same seed gives the same cells or speckles. A grid of dots is not random.
     pub seed: u64,
     /// Angle by which the pattern lies turned on the gel, clockwise on screen, rad.
     pub rotation_rad: f64,
 }
 
-/// What a pattern is made of.
+/// The elements of a pattern.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motif {
     /// Dense random colours; see [`ColourPattern`].
@@ -47,21 +47,21 @@ pub enum Motif {
     Speckle {
         /// Mean diameter, mm; a disc's own is up to a quarter smaller or larger.
         diameter_mm: f64,
-        /// Part of the ground that they cover, 0.05 to 0.9.
+        /// Part of the area that they cover, 0.05 to 0.9.
         coverage: f64,
     },
 }
 
 impl Motif {
-    /// Side of a colour cell unless said otherwise, mm.
+    /// Default side of a colour cell, mm.
     pub const CELL_MM: f64 = 0.1;
-    /// Columns and rows of dots unless said otherwise.
+    /// Default columns and rows of dots.
     pub const DOTS: [usize; 2] = [15, 15];
-    /// Diameter of a dot unless said otherwise, mm.
+    /// Default diameter of a dot, mm.
     pub const DOT_DIAMETER_MM: f64 = 1.0;
-    /// Mean diameter of a speckle unless said otherwise, mm.
+    /// Default mean diameter of a speckle, mm.
     pub const SPECKLE_DIAMETER_MM: f64 = 0.25;
-    /// Part of the ground that speckles cover unless said otherwise, dimensionless.
+    /// Default part of the area that speckles cover, dimensionless.
     pub const COVERAGE: f64 = 0.5;
 }
 
@@ -102,16 +102,15 @@ impl Pattern {
         check(self.rotation_rad.is_finite(), "rotation_rad", &self.rotation_rad, "a finite angle, rad")
     }
 
-    /// The pattern on an undeformed gel of this size, mm, as the renderer takes it. It lies centred and repeats beyond
-    /// the size.
+    /// The pattern on an undeformed gel of this size, mm, for the renderer. It is centred and repeats beyond the size.
     ///
     /// The cells of a colour pattern are those of the print with the same seed and size. Discs become a raster of 24
-    /// cells to the (mean) diameter, fewer where they are many, each with the part of it that they cover.
+    /// cells per (mean) diameter, fewer if there are many, each with the part of it that they cover.
     ///
     /// # Errors
     ///
-    /// Whatever [`Pattern::validate`] finds, [`PatternError::DotsOverlap`], or [`PatternError::Count`] where the parts
-    /// are too fine or too coarse for the size.
+    /// The errors of [`Pattern::validate`], [`PatternError::DotsOverlap`], or [`PatternError::Count`] if the parts are
+    /// too fine or too coarse for the size.
     pub fn texture(&self, size_mm: [f64; 2]) -> Result<Texture, PatternError> {
         self.check_size(size_mm)?;
         let ground = match self.motif {
@@ -133,7 +132,7 @@ impl Pattern {
         Ok(ColourPattern::random(columns, rows, self.levels, self.seed)?)
     }
 
-    /// Columns and rows of the cells that fill a size best.
+    /// The columns and rows of cells that fit a size best.
     fn whole_cells(&self, size_mm: [f64; 2]) -> Result<[usize; 2], PatternError> {
         let Motif::Colour { cell_mm } = self.motif else { return Ok([1, 1]) };
         let counts = size_mm.map(|size| (size / cell_mm).round());

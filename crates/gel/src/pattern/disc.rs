@@ -1,4 +1,4 @@
-//! Discs and what part of every cell of a raster they cover, exactly.
+//! Discs and the part of every cell of a raster that they cover, exactly.
 
 use fingervision_image::Image;
 
@@ -9,10 +9,10 @@ pub(crate) struct Disc {
     pub(crate) radius_mm: f64,
 }
 
-/// How much light a ground with discs on it leaves in every cell: 1 none of it covered, 0 all.
+/// The uncovered part of every cell of an area with discs: 1 if not covered, 0 if fully covered.
 ///
-/// A disc's share of a cell is exact. Where discs overlap in a cell both cover only part of, their shares count as
-/// independent of each other.
+/// A disc's share of a cell is exact. If two overlapping discs both cover only a part of a cell, their shares are treated
+/// as independent.
 #[derive(Debug, Clone)]
 pub(crate) struct Ground {
     light: Image<f64>,
@@ -21,13 +21,13 @@ pub(crate) struct Ground {
 }
 
 impl Ground {
-    /// Bare ground of so many columns and rows over a pattern of this size.
+    /// An empty area with this many columns and rows over a pattern of this size.
     pub(crate) fn bare([columns, rows]: [usize; 2], size_mm: [f64; 2]) -> Self {
         let cell_mm = [size_mm[0] / columns as f64, size_mm[1] / rows as f64];
         Self { light: Image::filled(columns, rows, 1.0), cell_mm, total: (columns * rows) as f64 }
     }
 
-    /// Part of the ground that is covered, 0 to 1.
+    /// The covered part of the area, 0 to 1.
     pub(crate) fn covered(&self) -> f64 {
         1.0 - self.total / self.light.values().len() as f64
     }
@@ -36,7 +36,7 @@ impl Ground {
         self.cell_mm
     }
 
-    /// Lays a disc on the ground; what reaches beyond a border is lost.
+    /// Adds a disc; the part beyond a border is lost.
     pub(crate) fn lay(&mut self, disc: Disc) {
         let (columns, rows) = self.light.size();
         let [first, last] = [-1.0, 1.0]

@@ -1,7 +1,7 @@
 //! Patterns of discs: a grid of dots, and random speckle.
 //!
-//! The *speckle* is what digital image correlation uses: dark discs at random places, alike in size, as many as cover
-//! half of the ground. They may overlap, so blobs of many shapes arise.
+//! The *speckle* pattern is the one used in digital image correlation: dark discs of similar size at random places, as
+//! many as cover half of the area. They may overlap, so blobs of many shapes result.
 
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64Mcg;
@@ -10,14 +10,14 @@ use rand_pcg::rand_core::SeedableRng;
 use super::PatternError;
 use super::disc::{Disc, Ground};
 
-/// Cells of a raster along a disc's diameter: as many as wanted, and as few as will do.
+/// Cells of a raster along a disc's diameter: the preferred and the least number.
 const CELLS_PER_DIAMETER: f64 = 24.0;
 const LEAST_PER_DIAMETER: f64 = 4.0;
 
 /// Most cells of a raster along a side.
 const MOST_CELLS: usize = 2400;
 
-/// By what part of the mean a speckle's diameter may be smaller or larger.
+/// Part of the mean by which a speckle's diameter may be smaller or larger.
 const SPREAD: f64 = 0.25;
 
 /// Distances between neighbouring dots across and down, mm.
@@ -35,8 +35,8 @@ pub(super) fn dots(count: [usize; 2], diameter_mm: f64, size_mm: [f64; 2]) -> Ve
         .collect()
 }
 
-/// One dot's surroundings, which repeat. Its middle is what lies in the middle of the whole pattern: a dot where the
-/// dots are odd in number, else the gap between two.
+/// The repeated surroundings of one dot. Its middle is the middle of the whole pattern: a dot if the number of dots is
+/// odd, else the gap between two.
 pub(super) fn dot_tile(count: [usize; 2], diameter_mm: f64, size_mm: [f64; 2]) -> Result<Ground, PatternError> {
     let pitch = pitch_mm(count, size_mm);
     let mut ground = raster(diameter_mm, pitch)?;
@@ -45,7 +45,7 @@ pub(super) fn dot_tile(count: [usize; 2], diameter_mm: f64, size_mm: [f64; 2]) -
     Ok(ground)
 }
 
-/// Random discs that cover this part of the ground, and the ground with them. They repeat like a torus.
+/// Random discs that cover this part of the area, and the area with them. They repeat like a torus.
 pub(super) fn speckle(
     diameter_mm: f64,
     coverage: f64,
@@ -65,12 +65,12 @@ pub(super) fn speckle(
     Ok((discs, ground))
 }
 
-/// Bare ground fine enough for discs of this size.
+/// An empty area fine enough for discs of this size.
 fn raster(diameter_mm: f64, size_mm: [f64; 2]) -> Result<Ground, PatternError> {
     let longest_mm = size_mm[0].max(size_mm[1]);
     let part_mm = (diameter_mm / CELLS_PER_DIAMETER).max(longest_mm / MOST_CELLS as f64);
     let part_mm = part_mm.min(diameter_mm / LEAST_PER_DIAMETER);
-    // Rounding must not make one more than the most.
+    // Rounding must not exceed the maximum by one.
     let counts = size_mm.map(|size| (size / part_mm - 1e-6).ceil());
     for (size_mm, count) in size_mm.into_iter().zip(counts) {
         if !(3.0..=MOST_CELLS as f64).contains(&count) {
@@ -97,7 +97,7 @@ mod tests {
         assert!((ground.covered() - 0.5).abs() < 0.25 * 0.25 / 30.0, "{}", ground.covered());
         let mean = discs.iter().map(|disc| 2.0 * disc.radius_mm).sum::<f64>() / discs.len() as f64;
         assert!((mean - 0.25).abs() < 0.01, "mean diameter {mean} mm");
-        // Discs that fall independently leave exp(−n a) of the ground bare.
+        // Independent random discs leave exp(−n a) of the area uncovered.
         let expected =
             std::f64::consts::LN_2 * 30.0 / (0.25 * std::f64::consts::PI * 0.0625 * (1.0 + SPREAD * SPREAD / 3.0));
         assert!((discs.len() as f64 / expected - 1.0).abs() < 0.1, "{} discs, expected {expected}", discs.len());

@@ -1,6 +1,6 @@
 use crate::GelError;
 
-/// A pattern that cannot be made.
+/// An impossible pattern.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PatternError {
@@ -11,10 +11,10 @@ pub enum PatternError {
         key: &'static str,
         /// The value, in the unit that its name ends in.
         value: String,
-        /// What it could be, with its unit.
+        /// The possible values, with their unit.
         allowed: &'static str,
     },
-    /// Dots wider than the way from one to the next.
+    /// Dots wider than the distance between neighbours.
     #[error("dots of {diameter_mm} mm overlap: {} by {} of them on {}x{} mm stand {pitch_mm:.4} mm apart", count[0], count[1], size_mm[0], size_mm[1])]
     DotsOverlap {
         /// Diameter of a dot, mm.
@@ -26,10 +26,10 @@ pub enum PatternError {
         /// Distance between the centres of the nearest dots, mm.
         pitch_mm: f64,
     },
-    /// More or fewer cells across the pattern than can be made.
+    /// More or fewer cells across the pattern than possible.
     #[error("{size_mm} mm of {what} of {part_mm} mm are {count} across: 3 to {most} can be made")]
     Count {
-        /// What there is too much or too little of, such as "cells".
+        /// The kind of parts, such as "cells".
         what: &'static str,
         /// Length of the pattern's side, mm.
         size_mm: f64,
@@ -37,10 +37,10 @@ pub enum PatternError {
         part_mm: f64,
         /// Parts along the side.
         count: f64,
-        /// Most of them.
+        /// Largest number of them.
         most: usize,
     },
-    /// A picture that hardly any program opens.
+    /// A picture that is too large for most programs.
     #[error("a picture of {width}x{height} px, {px_per_m} px per m, is too large")]
     TooManyPixels {
         /// Columns, px.
@@ -57,7 +57,7 @@ pub enum PatternError {
         paper: String,
         /// Width and height of the pattern, mm.
         pattern_mm: [f64; 2],
-        /// Width and height of what fits on the sheet upright, and lying, mm.
+        /// Largest width and height of a pattern on the sheet in portrait and in landscape, mm.
         room_mm: [[f64; 2]; 2],
     },
     /// The camera's image shows no gel.
@@ -82,12 +82,12 @@ impl PatternError {
             Self::TooManyPixels { .. } => "give a lower resolution, or write PDF or SVG, which have none".into(),
             Self::Paper { room_mm: [[width, height], [lying_width, lying_height]], .. } => format!(
                 "--size-mm of up to {width}x{height} mm fits upright, {lying_width}x{lying_height} mm lying; without --page the \
-                 page is as large as it must be"
+                 page is as large as needed"
             ),
             Self::NotSeen => {
                 "check the camera's principal point and translation, and the image's and the gel's size".into()
             }
-            Self::Colours(_) => "give levels that lie further apart".into(),
+            Self::Colours(_) => "give levels that differ more".into(),
         }
     }
 }

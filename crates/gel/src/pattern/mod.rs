@@ -1,4 +1,4 @@
-//! Patterns: what is printed on the gel, as a description, as a texture to render and as a page to print.
+//! Patterns for the gel: their description, texture for rendering, and printed page.
 
 mod colour;
 mod description;

@@ -79,7 +79,7 @@ impl TryFrom<Table> for Pattern {
             ("coverage", table.coverage.is_some(), Kind::Speckle),
         ];
         if let Some((key, _, owner)) = keys.into_iter().find(|&(_, is_given, owner)| is_given && owner != kind) {
-            return Err(format!("{key} belongs to the kind {owner:?}, not to {kind:?}").to_lowercase());
+            return Err(format!("{key} is for the kind {owner:?}, not for {kind:?}").to_lowercase());
         }
         let motif = match kind {
             Kind::Colour => Motif::Colour { cell_mm: table.cell_mm.unwrap_or(Motif::CELL_MM) },
@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn a_key_of_another_kind_is_refused() {
         let refused = |text| read(text).unwrap_err();
-        assert_eq!(refused("kind = 'dots'\ncell_mm = 0.1"), "cell_mm belongs to the kind colour, not to dots");
+        assert_eq!(refused("kind = 'dots'\ncell_mm = 0.1"), "cell_mm is for the kind colour, not for dots");
         assert!(refused("cel_mm = 0.1").starts_with("unknown field `cel_mm`"));
         assert!(refused("kind = 'stripes'").starts_with("unknown variant `stripes`"));
     }

@@ -1,22 +1,22 @@
-//! A pattern as the renderer takes it: a tiling raster of coloured cells that lies on the gel.
+//! A pattern for the renderer: a repeating raster of coloured cells on the gel.
 
 use crate::cells::Cells;
 use fingervision_image::Image;
 
 /// Rectangular cells of one colour each, repeated like a torus, that cover the gel's undeformed surface.
 ///
-/// In *cell coordinates* cell `(i, j)` is `[i, i + 1) × [j, j + 1)`. The middle of the raster lies on the gel's origin
-/// and the raster is turned about it.
+/// In *cell coordinates* cell `(i, j)` is `[i, i + 1) × [j, j + 1)`. The middle of the raster is at the gel's origin,
+/// about which the raster is rotated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
     cells: Image<[f32; 3]>,
     cell_mm: [f64; 2],
-    /// Sine and cosine of the angle by which the raster is turned.
+    /// Sine and cosine of the rotation of the raster.
     turn: (f64, f64),
 }
 
 impl Texture {
-    /// A texture of cells with these sides, mm, turned by an angle clockwise on screen (from x to y), rad.
+    /// A texture of cells with these sides, mm, rotated by an angle clockwise on screen (from x to y), rad.
     ///
     /// # Panics
     ///

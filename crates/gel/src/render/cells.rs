@@ -1,11 +1,11 @@
-//! The pattern's cells as a table of sums, and exact integrals over polygons by what is around them.
+//! The pattern's cells as a table of sums, for exact integrals over polygons by their boundaries.
 //!
-//! By Green's theorem the integral of a colour c over a polygon is the integral of `F dv` around it, with
-//! `F(u, v) = ∫ c du` from a fixed column to u. The cells are of one colour each, so F is linear in u from line to line:
-//! between two grid lines, the midpoint gives the integral exactly. A side that two polygons share is integrated once,
-//! and how many cells a polygon covers hardly matters.
+//! By Green's theorem the integral of a colour c over a polygon is the integral of `F dv` around it, with `F(u, v) = ∫ c
+//! du` from a fixed column to u. Each cell has one colour, so F is linear in u from line to line: between two grid lines,
+//! the midpoint gives the integral exactly. A side that two polygons share is integrated once, and the number of cells
+//! that a polygon covers hardly matters.
 //!
-//! Colours are counted from their mean over the pattern, which keeps the sums small enough for single precision.
+//! Colours are stored relative to their mean over the pattern, which keeps the sums small enough for single precision.
 
 use super::RenderError;
 use crate::Texture;
@@ -23,7 +23,7 @@ const MARGIN: f64 = 2.0;
 /// The colours of all cells on the gel.
 #[derive(Debug, Clone)]
 pub(crate) struct CellTable {
-    /// What it covers at rest: x and y from least to most, mm.
+    /// Its extent at rest: x and y from least to most, mm.
     borders_mm: [[f64; 2]; 2],
     /// u and v by x, y and 1.
     by_mm: [[f64; 3]; 2],
@@ -45,13 +45,13 @@ pub(crate) struct Place {
 impl Place {
     /// Beyond the gel's border.
     pub(crate) const BEYOND: Self = Self { u: -1.0, v: -1.0, column: 0, row: 0 };
-    /// Nothing is seen.
+    /// No surface.
     pub(crate) const NOWHERE: Self = Self { u: -2.0, v: -2.0, column: 0, row: 0 };
 
     /// A point of the table.
     #[inline(always)]
     pub(crate) fn new(u: f32, v: f32) -> Self {
-        // Truncation is the floor: nothing on the gel is left of or above the table.
+        // Truncation is the floor: no point of the gel is left of or above the table.
         Self { u, v, column: u as u32, row: v as u32 }
     }
 
@@ -96,7 +96,7 @@ impl CellTable {
         Ok(Self { borders_mm, by_mm, sums, stride, mean: mean.map(|mean| mean as f32) })
     }
 
-    /// What the table covers at rest, mm.
+    /// The extent of the table at rest, mm.
     pub(crate) fn borders_mm(&self) -> [[f64; 2]; 2] {
         self.borders_mm
     }
@@ -184,7 +184,7 @@ struct Crossings {
     cell: u32,
     left: u32,
     is_forward: bool,
-    /// Share of the side up to the next line; infinite after the last.
+    /// Fraction of the side up to the next line; infinite after the last.
     next: f32,
     step: f32,
 }
@@ -199,7 +199,7 @@ impl Crossings {
         Self { cell, left, is_forward, next, step: way.abs().recip() }
     }
 
-    /// Goes on to the next cell; how much of the side lies before it.
+    /// Moves to the next cell; returns the fraction of the side before it.
     #[inline(always)]
     fn step(&mut self) -> f32 {
         let passed = self.next;

@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-/// Why a surface cannot be drawn.
+/// Why a surface cannot be rendered.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RenderError {
@@ -14,7 +14,7 @@ pub enum RenderError {
         /// The range in words, with its unit.
         allowed: &'static str,
     },
-    /// The surface's grid is none: its lines must be two or more along each axis, finite and ascending.
+    /// The surface's grid is not valid: its lines must be two or more along each axis, finite and ascending.
     #[error(
         "the surface's grid lines along {axis} are {count} and not ascending: two or more, each beyond the last, make a grid"
     )]
@@ -24,7 +24,7 @@ pub enum RenderError {
         /// How many there are.
         count: usize,
     },
-    /// A field of the surface does not have a value for each node of its grid.
+    /// A field of the surface does not have one value per node of its grid.
     #[error("the surface has {found} values of {field}: its grid of {columns}x{rows} lines has {} nodes", columns * rows)]
     NodeCount {
         /// The field.
@@ -49,10 +49,10 @@ pub enum RenderError {
     TooManyCells {
         /// Cells on the gel and close to it.
         count: f64,
-        /// How many there may be.
+        /// The largest number.
         most: f64,
     },
-    /// Two states that should be of one motion have different grids.
+    /// Two states of one motion have different grids.
     #[error("the surface before has other grid lines than the surface now: blur of motion needs one grid for both")]
     OtherGrid,
 }

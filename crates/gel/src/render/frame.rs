@@ -1,4 +1,4 @@
-//! From a state of the gel to the camera's frame.
+//! Renders the camera's frame for a state of the gel.
 
 use super::cells::CellTable;
 use super::lattice::{Lattice, Rays, bulge_px};
@@ -9,7 +9,7 @@ use super::patches::Patches;
 use super::raster::{Planes, Target};
 use super::samples::{Samples, Scene};
 use super::sensor::Sensor;
-use super::sight::Sight;
+use super::sight::ColourInputs;
 use super::surface::{Instant, Surface, widest_mm};
 use super::{RenderError, RenderParams};
 use crate::Texture;
@@ -19,9 +19,9 @@ use fingervision_elastic::SurfaceState;
 use fingervision_image::{Image, LUMA_WEIGHTS, Pixels};
 use fingervision_optics::Camera;
 
-/// Draws frames. Made once for a camera and a pattern: it owns all that a frame takes.
+/// Renders frames. Made once for a camera and a pattern: it owns all memory for a frame.
 ///
-/// The gel's surface is drawn, its sides are not. A frame depends on the state and its number only, so renderers on
+/// The gel's surface is rendered, its sides are not. A frame depends only on the state and its number, so renderers on
 /// several threads give the same bytes.
 ///
 /// ```
@@ -78,14 +78,14 @@ pub struct FrameRenderer {
     samples: Samples,
     sensor: Sensor,
     levels: Image<[f32; 3]>,
-    /// A row of channels on its way to the frame.
+    /// A row of channels before it is written to the frame.
     row: Vec<f32>,
     pixels: Pixels,
     simd: Level,
 }
 
 impl FrameRenderer {
-    /// A renderer of what this camera sees of a gel with this pattern.
+    /// A renderer for this camera and a gel with this pattern.
     ///
     /// # Errors
     ///
@@ -133,24 +133,24 @@ impl FrameRenderer {
         &self.params
     }
 
-    /// The frame of a state that the surface rests in. `frame` counts frames: each has noise of its own.
+    /// The frame of a state at rest. `frame` is the frame's number: each has its own noise.
     ///
     /// # Errors
     ///
-    /// [`RenderError`] if the state is not one, or the pattern's cells are too small for so large a gel.
+    /// [`RenderError`] if the state is not valid, or the pattern's cells are too small for so large a gel.
     pub fn render(&mut self, state: &SurfaceState, frame: u64) -> Result<&Pixels, RenderError> {
         self.render_levels(state)?;
         Ok(self.expose(frame))
     }
 
-    /// The frame of a state that the surface passes through, coming from the state a frame before.
+    /// The frame of a state during a motion, coming from the state a frame before.
     ///
-    /// It goes on as it came while the shutter is open, from half the exposure before the state to half of it after.
-    /// So the truth of the state itself is that of the frame's middle.
+    /// The motion continues at the same rate while the shutter is open, from half the exposure before the state to half
+    /// of it after. So the truth of the state itself is that of the frame's middle.
     ///
     /// # Errors
     ///
-    /// [`RenderError`] if a state is not one or their grids differ.
+    /// [`RenderError`] if a state is not valid or their grids differ.
     pub fn render_moving(
         &mut self,
         before: &SurfaceState,
@@ -167,18 +167,18 @@ impl FrameRenderer {
         Ok(self.expose(frame))
     }
 
-    /// What falls on the sensor, in grey levels, before noise and rounding. Grey repeats its value.
+    /// The signal of the sensor, in grey levels, before noise and rounding. Grey repeats its value.
     ///
     /// # Errors
     ///
-    /// [`RenderError`] if the state is not one.
+    /// [`RenderError`] if the state is not valid.
     pub fn render_levels(&mut self, state: &SurfaceState) -> Result<&Image<[f32; 3]>, RenderError> {
         self.levels.values_mut().fill([0.0; 3]);
         self.add(Instant::of(state), 1.0)?;
         Ok(&self.levels)
     }
 
-    /// Adds the surface at an instant to the levels, by a weight.
+    /// Adds the surface at an instant to the levels, with a weight.
     fn add(&mut self, instant: Instant, weight: f32) -> Result<(), RenderError> {
         self.surface.take(&self.camera, Some(&self.light), instant)?;
         self.patches.take(&self.surface);
@@ -192,7 +192,7 @@ impl FrameRenderer {
         Ok(())
     }
 
-    /// Finds what every part corner sees.
+    /// Finds the surface point at every part corner.
     #[inline(always)]
     fn draw<S: Simd>(&mut self, simd: S) {
         self.planes.clear();
@@ -205,18 +205,18 @@ impl FrameRenderer {
         }
     }
 
-    /// Colours the parts and adds up the pixels.
+    /// Computes the colours of the parts and sums the pixels.
     #[inline(always)]
     fn develop<S: Simd>(&mut self, simd: S, weight: f32) {
         let Self { cells, parts, sensor, levels, vignette, samples, lattice, .. } = self;
         let Some(cells) = cells else { return };
         let (planes, patches, background) = (&self.planes, &self.patches, self.background);
-        let sight = Sight { lattice: *lattice, planes, cells, patches, background };
+        let inputs = ColourInputs { lattice: *lattice, planes, cells, patches, background };
         let scene = Scene { targets: &self.targets, rays: &self.rays };
         let width = levels.width();
-        parts.begin(simd, &sight);
+        parts.begin(simd, &inputs);
         for row in 0..lattice.rows - 1 {
-            parts.next(simd, &sight, (samples, &scene), row, sensor.row_mut(row));
+            parts.next(simd, &inputs, (samples, &scene), row, sensor.row_mut(row));
             let Some(pixel_row) = sensor.completed(row) else { continue };
             let gains = &vignette[pixel_row * width..][..width];
             let levels = levels.row_mut(pixel_row);

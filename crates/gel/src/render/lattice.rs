@@ -5,13 +5,13 @@ use crate::blur::SUB_PIXELS;
 use fingervision_optics::Camera;
 use std::ops::Range;
 
-/// Corners that a kernel takes at once.
+/// Corners that a kernel processes together.
 pub(crate) const LANES: usize = 8;
 
-/// By how much a patch's box is wider than its corners, px, for the rounding of what is computed.
+/// Margin of a patch's box beyond its corners, px, for rounding errors.
 const PAD_PX: f64 = 0.02;
 
-/// Where the corners of the image's parts lie.
+/// The positions of the corners of the image's parts.
 ///
 /// A part is half a pixel wide. Corner `(i, j)` is the upper left one of part `(i, j)`; the image's first part comes
 /// after `margin` others on either side.
@@ -50,13 +50,13 @@ impl Bounds {
         [(self.left, self.right), (self.top, self.bottom)].map(|(least, most)| least as usize..(most + 1) as usize)
     }
 
-    /// The columns and rows of parts that the box covers some of, and `more` around them; without the ends.
+    /// The columns and rows of parts that the box overlaps, and `more` around them; without the ends.
     pub(crate) fn parts(&self, more: i32) -> [Range<usize>; 2] {
         [(self.left, self.right), (self.top, self.bottom)]
             .map(|(least, most)| (least - 1 - more).max(0) as usize..(most + 1 + more).max(0) as usize)
     }
 
-    /// Whether the box covers some of a part.
+    /// Whether the box overlaps a part.
     pub(crate) fn touches(&self, (column, row): (usize, usize)) -> bool {
         let is_in = |least: i32, part: usize, most: i32| least <= part as i32 + 1 && part as i32 <= most;
         is_in(self.left, column, self.right) && is_in(self.top, row, self.bottom)
@@ -70,17 +70,17 @@ impl Lattice {
         Self { columns, rows, stride: columns + LANES, margin }
     }
 
-    /// Where a corner lies along an axis, px.
+    /// Position of a corner along an axis, px.
     pub(crate) fn px(&self, corner: f64) -> f64 {
         (corner - self.margin as f64) / SUB_PIXELS as f64 - 0.5
     }
 
-    /// Which corner lies at a pixel along an axis; between corners a fraction.
+    /// The corner at a pixel position along an axis; between corners a fraction.
     pub(crate) fn corner(&self, px: f64) -> f64 {
         (px + 0.5) * SUB_PIXELS as f64 + self.margin as f64
     }
 
-    /// The corners within a patch, and `pad_px` around it. A patch that is seen in part may be anywhere.
+    /// The corners within a patch, and `pad_px` around it. A partly visible patch may be anywhere.
     #[expect(clippy::cast_possible_wrap, reason = "an image has far fewer than 2^31 parts")]
     pub(crate) fn bounds(&self, corners: [&Node; 4], pad_px: f64) -> Bounds {
         let pixels = corners.map(|node| node.px);
@@ -102,7 +102,8 @@ impl Lattice {
     }
 }
 
-/// The slope of the ray through every corner: x and y in gel space that it goes along for a step down. NaN where no ray
+/// The slope of the ray through every corner: x and y in gel space per step down. NaN if the ray does not go down, and
+/// beyond the lattice.
 /// goes down, and beyond the lattice.
 #[derive(Debug, Clone)]
 pub(crate) struct Rays {
@@ -125,10 +126,10 @@ impl Rays {
     }
 }
 
-/// By how much the image of a straight line as long as `length_mm` at rest leaves the line between its ends, px.
+/// Distance between the image of a straight line as long as `length_mm` at rest and the line between its ends, px.
 ///
-/// Only distortion bends lines. Eight times the most that is found on the image at rest leaves room for what a press
-/// stretches.
+/// Only distortion bends lines. Eight times the largest value in the image at rest is used, to allow for the stretch by a
+/// press.
 pub(crate) fn bulge_px(lattice: Lattice, camera: &Camera, length_mm: f64) -> f64 {
     const SAMPLES: usize = 16;
     let place = |k: usize, count: usize| lattice.px((count - 1) as f64 * k as f64 / SAMPLES as f64);
@@ -144,7 +145,7 @@ pub(crate) fn bulge_px(lattice: Lattice, camera: &Camera, length_mm: f64) -> f64
             };
             if let (Some(from), Some(middle), Some(to)) = (at(-1.0), at(0.0), at(1.0)) {
                 let miss = [0, 1].map(|axis| middle[axis] - 0.5 * (from[axis] + to[axis]));
-                // A projective map moves the middle along the line, which is no bulge.
+                // A projective map moves the middle along the line, which is not a bulge.
                 let along = [0, 1].map(|axis| to[axis] - from[axis]);
                 let length = along[0].hypot(along[1]).max(f64::MIN_POSITIVE);
                 most = most.max((miss[0] * along[1] - miss[1] * along[0]).abs() / length);

@@ -1,4 +1,4 @@
-//! What the light does: a ring of lamps shines on the surface, and the lens passes less of it off its axis.
+//! The light: a ring of lamps shines on the surface, and the lens passes less light off its axis.
 
 use super::RingLight;
 use fingervision_optics::Camera;
@@ -8,9 +8,9 @@ const LAMPS: usize = 16;
 
 /// The gain on the pattern's colours, by place and slope.
 ///
-/// A share of the light comes from the ring, the rest evenly from everywhere: `gain = 1 + share (E/E₀ − 1)` with
-/// `E = Σ max(0, n · d) / |d|³` over the way d to each lamp, counted up to `2 E₀`, and `E₀` that of the undeformed
-/// surface at the origin. What faces the near lamps is brighter; nothing casts a shadow on something else.
+/// A share of the light comes from the ring, the rest evenly from everywhere: `gain = 1 + share (E/E₀ − 1)` with `E = Σ
+/// max(0, n · d) / |d|³` over the vector d to each lamp, limited to `2 E₀`, and `E₀` that of the undeformed surface at
+/// the origin. Surfaces that face the near lamps are brighter; there are no cast shadows.
 #[derive(Debug, Clone)]
 pub(crate) struct Light {
     lamps: [[f64; 3]; LAMPS],

@@ -1,7 +1,7 @@
-//! The deformed surface as the camera sees it: from a state of the gel to an 8-bit frame.
+//! Renders the deformed surface: from a state of the gel to an 8-bit frame.
 //!
-//! The order is nature's: the nearest surface along every ray, the pattern's exact coverage, the light on the slope,
-//! the optics' blur, the pixel's area, vignetting, noise, rounding.
+//! The order is the physical one: the nearest surface along every ray, the pattern's exact coverage, the light on the
+//! slope, the optics' blur, the pixel's area, vignetting, noise, rounding.
 
 mod cells;
 mod error;

@@ -6,7 +6,7 @@ use rand_pcg::rand_core::SeedableRng;
 
 /// Adds Gaussian noise of a standard deviation, in grey levels, to a row of values and rounds them.
 ///
-/// Each row of each frame draws from a stream of its own, so rows may be made in any order. Clips at 0 and 255.
+/// Each row of each frame has its own random stream, so rows may be computed in any order. Clips at 0 and 255.
 pub(crate) fn round_row(levels: &[f32], deviation: f32, stream: u64, bytes: &mut [u8]) {
     // Truncation rounds down, and saturates where a sensor clips.
     if deviation == 0.0 {

@@ -4,10 +4,10 @@ use serde::{Deserialize, Serialize};
 /// Most pixels along a side of the image.
 const MOST_PIXELS: usize = 4096;
 
-/// Most images that a moving frame is the mean of.
+/// Largest number of images averaged for a moving frame.
 const MOST_SUB_FRAMES: usize = 64;
 
-/// What the camera makes of the light that reaches it: the `[render]` table of a scene.
+/// Rendering options: the `[render]` table of a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RenderParams {
@@ -17,21 +17,21 @@ pub struct RenderParams {
     pub height: usize,
     /// Red, green and blue, or grey.
     pub colour: bool,
-    /// Standard deviation of the Gaussian by which the optics blur, px; 0 blurs nothing.
+    /// Standard deviation of the Gaussian blur of the optics, px; 0 is no blur.
     pub blur_px: f64,
     /// The ring light's share of the light, 0 to 1: how much brighter or darker a slope can be.
     pub shading: f64,
     /// The ring light, which shines on the surface from the camera's side.
     pub ring: RingLight,
-    /// How far the image darkens off the optical axis, dimensionless: 0 not at all, 1 as the fourth power of the cosine.
+    /// Darkening of the image off the optical axis, dimensionless: 0 is none, 1 is the fourth power of the cosine.
     pub vignetting: f64,
     /// Standard deviation of the noise on each channel, in grey levels.
     pub noise_levels: f64,
-    /// Which noise: the same seed gives the same bytes.
+    /// Seed of the noise: the same seed gives the same bytes.
     pub seed: u64,
-    /// Red, green and blue where no gel is seen, in grey levels.
+    /// Red, green and blue where there is no gel, in grey levels.
     pub background: [u8; 3],
-    /// What the surface's motion does to the image.
+    /// Motion blur.
     pub motion_blur: MotionBlur,
 }
 
@@ -45,13 +45,13 @@ pub struct RingLight {
     pub height_mm: f64,
 }
 
-/// The exposure, in which the surface goes on moving.
+/// The exposure, during which the surface moves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotionBlur {
-    /// Images that a frame is the mean of; 1 is no blur.
+    /// Number of images averaged for a frame; 1 is no blur.
     pub sub_frames: usize,
-    /// How long the shutter is open, as a share of the time between frames.
+    /// Exposure time, as a share of the time between frames.
     pub exposure: f64,
 }
 

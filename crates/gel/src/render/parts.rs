@@ -1,19 +1,19 @@
-//! What each part of the image shows, row by row.
+//! The colours of the parts of the image, row by row.
 //!
-//! A part is half a pixel wide. Its four corners, as they lie on the undeformed surface, span a quadrilateral there;
-//! the part is the mean of the cells in it, weighted by area, times the light. At the gel's border the quadrilateral is
-//! cut and the rest is background. Where the surface may hide itself, corners need not belong together: there the part
-//! is the mean of many rays.
+//! A part is half a pixel wide. Its four corners, mapped to the undeformed surface, span a quadrilateral there; the part
+//! is the mean of the cells in it, weighted by area, times the light. At the gel's border the quadrilateral is cut and
+//! the rest is background. Where the surface may occlude itself, the corners may lie on different parts of it: there the
+//! part is the mean of many rays.
 
 use super::cells::Place;
 use super::lattice::Lattice;
 use super::samples::{Samples, Scene};
-use super::sight::Sight;
+use super::sight::ColourInputs;
 use crate::polygon::{Point, cut, signed_area};
 use fearless_simd::{Simd, f32x4, prelude::*};
 use fearless_simd_macros::simd;
 
-/// Parts of fewer cells than this are taken by rays: their corners are all but one point.
+/// Parts of fewer cells than this are computed by rays: their corners are almost one point.
 const LEAST_AREA: f32 = 1e-5;
 
 /// A row of corners.
@@ -29,7 +29,7 @@ struct CornerRow {
 pub(crate) struct PartRows {
     above: CornerRow,
     below: CornerRow,
-    /// Columns of the parts that take rays.
+    /// Columns of the parts that are computed by rays.
     rayed: Vec<usize>,
     polygon: Vec<Point>,
     beyond: Vec<Point>,
@@ -51,10 +51,10 @@ impl PartRows {
         }
     }
 
-    /// Takes the first row of corners.
+    /// Computes the first row of corners.
     #[simd]
-    pub(crate) fn begin<S: Simd>(&mut self, simd: S, sight: &Sight) {
-        self.below.take(simd, sight, 0);
+    pub(crate) fn begin<S: Simd>(&mut self, simd: S, inputs: &ColourInputs) {
+        self.below.take(simd, inputs, 0);
     }
 
     /// The colours of the next row of parts; must be called for each from the first on.
@@ -62,34 +62,34 @@ impl PartRows {
     pub(crate) fn next<S: Simd>(
         &mut self,
         simd: S,
-        sight: &Sight,
+        inputs: &ColourInputs,
         (samples, scene): (&Samples, &Scene),
         row: usize,
         colours: &mut [[f32; 4]],
     ) {
         std::mem::swap(&mut self.above, &mut self.below);
-        self.below.take(simd, sight, row + 1);
+        self.below.take(simd, inputs, row + 1);
         self.rayed.clear();
-        self.colour_quads(simd, sight, row, colours);
-        if let Some(folds) = sight.patches.folds_in(row) {
+        self.colour_quads(simd, inputs, row, colours);
+        if let Some(folds) = inputs.patches.folds_in(row) {
             self.rayed.clear();
             self.rayed.extend((0..folds.len()).filter(|&column| folds[column] != 0));
         }
         for &column in &self.rayed {
-            colours[column] = samples.colour(simd, sight, scene, (column, row));
+            colours[column] = samples.colour(simd, inputs, scene, (column, row));
         }
     }
 
     #[inline(always)]
-    fn colour_quads<S: Simd>(&mut self, simd: S, sight: &Sight, row: usize, colours: &mut [[f32; 4]]) {
-        let count = sight.lattice.columns - 1;
-        let stride = sight.lattice.stride;
-        let [gains_above, gains_below] = [row, row + 1].map(|row| &sight.planes.gain[row * stride..][..=count]);
-        let mut left = sight.cells.along(simd, &self.above.places[0], &self.below.places[0]);
+    fn colour_quads<S: Simd>(&mut self, simd: S, inputs: &ColourInputs, row: usize, colours: &mut [[f32; 4]]) {
+        let count = inputs.lattice.columns - 1;
+        let stride = inputs.lattice.stride;
+        let [gains_above, gains_below] = [row, row + 1].map(|row| &inputs.planes.gain[row * stride..][..=count]);
+        let mut left = inputs.cells.along(simd, &self.above.places[0], &self.below.places[0]);
         for column in 0..count {
             let [a, b] = [self.above.places[column], self.above.places[column + 1]];
             let [d, c] = [self.below.places[column], self.below.places[column + 1]];
-            let right = sight.cells.along(simd, &b, &c);
+            let right = inputs.cells.along(simd, &b, &c);
             let around = f32x4::load_array(simd, self.above.along[column]) + right
                 - f32x4::load_array(simd, self.below.along[column])
                 - left;
@@ -100,23 +100,23 @@ impl PartRows {
                 let gains =
                     [gains_above[column], gains_above[column + 1], gains_below[column], gains_below[column + 1]];
                 let gain = 0.25 * (gains[0] + gains[1] + gains[2] + gains[3]);
-                colours[column] = (sight.cells.mean_colour(simd, around, area) * gain).to_array();
+                colours[column] = (inputs.cells.mean_colour(simd, around, area) * gain).to_array();
             } else {
-                colours[column] = self.odd_part(simd, sight, (column, row), [a, b, c, d]);
+                colours[column] = self.odd_part(simd, inputs, (column, row), [a, b, c, d]);
             }
         }
     }
 
-    /// A part at the gel's border or beyond, or one that takes rays.
+    /// A part at the gel's border or beyond, or one that is computed by rays.
     #[simd]
     fn odd_part<S: Simd>(
         &mut self,
         simd: S,
-        sight: &Sight,
+        inputs: &ColourInputs,
         (column, row): (usize, usize),
         corners: [Place; 4],
     ) -> [f32; 4] {
-        let [red, green, blue] = sight.background;
+        let [red, green, blue] = inputs.background;
         let background = [red, green, blue, 0.0];
         let is_on_gel = |place: &Place| place.is_on_gel();
         if corners.contains(&Place::NOWHERE) {
@@ -129,25 +129,25 @@ impl PartRows {
             self.rayed.push(column);
             return background;
         }
-        let share = self.cut_at_border(sight, column, row);
+        let share = self.cut_at_border(inputs, column, row);
         if share == 0.0 {
             return background;
         }
-        let colour = sight.cells.mean_colour_within(simd, &self.polygon, &mut self.kept);
-        let corner = row * sight.lattice.stride + column;
-        let gain = sight.planes.gain[corner];
+        let colour = inputs.cells.mean_colour_within(simd, &self.polygon, &mut self.kept);
+        let corner = row * inputs.lattice.stride + column;
+        let gain = inputs.planes.gain[corner];
         (colour * (gain * share) + f32x4::load_array(simd, background) * (1.0 - share)).to_array()
     }
 
     /// Leaves the gel's side of a part, at rest, in `polygon`; its share of the whole.
-    fn cut_at_border(&mut self, sight: &Sight, column: usize, row: usize) -> f32 {
-        let corner = row * sight.lattice.stride + column;
-        let point = |corner: usize| [sight.planes.x[corner], sight.planes.y[corner]].map(f64::from);
-        let below = corner + sight.lattice.stride;
+    fn cut_at_border(&mut self, inputs: &ColourInputs, column: usize, row: usize) -> f32 {
+        let corner = row * inputs.lattice.stride + column;
+        let point = |corner: usize| [inputs.planes.x[corner], inputs.planes.y[corner]].map(f64::from);
+        let below = corner + inputs.lattice.stride;
         self.polygon.clear();
         self.polygon.extend([corner, corner + 1, below + 1, below].map(point));
         let whole = signed_area(&self.polygon);
-        for (axis, [least, most]) in sight.cells.borders_mm().into_iter().enumerate() {
+        for (axis, [least, most]) in inputs.cells.borders_mm().into_iter().enumerate() {
             cut(&self.polygon, axis, most, &mut self.kept, &mut self.beyond);
             cut(&self.kept, axis, least, &mut self.beyond, &mut self.polygon);
         }
@@ -158,12 +158,12 @@ impl PartRows {
 
 impl CornerRow {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, simd: S, sight: &Sight, row: usize) {
+    fn take<S: Simd>(&mut self, simd: S, inputs: &ColourInputs, row: usize) {
         let Self { places, along } = self;
-        let start = row * sight.lattice.stride;
-        let (xs, ys) = (&sight.planes.x[start..][..places.len()], &sight.planes.y[start..][..places.len()]);
-        let [u, v] = sight.cells.by_mm();
-        let [[left, right], [top, bottom]] = sight.cells.borders_mm().map(|border| border.map(|value| value as f32));
+        let start = row * inputs.lattice.stride;
+        let (xs, ys) = (&inputs.planes.x[start..][..places.len()], &inputs.planes.y[start..][..places.len()]);
+        let [u, v] = inputs.cells.by_mm();
+        let [[left, right], [top, bottom]] = inputs.cells.borders_mm().map(|border| border.map(|value| value as f32));
         for ((place, &x), &y) in places.iter_mut().zip(xs).zip(ys) {
             let is_on_gel = (left..=right).contains(&x) && (top..=bottom).contains(&y);
             *place = if is_on_gel {
@@ -175,7 +175,7 @@ impl CornerRow {
             };
         }
         for (along, ends) in along.iter_mut().zip(places.windows(2)) {
-            *along = sight.cells.along(simd, &ends[0], &ends[1]).to_array();
+            *along = inputs.cells.along(simd, &ends[0], &ends[1]).to_array();
         }
     }
 }

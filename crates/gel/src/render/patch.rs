@@ -1,42 +1,43 @@
-//! A bilinear patch of the surface and where a camera's ray meets it, exactly.
+//! A bilinear patch of the surface and its exact intersection with a camera's ray.
 //!
-//! Seen from the camera the patch is `P = a + s b + t c + s t e` with s and t from 0 to 1. A ray goes through the points
-//! whose x and y are `m` times their distance down, so `r(P) = P_xy − m P_z` vanishes where it meets the patch. Crossing
-//! `r(a) + s r(b) + t (r(c) + s r(e)) = 0` with the last bracket leaves a quadratic equation in s alone; t follows. No
-//! triangles stand for the patch, and perspective needs no correction.
+//! Relative to the camera the patch is `P = a + s b + t c + s t e` with s and t from 0 to 1. A ray consists of the points
+//! whose x and y are `m` times their distance down, so `r(P) = P_xy − m P_z` vanishes at the intersection. The cross
+//! product of `r(a) + s r(b) + t (r(c) + s r(e)) = 0` with the last bracket gives a quadratic equation in s alone; t
+//! follows. The patch is not approximated by triangles, and perspective needs no correction.
 //!
-//! The determinant `det(P, ∂P/∂s, ∂P/∂t)` says which side the camera sees. It is bilinear in s and t too, so a patch
-//! whose four corners face the camera does so everywhere and meets a ray once at most. Where the surface folds back, a
-//! patch does not.
+//! The sign of the determinant `det(P, ∂P/∂s, ∂P/∂t)` shows which side faces the camera. It is bilinear in s and t too,
+//! so a patch whose four corners face the camera does so everywhere and intersects a ray at most once. Where the surface
+//! folds back, a patch does not.
 
 use super::node::{Node, cross};
 
-/// How far beyond its border a patch still counts, as a share of its width: no ray slips between two patches.
+/// Distance beyond its border up to which a patch still counts, as a share of its width: so no ray passes between two
+/// patches.
 pub(crate) const SLACK: f64 = 1e-4;
 
-/// A patch is mild if its determinant varies by less than this factor.
+/// A patch is regular if its determinant varies by less than this factor.
 const MILD: f64 = 2.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Patch {
     /// a, b, c and e: along x, along y and down from the camera, mm.
     pub(crate) terms: [[f64; 3]; 4],
-    /// At rest: the corner, the way along s and the way along t, mm.
+    /// At rest: the corner, the vector along s and the vector along t, mm.
     pub(crate) rest_mm: [[f64; 2]; 3],
     /// Gain of the light, by 1, s, t and s t.
     pub(crate) gain: [f64; 4],
     /// Whether every point of it faces the camera.
     pub(crate) is_regular: bool,
-    /// Whether it is regular and evenly so: then one of the two roots is never the one that is looked for.
+    /// Whether it is regular and nearly uniform: then it is always the same one of the two roots that counts.
     pub(crate) is_mild: bool,
 }
 
-/// A ray and a patch.
+/// An intersection of a ray and a patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Meeting {
-    /// How far down from the camera, mm.
+    /// Distance down from the camera, mm.
     pub(crate) down_mm: f64,
-    /// Which point of the surface, at rest, mm.
+    /// The surface point, at rest, mm.
     pub(crate) rest_mm: [f64; 2],
     /// Gain of the light there.
     pub(crate) gain: f64,
@@ -56,7 +57,7 @@ impl Patch {
         if patch.is_mild || !patch.is_narrow_along_t() { patch } else { patch.transposed() }
     }
 
-    /// Every meeting with the ray of slope `m`.
+    /// All intersections with the ray of slope `m`.
     pub(crate) fn meetings(&self, slope: [f64; 2]) -> impl Iterator<Item = Meeting> + use<> {
         let [a, b, c, e] = self.terms.map(|term| [term[0] - slope[0] * term[2], term[1] - slope[1] * term[2]]);
         let (quadratic, linear, constant) = (cross_2(b, e), cross_2(b, c) + cross_2(a, e), cross_2(a, c));
@@ -69,7 +70,7 @@ impl Patch {
             let t = -(from[0] * along[0] + from[1] * along[1]) / (along[0] * along[0] + along[1] * along[1]);
             let range = -SLACK..=1.0 + SLACK;
             let is_met = range.contains(&s) && range.contains(&t);
-            // What is behind the camera is not met.
+            // Points behind the camera do not count.
             is_met.then(|| patch.at(s, t)).filter(|meeting| meeting.down_mm > 0.0)
         })
     }
@@ -84,9 +85,9 @@ impl Patch {
         }
     }
 
-    /// Whether the patch, as the camera sees it, is narrower along t than along s.
+    /// Whether the patch, as seen by the camera, is narrower along t than along s.
     ///
-    /// t is what a division by its own width gives, so the narrow way is better called s.
+    /// t results from a division by its own width, so the narrow direction should be s.
     fn is_narrow_along_t(&self) -> bool {
         let [a, b, c, e] = self.terms;
         let slope = [0, 1].map(|axis| (a[axis] + 0.5 * (b[axis] + c[axis])) / (a[2] + 0.5 * (b[2] + c[2])));

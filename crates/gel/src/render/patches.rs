@@ -1,4 +1,4 @@
-//! Where every patch is in the image, and where the surface might hide itself.
+//! The position of every patch in the image, and where the surface might occlude itself.
 
 use super::lattice::{Bounds, Lattice};
 use super::surface::Surface;
@@ -6,7 +6,7 @@ use super::surface::Surface;
 /// Part corners along a tile's side.
 const TILE: usize = 16;
 
-/// By how much of the image a patch at the gel's border goes on beyond it, px: no part at the border lacks a corner.
+/// Extension of a patch at the gel's border beyond it, in the image, px: so no part at the border lacks a corner.
 const BEYOND_PX: f64 = 1.2;
 
 /// The same, at most, as a share of the patch's width.
@@ -22,13 +22,13 @@ pub(crate) struct Patches {
     first: Vec<u32>,
     members: Vec<u32>,
     tiles: [usize; 2],
-    /// 1 where some patch does not face the camera all over, so that the surface may hide another part of itself.
+    /// 1 where some patch does not face the camera everywhere, so that the surface may occlude another part of itself.
     folds: Vec<u8>,
     has_folds: bool,
 }
 
 impl Patches {
-    /// Where patches will be found. `pad_px` is how far a patch may reach beyond its corners in the image.
+    /// An empty index. `pad_px` is the largest extension of a patch beyond its corners in the image.
     pub(crate) fn new(lattice: Lattice, pad_px: f64) -> Self {
         let tiles = [lattice.columns, lattice.rows].map(|corners| corners.div_ceil(TILE));
         Self {
@@ -66,7 +66,7 @@ impl Patches {
         self.bounds.iter().copied().enumerate().filter(|(_, bounds)| !bounds.is_outside())
     }
 
-    /// By how much a patch goes on beyond the gel's border at its least and greatest s and t, as shares of its width.
+    /// Extension of a patch beyond the gel's border at its least and greatest s and t, as shares of its width.
     pub(crate) fn beyond(surface: &Surface, patch: usize) -> [[f64; 2]; 2] {
         if !is_at_border(surface, patch) {
             return [[0.0; 2]; 2];
@@ -75,7 +75,7 @@ impl Patches {
         let (columns, rows) = surface.size();
         let [a, b, c, d] = surface.corners(patch).map(|node| node.px);
         let length = |p: [f64; 2], q: [f64; 2]| (q[0] - p[0]).hypot(q[1] - p[1]);
-        // A width that is not known is taken as none.
+        // An unknown width is treated as zero.
         let share = |width: f64| (BEYOND_PX / width.max(BEYOND_PX / MOST_BEYOND)).min(MOST_BEYOND);
         let across = share(length(a, b).min(length(c, d)));
         let down = share(length(a, c).min(length(b, d)));
@@ -83,17 +83,17 @@ impl Patches {
         [[at(column == 0, across), at(column + 1 == columns, across)], [at(row == 0, down), at(row + 1 == rows, down)]]
     }
 
-    /// Whether the surface might hide itself in the part whose upper left corner this is.
+    /// Whether the surface might occlude itself in the part with this upper left corner.
     pub(crate) fn may_fold(&self, column: usize, row: usize) -> bool {
         self.has_folds && self.folds[row * self.lattice.stride + column] != 0
     }
 
-    /// For each part of a row, not zero where the surface might hide itself; none if it does nowhere.
+    /// For each part of a row, not zero where the surface might occlude itself; none if it does nowhere.
     pub(crate) fn folds_in(&self, row: usize) -> Option<&[u8]> {
         self.has_folds.then(|| &self.folds[row * self.lattice.stride..][..self.lattice.columns - 1])
     }
 
-    /// Every patch that may cover some of a part.
+    /// Every patch that may overlap a part.
     pub(crate) fn around(&self, part: (usize, usize)) -> impl Iterator<Item = usize> {
         let tile = part.1 / TILE * self.tiles[0] + part.0 / TILE;
         let members = &self.members[self.first[tile] as usize..self.first[tile + 1] as usize];
@@ -121,7 +121,7 @@ impl Patches {
             first[tile] += first[tile - 1];
         }
         members.resize(first[first.len() - 1] as usize, 0);
-        // Filled from the back of each tile's list, so that `first` ends up at its front again.
+        // Filled from the end of each tile's list, so that `first` ends at its start again.
         for tile in (1..first.len()).rev() {
             first[tile] = first[tile - 1];
         }
@@ -140,7 +140,7 @@ fn is_at_border(surface: &Surface, patch: usize) -> bool {
     column == 0 || row == 0 || column + 1 == columns || row + 1 == rows
 }
 
-/// Calls back with every tile in which a box covers some of a part.
+/// Calls back with every tile in which a box overlaps a part.
 fn each_tile(bounds: Bounds, tiles: [usize; 2], mut call: impl FnMut(usize)) {
     if bounds.is_outside() {
         return;

@@ -1,42 +1,42 @@
-//! What every part corner of the image sees: the nearest meeting of its ray with the surface.
+//! The surface point at every part corner of the image: the nearest intersection of its ray.
 
 use super::lattice::{Bounds, LANES, Lattice, Rays};
 use super::patch::{Patch, SLACK};
 use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use fearless_simd_macros::simd;
 
-/// What lies beyond the gel's border counts as so much farther away, mm: it never hides the gel.
+/// Points beyond the gel's border count as this much farther away, mm: they never occlude the gel.
 const BEYOND_MM: f32 = 1e4;
 
 /// A picture of the surface at the part corners.
 #[derive(Debug, Clone)]
 pub(crate) struct Planes {
-    /// How far down from the camera, mm; infinite where nothing is seen.
+    /// Distance down from the camera, mm; infinite where there is no surface.
     pub(crate) down: Vec<f32>,
-    /// The point of the surface that is seen, at rest, mm; NaN where nothing is seen. It may lie a little beyond the
-    /// gel's border.
+    /// The visible point of the surface, at rest, mm; NaN where there is none. It may lie a little beyond the gel's
+    /// border.
     pub(crate) x: Vec<f32>,
     pub(crate) y: Vec<f32>,
     /// Gain of the light.
     pub(crate) gain: Vec<f32>,
 }
 
-/// A patch ready for rays near its middle, in single precision.
+/// A patch prepared for rays near its middle, in single precision.
 ///
-/// Slopes are taken relative to the middle's, so that what is subtracted is small already.
+/// Slopes are taken relative to the middle's, so that only small values are subtracted.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Target {
     middle: [f32; 2],
-    /// The terms a, b, c and e, x and y less the middle's slope times the way down.
+    /// The terms a, b, c and e, x and y minus the middle's slope times the distance down.
     terms: [[f32; 3]; 4],
     rest: [[f32; 2]; 3],
     gain: [f32; 4],
-    /// Least and greatest s and t that count.
+    /// Least and greatest valid s and t.
     range: [[f32; 2]; 2],
     is_mild: bool,
 }
 
-/// Eight rays that met a patch.
+/// Intersections of eight rays with a patch.
 #[derive(Clone, Copy)]
 struct Hit<S: Simd> {
     hits: mask32x8<S>,
@@ -44,7 +44,7 @@ struct Hit<S: Simd> {
     t: f32x8<S>,
 }
 
-/// What eight rays have met so far.
+/// The nearest intersections of eight rays so far.
 #[derive(Clone, Copy)]
 pub(crate) struct Seen<S: Simd> {
     pub(crate) down: f32x8<S>,
@@ -59,13 +59,13 @@ impl Planes {
         Self { down: plane(f32::INFINITY), x: plane(f32::NAN), y: plane(f32::NAN), gain: plane(1.0) }
     }
 
-    /// Nothing is seen.
+    /// No surface.
     pub(crate) fn clear(&mut self) {
         self.down.fill(f32::INFINITY);
         self.x.fill(f32::NAN);
     }
 
-    /// Draws a patch over the corners in its bounds.
+    /// Rasters a patch over the corners in its bounds.
     #[simd]
     pub(crate) fn draw<S: Simd>(&mut self, simd: S, lattice: Lattice, rays: &Rays, target: &Target, bounds: Bounds) {
         let [columns, rows] = bounds.corners();
@@ -88,7 +88,7 @@ impl Planes {
 }
 
 impl<S: Simd> Seen<S> {
-    /// Nothing.
+    /// No intersection.
     pub(crate) fn nothing(simd: S) -> Self {
         let x = splat(simd, f32::NAN);
         Self { down: splat(simd, f32::INFINITY), x, y: x, gain: splat(simd, 1.0) }
@@ -96,8 +96,8 @@ impl<S: Simd> Seen<S> {
 }
 
 impl Target {
-    /// The patch, which goes on beyond its borders by shares of its width: `beyond` is those at the least and the
-    /// greatest s and t.
+    /// The patch, extended beyond its borders by shares of its width: `beyond` are those at the least and the greatest s
+    /// and t.
     pub(crate) fn new(patch: &Patch, beyond: [[f64; 2]; 2]) -> Self {
         let [a, b, c, _] = patch.terms;
         let middle = [0, 1].map(|axis| (a[axis] + 0.5 * (b[axis] + c[axis])) / (a[2] + 0.5 * (b[2] + c[2])));
@@ -105,7 +105,7 @@ impl Target {
         Self {
             middle: middle.map(single),
             terms: patch.terms.map(|term| {
-                // The middle as it is stored: what rounding took from it must not be lost.
+                // The middle as stored: what rounding removed from it must be kept.
                 let [x, y] = [0, 1].map(|axis| term[axis] - f64::from(middle[axis] as f32) * term[2]);
                 [x, y, term[2]].map(single)
             }),
@@ -116,11 +116,11 @@ impl Target {
         }
     }
 
-    /// Takes the patch where it is nearer than what was seen; says whether it was anywhere.
+    /// Takes the patch where it is nearer than the previous result; returns whether it was anywhere.
     #[inline(always)]
     pub(crate) fn meet<S: Simd>(&self, simd: S, slope: [f32x8<S>; 2], seen: &mut Seen<S>) -> bool {
         let [dx, dy] = [slope[0] - self.middle[0], slope[1] - self.middle[1]];
-        // Not by `map`: what goes through the standard library is not compiled for the instruction set.
+        // Not by `map`: code in the standard library is not compiled for the instruction set.
         let seen_from = |[x, y, down]: [f32; 3]| [dx.mul_add(-down, splat(simd, x)), dy.mul_add(-down, splat(simd, y))];
         let [a, b, c, e] = self.terms;
         let [a, b, c, e] = [seen_from(a), seen_from(b), seen_from(c), seen_from(e)];
@@ -164,7 +164,7 @@ impl Target {
         let [a, b, c, e] = self.terms;
         let down = mix([a[2], b[2], c[2], e[2]]);
         let down = beyond.select(down + BEYOND_MM, down);
-        // What is behind the camera is not seen.
+        // Points behind the camera are not visible.
         let nearer = hits & down.simd_lt(seen.down) & down.simd_gt(0.0);
         let [corner, along_s, along_t] = self.rest;
         let rest = |axis: usize| s.mul_add(along_s[axis], t.mul_add(along_t[axis], splat(simd, corner[axis])));

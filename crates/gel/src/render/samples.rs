@@ -1,26 +1,26 @@
-//! A part of the image by many rays, where the surface hides some of itself.
+//! A part of the image by many rays, where the surface occludes some of itself.
 
 use super::cells::Place;
 use super::lattice::{LANES, Lattice, Rays};
 use super::raster::{Seen, Target};
-use super::sight::Sight;
+use super::sight::ColourInputs;
 use fearless_simd::{Simd, f32x8, prelude::*};
 use fearless_simd_macros::simd;
 
-/// Rays a part: an edge in any direction is placed within about 1/64 of a part.
+/// Rays per part: an edge in any direction is located to about 1/64 of a part.
 const RAYS: usize = LANES * LANES;
 
 /// A number that spreads `k · SPREAD mod RAYS` evenly: no two rays share a column or a row of the part.
 const SPREAD: usize = 27;
 
-/// Where in a part its rays go through it.
+/// Positions of the rays within a part.
 #[derive(Debug, Clone)]
 pub(crate) struct Samples {
     x: [[f32; LANES]; LANES],
     y: [[f32; LANES]; LANES],
 }
 
-/// What the rays may meet.
+/// The surface for the rays.
 pub(crate) struct Scene<'a> {
     /// Every patch.
     pub(crate) targets: &'a [Target],
@@ -37,20 +37,26 @@ impl Samples {
         }
     }
 
-    /// Mean colour of what a part's rays meet first.
+    /// Mean colour of the first intersections of a part's rays.
     #[simd]
-    pub(crate) fn colour<S: Simd>(&self, simd: S, sight: &Sight, scene: &Scene, part: (usize, usize)) -> [f32; 4] {
+    pub(crate) fn colour<S: Simd>(
+        &self,
+        simd: S,
+        inputs: &ColourInputs,
+        scene: &Scene,
+        part: (usize, usize),
+    ) -> [f32; 4] {
         let mut seen = [Seen::nothing(simd); LANES];
         let mut slopes = [[f32x8::splat(simd, 0.0); 2]; LANES];
         for (block, slopes) in slopes.iter_mut().enumerate() {
-            let corner = part.1 * sight.lattice.stride + part.0;
+            let corner = part.1 * inputs.lattice.stride + part.0;
             let (x, y) = (f32x8::load_array(simd, self.x[block]), f32x8::load_array(simd, self.y[block]));
             *slopes = [
-                mix(simd, x, y, square(&scene.rays.x, corner, sight.lattice)),
-                mix(simd, x, y, square(&scene.rays.y, corner, sight.lattice)),
+                mix(simd, x, y, square(&scene.rays.x, corner, inputs.lattice)),
+                mix(simd, x, y, square(&scene.rays.y, corner, inputs.lattice)),
             ];
         }
-        for patch in sight.patches.around(part) {
+        for patch in inputs.patches.around(part) {
             for (seen, &slope) in seen.iter_mut().zip(&slopes) {
                 scene.targets[patch].meet(simd, slope, seen);
             }
@@ -58,7 +64,7 @@ impl Samples {
         let mut sum = [0.0; 4];
         for seen in &seen {
             for lane in 0..LANES {
-                let colour = shade(sight, [seen.x[lane], seen.y[lane]], seen.gain[lane]);
+                let colour = shade(inputs, [seen.x[lane], seen.y[lane]], seen.gain[lane]);
                 sum.iter_mut().zip(colour).for_each(|(sum, level)| *sum += level);
             }
         }
@@ -82,13 +88,13 @@ fn mix<S: Simd>(simd: S, x: f32x8<S>, y: f32x8<S>, [a, b, c, d]: [f32; 4]) -> f3
 }
 
 /// The colour of a point at rest, mm, in its light.
-fn shade(sight: &Sight, [x, y]: [f32; 2], gain: f32) -> [f32; 3] {
-    let [[left, right], [top, bottom]] = sight.cells.borders_mm();
+fn shade(inputs: &ColourInputs, [x, y]: [f32; 2], gain: f32) -> [f32; 3] {
+    let [[left, right], [top, bottom]] = inputs.cells.borders_mm();
     if (left..=right).contains(&f64::from(x)) && (top..=bottom).contains(&f64::from(y)) {
-        let [u, v] = sight.cells.by_mm();
+        let [u, v] = inputs.cells.by_mm();
         let place = Place::new(u[0] * x + u[1] * y + u[2], v[0] * x + v[1] * y + v[2]);
-        sight.cells.colour(place).map(|level| level * gain)
+        inputs.cells.colour(place).map(|level| level * gain)
     } else {
-        sight.background
+        inputs.background
     }
 }

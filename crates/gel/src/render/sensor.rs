@@ -7,10 +7,10 @@ use fearless_simd_macros::simd;
 /// Channels of a part, one of them unused.
 const CHANNELS: usize = 4;
 
-/// Values that a kernel takes at once.
+/// Values that a kernel processes together.
 const LANES: usize = 16;
 
-/// The rows of parts that a row of pixels sees, which follow each other around a ring.
+/// The rows of parts for a row of pixels, in a ring buffer.
 #[derive(Debug, Clone)]
 pub(crate) struct Sensor {
     weights: Vec<f32>,
@@ -29,7 +29,7 @@ impl Sensor {
         Self { rows: vec![row.clone(); weights.len()], weights, parts, sum: row }
     }
 
-    /// Where a row of parts goes.
+    /// The buffer for a row of parts.
     pub(crate) fn row_mut(&mut self, row: usize) -> &mut [[f32; CHANNELS]] {
         let index = row % self.rows.len();
         &mut self.rows[index][..self.parts]
@@ -41,7 +41,7 @@ impl Sensor {
         first.is_multiple_of(SUB_PIXELS).then_some(first / SUB_PIXELS)
     }
 
-    /// Hands on each pixel of a completed row: column; red, green, blue and nothing.
+    /// Passes each pixel of a completed row on: column; red, green, blue and nothing.
     #[simd]
     pub(crate) fn expose<S: Simd>(&mut self, simd: S, pixel_row: usize, mut take: impl FnMut(usize, [f32; CHANNELS])) {
         self.add_rows(simd, pixel_row * SUB_PIXELS);

@@ -6,7 +6,7 @@ use super::patches::Patches;
 use super::raster::Planes;
 
 /// What is needed to colour parts.
-pub(crate) struct Sight<'a> {
+pub(crate) struct ColourInputs<'a> {
     pub(crate) lattice: Lattice,
     pub(crate) planes: &'a Planes,
     pub(crate) cells: &'a CellTable,

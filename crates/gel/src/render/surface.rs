@@ -1,6 +1,6 @@
-//! The deformed surface as the camera sees it: nodes, their pixels and their light.
+//! The deformed surface relative to the camera: nodes, their pixels and their light.
 //!
-//! A cell of the state's grid is a bilinear patch. Wide cells are divided, which leaves the surface as it is, so that
+//! A cell of the state's grid is a bilinear patch. Wide cells are divided, which does not change the surface, so that
 //! every patch is small in the image.
 
 use super::RenderError;
@@ -13,10 +13,10 @@ use fingervision_optics::Camera;
 /// Widest patch that the surface is divided into, px at rest.
 const WIDEST_PX: f64 = 16.0;
 
-/// The same where the camera's middle does not see the surface, mm.
+/// The same if the centre of the image does not show the surface, mm.
 const WIDEST_MM: f64 = 1.0;
 
-/// Most lines that divide the surface along an axis, on top of the state's own.
+/// Most lines added along an axis to divide the surface.
 const MOST_DIVISIONS: f64 = 1024.0;
 
 /// A line of the divided grid.
@@ -30,13 +30,13 @@ struct Line {
     share: f64,
 }
 
-/// A surface at an instant: a state, or one on its way from the state before.
+/// A surface at an instant: a state, or an interpolation from the previous state.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Instant<'a> {
     pub(crate) state: &'a SurfaceState,
-    /// The state before.
+    /// The previous state.
     pub(crate) before: &'a SurfaceState,
-    /// How much later than the state, as a share of the time since the state before; less than zero is earlier.
+    /// Time after the state, as a share of the time since the previous state; less than zero is before it.
     pub(crate) later: f64,
 }
 
@@ -51,7 +51,7 @@ impl<'a> Instant<'a> {
     }
 }
 
-/// The surface at an instant before a camera. Owns what it takes to follow it.
+/// The surface at an instant, relative to a camera. Owns the memory for it.
 #[derive(Debug, Clone)]
 pub(crate) struct Surface {
     /// The state's grid lines, mm.
@@ -59,7 +59,7 @@ pub(crate) struct Surface {
     lines: [Vec<Line>; 2],
     /// Widest cell after division, mm.
     widest_mm: f64,
-    /// The state's nodes where they are now, mm in gel space, and their gains.
+    /// Current positions of the state's nodes, mm in gel space, and their gains.
     points: Vec<([f64; 3], f64)>,
     nodes: Vec<Node>,
 }
@@ -76,11 +76,11 @@ impl Surface {
         }
     }
 
-    /// Takes the surface at an instant. Allocates only where the grid is another than before.
+    /// Sets the surface at an instant. Allocates only if the grid changes.
     ///
     /// # Errors
     ///
-    /// [`RenderError`] if a state is not one, or the two states' grids differ.
+    /// [`RenderError`] if a state is not valid, or the two states' grids differ.
     pub(crate) fn take(&mut self, camera: &Camera, light: Option<&Light>, instant: Instant) -> Result<(), RenderError> {
         check(instant.state)?;
         if !std::ptr::eq(instant.state, instant.before) {
@@ -129,7 +129,7 @@ impl Surface {
         [first, first + 1, first + stride, first + stride + 1].map(|node| &self.nodes[node])
     }
 
-    /// A patch; they are counted row by row.
+    /// A patch; patches are numbered row by row.
     pub(crate) fn patch(&self, patch: usize) -> Patch {
         let (column, row) = self.place(patch);
         let (x, y) = (&self.lines[0][column..][..2], &self.lines[1][row..][..2]);
@@ -137,7 +137,7 @@ impl Surface {
         Patch::new(self.corners(patch), rest)
     }
 
-    /// Takes the state's grid and divides its wide cells.
+    /// Sets the state's grid and divides its wide cells.
     fn divide(&mut self, state: &SurfaceState) {
         for (axis, grid) in [&state.x_mm, &state.y_mm].into_iter().enumerate() {
             if self.grid_mm[axis] == *grid {
@@ -166,7 +166,7 @@ impl Surface {
         }));
     }
 
-    /// The gain at every node, by a normal from its neighbours on either side: smooth from patch to patch.
+    /// The gain at every node, with a normal from its neighbours on both sides: smooth from patch to patch.
     fn light_points(&mut self, light: &Light) {
         let (columns, rows) = (self.grid_mm[0].len(), self.grid_mm[1].len());
         for row in 0..rows {
@@ -203,7 +203,7 @@ impl Surface {
     }
 }
 
-/// How wide a patch may be at rest for an image of this size, mm.
+/// Largest width of a patch at rest for an image of this size, mm.
 pub(crate) fn widest_mm(camera: &Camera, width: usize, height: usize) -> f64 {
     let middle = [width, height].map(|size| 0.5 * (size as f64 - 1.0));
     camera.mm_per_px(middle).map_or(WIDEST_MM, |mm_per_px| WIDEST_PX * mm_per_px)
@@ -214,11 +214,11 @@ fn same_grid(a: &SurfaceState, b: &SurfaceState) -> bool {
     a.x_mm == b.x_mm && a.y_mm == b.y_mm
 }
 
-/// Checks that a state is one.
+/// Checks that a state is valid.
 ///
 /// # Errors
 ///
-/// [`RenderError`] names what is wrong first.
+/// [`RenderError`] names the first error.
 pub(crate) fn check(state: &SurfaceState) -> Result<(), RenderError> {
     for (axis, lines) in [('x', &state.x_mm), ('y', &state.y_mm)] {
         let ascend = lines.windows(2).all(|pair| pair[1] - pair[0] > 0.0 && (pair[1] - pair[0]).is_finite());

@@ -16,21 +16,21 @@ pub enum SceneError {
     /// Neither a file nor a ready-made scene.
     #[error("no scene {name}: it is neither a file nor a ready-made scene")]
     Unknown {
-        /// What was asked for.
+        /// The name that was given.
         name: String,
     },
-    /// The indenter cannot be, or does not fit the gel.
+    /// The indenter is impossible, or does not fit the gel.
     #[error("{place}{error}")]
     Indenter {
-        /// Where in the scene.
+        /// The place in the scene.
         place: Place,
-        /// What is wrong with it.
+        /// The error.
         error: Box<IndenterError>,
     },
     /// The pattern cannot be made.
     #[error("pattern: {0}")]
     Pattern(#[from] PatternError),
-    /// The surface cannot be drawn.
+    /// The surface cannot be rendered.
     #[error("render: {0}")]
     Render(#[from] RenderError),
     /// The press cannot be set up.
@@ -39,7 +39,7 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// What the user can do about it, where there is something to say.
+    /// What the user can do about it, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
@@ -56,7 +56,7 @@ impl SceneError {
         }
     }
 
-    /// The same error, with its line in the scene's text where it can be found there.
+    /// The same error, with its line in the scene's text if it is found there.
     pub(super) fn in_text(self, text: &str) -> Self {
         match self {
             Self::Settings(error) => Self::Settings(error.in_text(text)),
@@ -65,7 +65,7 @@ impl SceneError {
         }
     }
 
-    /// The same error, in a file.
+    /// The same error, with the file's name.
     pub(super) fn in_file(self, path: &Path) -> Self {
         match self {
             Self::Settings(error) => Self::Settings(error.in_file(path)),

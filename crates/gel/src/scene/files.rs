@@ -1,4 +1,4 @@
-//! The files that a scene names: where they are sought, what they hold, and how they are taken along.
+//! The files that a scene names: their search, their content, and copies of them.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use super::{Scene, SceneError};
 use crate::{Indenter, IndenterError, IndenterRelief, IndenterShape};
 
 impl Scene {
-    /// What the file of a height map and that of a mesh are called beside the scene's own.
+    /// Names of the copied height map and mesh beside the scene's file.
     pub const FILES_BESIDE: [&str; 2] = ["indenter.png", "indenter.stl"];
 
     /// The file that the scene needs, if it needs one.
@@ -27,7 +27,7 @@ impl Scene {
         (scene, file)
     }
 
-    /// Takes the file's name as counted from this folder.
+    /// Makes the file's name relative to this folder.
     pub(super) fn seek_files_from(&mut self, folder: &Path) {
         if let Some(file) = file_mut(&mut self.indenter) {
             *file = folder.join(&file);
@@ -39,7 +39,7 @@ impl Scene {
         Ok(self.indenter.relief_on(&self.gel, self.motion.centre_mm, Path::new(""))?)
     }
 
-    /// The indenter without the name of its file, and what the file holds: the same body wherever its file lies.
+    /// The indenter without the name of its file, and the file's content: the same body wherever its file is.
     pub(super) fn indenter_by_content(&self) -> Result<(Indenter, Vec<u8>), SceneError> {
         let mut indenter = self.indenter.clone();
         let Some(file) = file_mut(&mut indenter) else { return Ok((indenter, Vec::new())) };

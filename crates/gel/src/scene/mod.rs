@@ -1,8 +1,7 @@
-//! Scenes: what is pressed, how, and what the camera makes of it, as a file; ready-made, random, solved and seen.
+//! Scenes: indenter, motion, camera and rendering, as a file; ready-made, random, solved and rendered.
 //!
-//! A [`Scene`] is read from TOML. Whatever the file leaves out is the default simulated sensor's: a gel of 30×30×10 mm
-//! seen from 25 mm by 480×480 px. [`Simulation`] solves the press, through a [`PressCache`], and hands out frames with
-//! their truth.
+//! A [`Scene`] is read from TOML. Missing values are those of the default simulated sensor: a gel of 30×30×10 mm seen
+//! from 25 mm by 480×480 px. [`Simulation`] solves the press, with a [`PressCache`], and returns frames with their truth.
 
 mod cache;
 mod error;
@@ -40,32 +39,32 @@ pub use tables::{CameraTable, ContactTable, MaterialTable};
 
 const SCENE: Document = Document::new("scene");
 
-/// A simulated press: the sensor, what presses it and how it is seen.
+/// A simulated press: the sensor, the indenter and the camera.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Scene {
-    /// What the scene is called.
+    /// The name of the scene.
     pub name: String,
-    /// What it shows, in a line.
+    /// A description in one line.
     pub about: String,
-    /// How the camera sees the gel.
+    /// The camera.
     pub camera: CameraTable,
-    /// What the gel is.
+    /// The gel.
     #[serde(with = "tables::GelTable")]
     pub gel: GelBlock,
-    /// How its stress follows strain.
+    /// Its material law.
     pub material: MaterialTable,
-    /// What happens where gel and indenter touch.
+    /// The contact law.
     pub contact: ContactTable,
-    /// What presses.
+    /// The indenter.
     pub indenter: Indenter,
-    /// Where it goes.
+    /// Its motion.
     pub motion: SceneMotion,
-    /// What is printed on the gel.
+    /// The printed pattern.
     pub pattern: Pattern,
-    /// What the camera makes of the light.
+    /// Rendering options.
     pub render: RenderParams,
-    /// How finely the gel is divided.
+    /// The mesh size.
     pub mesh: MeshParams,
 }
 
@@ -89,11 +88,11 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// A scene by the name of a ready-made one or of a file; a name with a slash or a dot in it is a file's.
+    /// A scene by the name of a ready-made one or of a file; a name with a slash or a dot is a file's.
     ///
     /// # Errors
     ///
-    /// [`SceneError::Unknown`] if there is neither, and whatever [`Scene::load`] finds.
+    /// [`SceneError::Unknown`] if there is neither, and the errors of [`Scene::load`].
     pub fn find(name: &str) -> Result<Self, SceneError> {
         if let Some(scene) = ReadyMade::find(name) {
             return Ok(scene.scene());

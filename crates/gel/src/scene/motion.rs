@@ -4,14 +4,14 @@ use fingervision_elastic::Pose;
 use fingervision_settings::SettingsError;
 use serde::{Deserialize, Serialize};
 
-/// Most frames of a scene: what six digits of a file's name and a disk can hold.
+/// Most frames of a scene: six digits in a file's name, and the size of a disk.
 const MOST_FRAMES: usize = 100_000;
 /// Beyond this a tilted face no longer looks at the gel, rad.
 const LARGEST_TILT_RAD: f64 = 1.2;
 
-/// The `[motion]` table: a course between keyframes, seen in so many frames.
+/// The `[motion]` table: a motion between keyframes, divided into a number of frames.
 ///
-/// The course begins at rest, at 0, and goes in straight lines from keyframe to keyframe. Its frames are spread evenly
+/// The motion begins at rest, at 0, and is linear from keyframe to keyframe. Its frames are spread evenly
 /// over it: the first shows the gel at rest, the last the last keyframe. Where the last keyframe is at `frames − 1`, the
 /// keyframes' places are frame numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,7 +23,7 @@ pub struct SceneMotion {
     pub centre_mm: [f64; 2],
     /// How many frames show the course, both ends included.
     pub frames: usize,
-    /// Where the course goes, in order.
+    /// The keyframes, in order.
     pub keyframes: Vec<Keyframe>,
 }
 
@@ -38,7 +38,7 @@ pub enum MotionKind {
     Rigid,
 }
 
-/// A pose that the course goes through. What is left out stays as it was at the keyframe before.
+/// A pose of the motion. Missing values are those of the previous keyframe.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Keyframe {
@@ -100,7 +100,7 @@ impl SceneMotion {
     ///
     /// # Errors
     ///
-    /// [`SettingsError::OutOfRange`] naming the first value that cannot be.
+    /// [`SettingsError::OutOfRange`] naming the first impossible value.
     pub(super) fn validate(&self) -> Result<(), SettingsError> {
         let frames = self.frames;
         if !(2..=MOST_FRAMES).contains(&frames) {
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_indenter_does_is_refused() {
+    fn an_impossible_motion_is_refused() {
         assert_eq!(
             refusal(|motion| motion.keyframes[1].depth_mm = Some(-0.5)),
             "motion.keyframes[1].depth_mm = -0.5 is impossible: it takes a depth of 0 mm or more"

@@ -1,4 +1,4 @@
-//! A rigid patterned board in the gel's place: what the camera is calibrated with.
+//! A rigid patterned board in the gel's place, for the calibration of the camera.
 
 use fingervision_elastic::{Pose, SurfaceState};
 

@@ -8,7 +8,7 @@ use super::solve::Progress;
 use super::{PressCache, Scene, SceneError, SolvedPress};
 use crate::{FrameRenderer, Truth, TruthProjector};
 
-/// A scene with all that it takes to see it: solved once, then frame by frame.
+/// A scene with its renderer: solved once, then rendered frame by frame.
 #[derive(Debug)]
 pub struct Simulation {
     scene: Scene,
@@ -19,11 +19,11 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Sets the scene up. What cannot be shows here, before anything is solved.
+    /// Sets the scene up. Impossible scenes are refused here, before anything is solved.
     ///
     /// # Errors
     ///
-    /// [`SceneError`] if the scene cannot be.
+    /// [`SceneError`] if the scene is impossible.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         scene.validate()?;
         let camera = Camera::new(&scene.camera()).map_err(super::validate::camera_fault)?;
@@ -55,7 +55,7 @@ impl Simulation {
     ///
     /// # Errors
     ///
-    /// [`SceneError`] if the scene cannot be.
+    /// [`SceneError`] if the scene is impossible.
     pub fn solve(&mut self, cache: &PressCache, progress: Progress) -> Result<&SolvedPress, SceneError> {
         let press = self.scene.solve(cache, progress)?;
         Ok(self.press.insert(press))
@@ -67,11 +67,11 @@ impl Simulation {
         self.press.as_ref().map_or(&[], |press| &press.states)
     }
 
-    /// The camera's image of a frame. The same scene gives the same bytes, in whatever order frames are asked for.
+    /// The camera's image of a frame. The same scene gives the same bytes, in whatever order frames are requested.
     ///
     /// # Errors
     ///
-    /// [`SceneError::Render`] if the surface cannot be drawn.
+    /// [`SceneError::Render`] if the surface cannot be rendered.
     ///
     /// # Panics
     ///

@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use fingervision_elastic::{ContactLaw, GelBlock, GoOn, Law, MeshParams, Pose, Press, PressError, PressSetup, Relief};
+use fingervision_elastic::{
+    ContactLaw, ContinueCheck, GelBlock, Law, MeshParams, Pose, Press, PressError, PressSetup, Relief,
+};
 use fingervision_elastic::{SurfaceState, swept_region};
 use serde::Serialize;
 
@@ -45,7 +47,7 @@ pub enum EarlyEnd {
     /// The next pose has no solution that can be found.
     #[error(transparent)]
     Stalled(PressError),
-    /// The caller asked for it.
+    /// The caller stopped it.
     #[error("the press was interrupted")]
     Stopped,
 }
@@ -63,7 +65,7 @@ impl EarlyEnd {
     }
 }
 
-/// Is told how many frames are solved, and says whether to go on. It is asked several times a frame.
+/// Called with the number of solved frames several times per frame; returns whether to continue.
 pub type Progress<'a> = &'a mut (dyn FnMut(usize) -> ControlFlow<()> + Send);
 
 /// All that decides a solution, apart from the indenter's file and the solver.
@@ -81,12 +83,12 @@ struct Physics<'a> {
 impl Scene {
     /// The gel's surface in every frame: from the cache if this press was solved before, else solved and kept there.
     ///
-    /// A press that cannot be solved to its end gives the frames before. A cache that does not work costs time, not the
+    /// A press that cannot be solved to its end gives the frames before. An unusable cache costs time, not the
     /// solution. Runs on all cores; the surfaces are the same bits for any number of them.
     ///
     /// # Errors
     ///
-    /// [`SceneError`] if the scene cannot be.
+    /// [`SceneError`] if the scene is impossible.
     pub fn solve(&self, cache: &PressCache, progress: Progress) -> Result<SolvedPress, SceneError> {
         self.validate()?;
         let poses = self.motion.poses();
@@ -106,7 +108,7 @@ impl Scene {
         let mesh = self.mesh.mesh(&self.gel, &swept_region(relief, centre_mm, poses));
         let mut press = Press::new(&setup, mesh, relief, centre_mm)?;
         let rest = press.surface().clone();
-        Ok(follow(rest, poses, progress, |pose, go_on| press.step_while(pose, go_on).cloned()))
+        Ok(follow(rest, poses, progress, |pose, should_continue| press.step_while(pose, should_continue).cloned()))
     }
 
     fn press_key(&self, poses: &[Pose]) -> Result<PressKey, SceneError> {
@@ -132,7 +134,7 @@ fn follow(
     rest: SurfaceState,
     poses: &[Pose],
     progress: Progress,
-    mut step: impl FnMut(&Pose, GoOn) -> Result<SurfaceState, PressError>,
+    mut step: impl FnMut(&Pose, ContinueCheck) -> Result<SurfaceState, PressError>,
 ) -> Course {
     let mut states = vec![rest];
     for pose in poses.iter().skip(1) {
@@ -207,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_entry_is_told_of_and_solved_again() {
+    fn a_damaged_entry_is_reported_and_solved_again() {
         let folder = tempfile::tempdir().unwrap();
         let (cache, solved) = (PressCache::at(folder.path()), Cell::new(0));
         let first = solve(&cache, &solved, None);

@@ -1,5 +1,5 @@
 //! The tables of a scene file that a sensor's profile or the mechanics know too, here with the simulated sensor's values
-//! as defaults: whatever a scene leaves out is the default sensor's.
+//! as defaults, which are used for missing values.
 
 use fingervision_elastic::{ContactLaw, GelBlock, Law};
 use fingervision_optics::{CameraParams, Distortion};
@@ -36,7 +36,7 @@ impl Default for CameraTable {
 }
 
 impl CameraTable {
-    /// The camera of images of so many columns and rows, px.
+    /// The camera for images of this many columns and rows, px.
     pub(super) fn params(&self, (width, height): (usize, usize)) -> CameraParams {
         let centre = [width, height].map(|pixels| 0.5 * (pixels as f64 - 1.0));
         CameraParams {

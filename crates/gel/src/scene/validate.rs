@@ -7,7 +7,7 @@ use fingervision_settings::{Place, SettingsError};
 use super::{MotionKind, Scene, SceneError};
 use crate::PatternError;
 
-/// Most cells of a mesh: what a few gigabytes hold.
+/// Most cells of a mesh: a few gigabytes of memory.
 const MOST_CELLS: usize = 3_000_000;
 
 impl Scene {

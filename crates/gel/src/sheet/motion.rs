@@ -7,7 +7,7 @@
 //! ```
 //!
 //! where the norm is Euclidean for round motions and the largest coordinate for square ones. So the way back is one
-//! scalar equation a point, `n (1 + h(n)) = N`, whatever the shape.
+//! scalar equation per point, `n (1 + h(n)) = N`, whatever the shape.
 
 use crate::GelError;
 use fingervision_image::Image;

@@ -17,7 +17,7 @@ use rand_pcg::rand_core::SeedableRng;
 /// How far beyond the image the pattern reaches before it repeats, px.
 const PATTERN_MARGIN_PX: f64 = 64.0;
 
-/// A gain on the image, dimensionless, that goes linearly from the left border to the right one.
+/// A gain on the image, dimensionless, that changes linearly from the left border to the right one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
     /// Gain at the first column.

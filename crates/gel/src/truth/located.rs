@@ -15,7 +15,7 @@ pub(super) struct Located {
 }
 
 impl Located {
-    /// Finds what a pixel sees of the undeformed surface on a state's grid; none beside the gel.
+    /// Finds the point of the undeformed surface at a pixel, on a state's grid; none beside the gel.
     pub(super) fn new(camera: &Camera, px: [f64; 2], state: &SurfaceState) -> Option<Self> {
         let rest_mm = camera.surface_point(px, 0.0)?;
         let (column, across) = place(&state.x_mm, rest_mm[0])?;

@@ -1,4 +1,4 @@
-//! Three panels of one quantity: truth, estimate and what is between them.
+//! Three panels of one quantity: truth, estimate and their difference.
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
@@ -14,10 +14,10 @@ use crate::page::NOTE;
 use crate::panel::Panel;
 use crate::ticks::round_up;
 
-/// What the scale of a picture is made for, blind to a few outliers: so much of 1000 values.
+/// The end of a scale covers this many of 1000 values, so that a few outliers have no effect.
 const TYPICAL: usize = 999;
 
-/// A row of panels and what all of them need.
+/// A row of panels and their common data.
 pub(super) struct Row<'a> {
     pub(super) panels: [Panel; 3],
     pub(super) seen: &'a Image<u8>,
@@ -60,7 +60,7 @@ impl Row<'_> {
         self.put(canvas, error, "Flow: length of estimate − truth, px", &heat_map(&difference, &both, error_scale));
         draw_wheel_key(canvas, truth, radius_px);
         canvas.text("The same wheel.", (estimate.legend.x, estimate.line(0.0)), NOTE);
-        draw_bar(canvas, error, error_scale, "How far from the true place the estimate leads.");
+        draw_bar(canvas, error, error_scale, "Distance between the estimated and the true place.");
     }
 
     fn put(&self, canvas: &mut Canvas, panel: Panel, heading: &str, image: &Image<Rgb>) {
@@ -70,7 +70,7 @@ impl Row<'_> {
         }
     }
 
-    /// What the line and the grey mean, on a line of the legends.
+    /// The meaning of the line and the grey, on a line of the legends.
     fn draw_keys(&self, canvas: &mut Canvas, line: f32) {
         let [truth, estimate, error] = self.panels;
         if self.outline.is_some() {
@@ -88,8 +88,8 @@ fn draw_bar(canvas: &mut Canvas, panel: Panel, scale: HeatScale, note: &str) {
     canvas.text(note, (panel.legend.x, panel.line(2.2)), NOTE);
 }
 
-/// The end of the scale that truth and estimate share. An estimate that is far off shall not wash out the truth: it
-/// counts at most twice.
+/// The end of the common scale of truth and estimate. An estimate with a large error must not make the truth invisible:
+/// it counts at most twice.
 fn shared_limit(truth: f32, estimate: f32) -> f32 {
     round_up(if truth > 0.0 { estimate.clamp(truth, 2.0 * truth) } else { estimate })
 }
@@ -103,7 +103,7 @@ fn zipped<T: Copy, U>(a: &Image<T>, b: &Image<T>, value: impl Fn(T, T) -> U) -> 
     Image::from_fn(a.width(), a.height(), |x, y| value(a.at(x, y), b.at(x, y)))
 }
 
-/// The size that nearly all values of a mask do not exceed; 0 where there are none.
+/// The absolute value that nearly all values of a mask do not exceed; 0 where there are none.
 fn typical(values: &Image<f32>, mask: &Image<u8>) -> f32 {
     let sizes = values.values().iter().zip(mask.values()).filter(|(value, mask)| **mask != 0 && value.is_finite());
     let mut sizes: Vec<f32> = sizes.map(|(value, _)| value.abs()).collect();

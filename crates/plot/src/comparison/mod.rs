@@ -13,7 +13,7 @@ use crate::page::{BACKGROUND, COLUMN, GAP, LEGEND_HEIGHT, MARGIN, MAX_PANEL_HEIG
 use crate::panel::Panel;
 use maps::Row;
 
-/// From the legends of a row to the panels of the next, px: room for headings.
+/// Distance between the legends of a row and the panels of the next, px: for headings.
 const ROW_GAP: f32 = 56.0;
 /// Below the last legends, px.
 const PLOT_GAP: f32 = 28.0;
@@ -28,10 +28,10 @@ pub struct Pair<'a, T> {
     pub estimate: &'a T,
 }
 
-/// One frame's fields, true and estimated, and how the errors went over all frames.
+/// One frame's fields, true and estimated, and the errors over all frames.
 ///
-/// A row for depth and one for the flow, whichever is there, 1600 px wide: truth and estimate on one scale, then
-/// estimate − truth on a scale of its own. Grey is what was not compared.
+/// A row for depth and one for the flow, if they exist, 1600 px wide: truth and estimate on one scale, then estimate −
+/// truth on its own scale. Grey means not compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison<'a> {
     /// The first line.
@@ -42,17 +42,17 @@ pub struct Comparison<'a> {
     pub depth_mm: Option<Pair<'a, Image<f32>>>,
     /// Displacement, px.
     pub flow_px: Option<Pair<'a, FlowField>>,
-    /// 1 where the truth holds, 0 elsewhere; the size of all fields.
+    /// 1 where the truth is valid, 0 elsewhere; the size of all fields.
     pub seen: &'a Image<u8>,
-    /// 1 where the estimate holds, 0 elsewhere.
+    /// 1 where the estimate is valid, 0 elsewhere.
     pub valid: &'a Image<u8>,
-    /// 1 where the estimated depth holds: the same mask, unless depth has one of its own.
+    /// 1 where the estimated depth is valid: the same mask, unless depth has its own.
     pub depth_valid: &'a Image<u8>,
     /// 1 where the gel is touched; its border is drawn.
     pub contact: Option<&'a Image<u8>>,
     /// The frame's place in the lines of the plots.
     pub shown_frame: usize,
-    /// What is plotted below, side by side.
+    /// The plots below, side by side.
     pub plots: &'a [FramePlot],
 }
 

@@ -1,6 +1,6 @@
-//! What stands before the frames, of a fixed length so that it can be rewritten, and a part's index.
+//! The headers before the frames, of a fixed length so that they can be rewritten, and a part's index.
 
-/// Index entries that are reserved: as many parts can be jumped into.
+/// Reserved index entries: seeking works in as many parts.
 pub(super) const MOST_PARTS: usize = 256;
 /// From the file's start to the list of frames, bytes: `RIFF` with its name, then `hdrl` with all in it.
 pub(super) const HEADER_LEN: usize = 12 + 8 + HDRL_LEN;
@@ -10,7 +10,7 @@ const SUPER_INDEX_LEN: usize = 24 + 16 * MOST_PARTS;
 const EXTENDED_LEN: usize = 248;
 /// `AVIF_HASINDEX`.
 const HAS_INDEX: u32 = 0x10;
-/// What is shown for a second before the rate is known.
+/// Frame rate before the actual one is known.
 const USUAL_PERIOD_US: u32 = 33_333;
 
 /// Where a part's index lies.
@@ -45,7 +45,7 @@ impl Header {
         Self { width, height, has_index: false, parts, frames, first_frames, longest, period_us }
     }
 
-    /// Counts a frame of `len` bytes. A period that no clock gives leaves the one before.
+    /// Counts a frame of `len` bytes. An invalid period keeps the previous one.
     pub(super) fn count(&mut self, len: usize, period_s: f64, is_in_first_part: bool) {
         self.frames += 1;
         self.first_frames += u32::from(is_in_first_part);

@@ -1,4 +1,4 @@
-//! How a run went: the numbers of each reading over time, in bounded memory.
+//! The course of a run: the numbers of each reading over time, in bounded memory.
 
 use fingervision_plot::{Rgb, TimePlot, TimePlots, Trend};
 use fingervision_touch::{Flag, Reading};
@@ -6,7 +6,7 @@ use fingervision_touch::{Flag, Reading};
 /// Told apart by every kind of sight. Okabe and Ito, "Color Universal Design", 2008.
 const BLUE: Rgb = [0, 114, 178];
 const ORANGE: Rgb = [213, 94, 0];
-/// Numbers at the top of their plots at least: noise shall not look like touch.
+/// Least value at the top of each plot: noise must not look like touch.
 const LEAST_FLOW_PX: f32 = 0.05;
 const LEAST_DEPTH_MM: f32 = 0.05;
 const LEAST_FORCE_N: f32 = 0.05;

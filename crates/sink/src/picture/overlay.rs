@@ -1,4 +1,4 @@
-//! A video of a run: what the camera sees with the contact on it, depth, and force over time.
+//! A video of a run: the camera image with the contact, depth, and force over time.
 
 use std::path::Path;
 
@@ -16,22 +16,22 @@ use super::strongest::{Quantity, Strength, Strongest};
 use crate::avi::AviWriter;
 use crate::{Sink, SinkError};
 
-/// A panel is at most so large, px; small fields are shown larger, up to so many times.
+/// Largest size of a panel, px; small fields are enlarged, up to this factor.
 const MAX_WIDTH: f32 = 640.0;
 const MAX_HEIGHT: f32 = 480.0;
 const MAX_SCALE: f32 = 3.0;
-/// Narrower than this, the text below would not fit, px.
+/// With a smaller width, the text below would not fit, px.
 const LEAST_WIDTH: f32 = 420.0;
 const TOP: f32 = 92.0;
 const LEGEND_HEIGHT: f32 = 104.0;
 const PLOT_HEIGHT: f32 = 216.0;
-/// 0 to 100: what JPEG leaves of the picture.
+/// JPEG quality, 0 to 100.
 const QUALITY: u8 = 90;
 
 /// Draws every reading and appends it to a motion JPEG video in AVI, in constant memory.
 ///
-/// Left, the camera image, on it the outline of the contact where its points are now; right, depth, or what
-/// [`Preview`](super::Preview) shows in its place, where the points were at rest. The colours end at a round number that only
+/// Left, the camera image with the outline of the contact at the current positions of its points; right, depth, or what
+/// [`Preview`](super::Preview) shows instead, at the positions at rest. The colours end at a round number that only
 /// grows. Below, flow, depth and force up to this frame. All frames are shown for the same time, the mean between them.
 #[derive(Debug)]
 pub struct Overlay {
@@ -45,7 +45,7 @@ pub struct Overlay {
     jpeg: Vec<u8>,
 }
 
-/// Where things stand on a frame.
+/// The layout of a frame.
 #[derive(Debug, Clone, Copy)]
 struct Layout {
     columns: usize,
@@ -77,7 +77,7 @@ impl Overlay {
         })
     }
 
-    /// Closes the video and puts it onto the disk.
+    /// Closes the video and flushes it to the disk.
     ///
     /// # Errors
     ///
@@ -175,7 +175,7 @@ impl Layout {
         let scale = (MAX_WIDTH / columns as f32).min(MAX_HEIGHT / rows as f32).min(MAX_SCALE);
         let layout = Self { columns, rows, scale, width: 0.0, height: 0.0 };
         let panel = layout.panel(1);
-        // Encoders of other codecs want even sides.
+        // Encoders of other codecs need even sides.
         let even = |side: f32| 2.0 * (side / 2.0).ceil();
         let width = even(panel.legend.right() + MARGIN);
         Self { width, height: even(panel.legend.bottom() + 12.0 + PLOT_HEIGHT + 8.0), ..layout }
@@ -195,7 +195,7 @@ impl Layout {
     }
 }
 
-/// Where colours end at least: noise shall not look like touch.
+/// Least end of the colour scale: noise must not look like touch.
 fn least(quantity: Quantity) -> f32 {
     match quantity {
         Quantity::Depth => 0.1,

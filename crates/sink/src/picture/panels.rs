@@ -16,7 +16,7 @@ const ARROW_PITCH: f32 = 22.0;
 
 /// The camera image with arrows, a scale bar and an arrow of known length.
 pub(super) fn draw_arrows(canvas: &mut Canvas, panel: Panel, shown: &Strongest, mm_per_px: Option<f32>) {
-    // Darkened, so that arrows stand out on any image.
+    // Darkened, so that arrows are visible on any image.
     let dark = |level: f32| [(24.0 + 0.6 * level.clamp(0.0, 255.0)) as u8; 3];
     let grey = Image::from_fn(shown.grey.width(), shown.grey.height(), |x, y| dark(shown.grey.at(x, y)));
     let longest = shown.typical_flow_px().max(LEAST_FLOW_PX);
@@ -77,7 +77,7 @@ fn draw_scale_bar(canvas: &mut Canvas, panel: Panel, mm_per_px: Option<f32>) {
     canvas.text(&format!("{} {unit}", plain(value)), (left + length + 12.0, y + 5.0), BODY);
 }
 
-/// An arrow that stands for `flow_px`.
+/// An arrow that represents `flow_px`.
 fn draw_arrow_key(canvas: &mut Canvas, panel: Panel, flow_px: f32, factor: f32) {
     let length = flow_px * factor * panel.scale;
     let (left, y) = (panel.legend.x + 2.0, panel.line(1.2) - 5.0);
@@ -89,7 +89,7 @@ fn draw_arrow_key(canvas: &mut Canvas, panel: Panel, flow_px: f32, factor: f32) 
     canvas.text("Each arrow starts where its point is at rest.", (panel.legend.x, panel.line(2.4)), NOTE);
 }
 
-/// The flow as colour, and the wheel that explains it.
+/// The flow as colour, and the colour wheel.
 pub(super) fn draw_flow(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
     let radius_px = round_up(shown.typical_flow_px().max(LEAST_FLOW_PX));
     let colours = flow_colours(&shown.flow, &shown.valid, radius_px);

@@ -12,10 +12,10 @@ use super::strongest::{Strength, Strongest};
 use super::write_png;
 use crate::{Sink, SinkError};
 
-/// What a preview knows about the sensor.
+/// What a preview needs from the sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PreviewOptions {
-    /// Where the fields lie in the camera image, px; the whole of it if absent.
+    /// The region of the fields in the camera image, px; the whole of it if absent.
     pub region: Option<Rect>,
     /// Size of a pixel on the gel, mm; the scale bar is in px if absent.
     pub mm_per_px: Option<f32>,
@@ -36,17 +36,17 @@ pub struct Preview {
 }
 
 impl Preview {
-    /// A preview that has seen nothing yet.
+    /// A preview without readings.
     #[must_use]
     pub fn new(options: PreviewOptions) -> Self {
         Self { options, strongest: Strongest::none(), course: Course::new() }
     }
 
-    /// The picture of what was seen so far.
+    /// The picture of the readings so far.
     ///
     /// # Errors
     ///
-    /// [`SinkError::NoReadings`] if nothing was.
+    /// [`SinkError::NoReadings`] if there were none.
     pub fn draw(&self) -> Result<Image<Rgb>, SinkError> {
         if self.course.frames() == 0 {
             return Err(SinkError::NoReadings);
@@ -54,7 +54,7 @@ impl Preview {
         Ok(page::draw(&self.strongest, &self.course, self.options.mm_per_px))
     }
 
-    /// Writes the picture of what was seen so far as PNG.
+    /// Writes the picture of the readings so far as PNG.
     ///
     /// # Errors
     ///
@@ -65,7 +65,7 @@ impl Preview {
 }
 
 impl Sink for Preview {
-    /// Looks at a reading and keeps a copy if it is the strongest so far.
+    /// Takes a reading and keeps a copy if it is the strongest so far.
     ///
     /// # Errors
     ///

@@ -29,13 +29,13 @@ impl Strength {
         Self { mean_px: (sum / count) as f32, max_px }
     }
 
-    /// Whether this frame is to be shown rather than another; a frame without strength never is.
+    /// Whether this frame is shown rather than another; a frame without strength never is.
     pub(super) fn exceeds(self, other: Self) -> bool {
         self.mean_px > other.mean_px || (other.mean_px.is_nan() && !self.mean_px.is_nan())
     }
 }
 
-/// What the third panel shows.
+/// The quantity of the third panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Quantity {
     /// Depth, mm.
@@ -46,7 +46,7 @@ pub(super) enum Quantity {
     FlowLength,
 }
 
-/// A copy of what a picture of one frame needs.
+/// A copy of the data for a picture of one frame.
 #[derive(Debug)]
 pub(super) struct Strongest {
     pub(super) sequence: u64,
@@ -66,7 +66,7 @@ pub(super) struct Strongest {
     pub(super) quantity: Quantity,
     /// The third panel's values, in the quantity's unit.
     pub(super) values: Image<f32>,
-    /// 1 where these hold.
+    /// 1 where these are valid.
     pub(super) values_valid: Image<u8>,
     /// 1 where the gel touches something, if that is known.
     pub(super) contact: Option<Image<u8>>,
@@ -95,7 +95,7 @@ impl Strongest {
         }
     }
 
-    /// Takes over a reading and the region of its frame, without allocating where the sizes agree.
+    /// Copies a reading and the region of its frame, without allocating where the sizes agree.
     ///
     /// # Errors
     ///
@@ -120,7 +120,7 @@ impl Strongest {
         Ok(())
     }
 
-    /// Where the third panel's values hold, and where the gel is touched. Elastic depth holds where its deviation is finite.
+    /// The validity of the third panel's values, and the contact. Elastic depth is valid where its deviation is finite.
     fn copy_masks(&mut self, reading: &Reading) {
         self.values_valid.copy_from(&reading.valid);
         if let (Some(deviation), Some(_)) = (&reading.depth_deviation, &reading.depth) {
@@ -147,13 +147,13 @@ impl Strongest {
         }
     }
 
-    /// The length that 999 of 1000 valid flows do not exceed, px: what scales are made for, blind to a few outliers.
+    /// The length that 999 of 1000 valid flows do not exceed, px: for scales, not affected by a few outliers.
     pub(super) fn typical_flow_px(&self) -> f32 {
         let flow = self.flow.u.values().iter().zip(self.flow.v.values());
         typical(flow.map(|(u, v)| u.hypot(*v)), &self.valid)
     }
 
-    /// The size that 999 of 1000 valid values of the third panel do not exceed, in the quantity's unit.
+    /// The absolute value that 999 of 1000 valid values of the third panel do not exceed, in the quantity's unit.
     pub(super) fn typical_value(&self) -> f32 {
         typical(self.values.values().iter().map(|value| value.abs()), &self.values_valid)
     }

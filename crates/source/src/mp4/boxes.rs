@@ -3,7 +3,7 @@
 /// The letters of a box.
 pub(super) type Kind = [u8; 4];
 
-/// A view of bytes that are read from front to back; `None` where they end.
+/// A view of bytes that are read from front to back; `None` at the end.
 #[derive(Clone, Copy)]
 pub(super) struct Bytes<'a>(pub(super) &'a [u8]);
 
@@ -49,7 +49,7 @@ impl<'a> Bytes<'a> {
         if version == 1 { self.u64() } else { self.u32().map(u64::from) }
     }
 
-    /// The version and the flags that open many boxes.
+    /// The version and the flags at the start of many boxes.
     pub(super) fn version_and_flags(&mut self) -> Option<(u8, u32)> {
         let word = self.u32()?;
         Some(((word >> 24) as u8, word & 0xff_ffff))

@@ -1,4 +1,4 @@
-//! The sample description: how the frames are compressed.
+//! The sample description: the codec of the frames.
 //!
 //! Four letters name the codec. `mp4v` stands for all that MPEG-4 part 1 numbers: the box `esds` within it holds the object
 //! type, which may be motion JPEG (ISO/IEC 14496-1, table 5; `FFmpeg` writes motion JPEG in MP4 in this way).
@@ -63,7 +63,8 @@ fn object_type(described: &[u8]) -> Option<u8> {
     descriptor(&mut stream, DECODER_CONFIG)?.first().copied()
 }
 
-/// The content of the next descriptor if it has this tag. Its length has seven bits a byte, the eighth says that more follow.
+/// The content of the next descriptor if it has this tag. Its length has seven bits per byte; the eighth indicates that
+/// more follow.
 fn descriptor<'a>(bytes: &mut Bytes<'a>, tag: u8) -> Option<&'a [u8]> {
     (bytes.u8()? == tag).then_some(())?;
     let mut len = 0;

@@ -9,11 +9,11 @@ const NORMAL_SPEED: u32 = 0x1_0000;
 /// The one edit of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Edit {
-    /// How long nothing is shown before the film, ticks of the movie.
+    /// Time before the film during which nothing is shown, ticks of the movie.
     delay: u64,
-    /// Where in the media the film starts, ticks of the media; `None` without an edit list: where the media starts.
+    /// Start of the film in the media, ticks of the media; `None` without an edit list: the start of the media.
     start: Option<u32>,
-    /// How long the film is, ticks of the movie; 0 for all there is.
+    /// Duration of the film, ticks of the movie; 0 for everything.
     duration: u64,
 }
 
@@ -35,7 +35,7 @@ impl Edit {
         Ok(edit)
     }
 
-    /// When a sample at `time` ticks of the media is shown, s, or `None` if it is not part of the film.
+    /// Display time of a sample at `time` ticks of the media, s, or `None` if it is not part of the film.
     pub(super) fn film_time_s(&self, time: i64, timescale: u32, movie_timescale: u32) -> Option<f64> {
         let start = i64::from(self.start.unwrap_or(0));
         let (ticks, movie_ticks) = (f64::from(timescale), f64::from(movie_timescale));

@@ -4,14 +4,14 @@ use super::boxes::{Bytes, boxes, find, find_path};
 use super::samples::MediaSample;
 use crate::fault::Fault;
 
-/// What a sample has that its run does not say.
+/// Values of a sample that its run does not contain.
 #[derive(Default, Clone, Copy)]
 struct Defaults {
     duration: u32,
     len: u32,
 }
 
-/// Appends the samples that the fragment at byte `at` of the file holds for a track.
+/// Appends the samples in the fragment at byte `at` of the file for a track.
 pub(super) fn add_fragment(
     samples: &mut Vec<MediaSample>,
     movie: &[u8],
@@ -78,7 +78,7 @@ fn add_track_fragment(
     Some(())
 }
 
-/// Where the next sample lies in the file and in time.
+/// The place of the next sample in the file and in time.
 struct Cursor {
     offset: u64,
     time: i64,
@@ -96,7 +96,7 @@ fn add_run(
     let (_, flags) = run.version_and_flags()?;
     let has = |flag: u32| flags & flag > 0;
     let count = run.u32()?;
-    // Where every sample takes its defaults, no entry backs the count, so the file must.
+    // If every sample uses its defaults, no entry confirms the count, so the file must.
     (samples.len() as u64 + u64::from(count) <= file_len).then_some(())?;
     if has(0x01) {
         cursor.offset = base.checked_add_signed(i64::from(run.i32()?))?;

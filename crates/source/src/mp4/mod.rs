@@ -1,10 +1,10 @@
 //! MP4 and MOV files (ISO/IEC 14496-12): which bytes are the frames of the video, and when each is shown.
 //!
-//! Written here because a reader must bear any file: every count is checked against the bytes that are there before
-//! memory is taken, only the index is held in memory, and a file that is cut off yields its whole frames.
+//! Implemented here because a reader must cope with any file: every count is checked against the available bytes before
+//! memory is allocated, only the index is kept in memory, and a file that is cut off yields its complete frames.
 //!
 //! Read are plain and fragmented files, B-frames (composition offsets), variable frame times, and an edit list with one
-//! edit, before which the film may wait. Several edits, or one that changes the speed, are refused.
+//! edit, which may delay the start of the film. Several edits, or one that changes the speed, are refused.
 
 mod boxes;
 mod codec;

@@ -30,7 +30,7 @@ pub(crate) fn read_track(file: &mut File) -> Result<Track, Fault> {
 
 const NO_TABLE: Fault = Fault::Damaged("the video track has no sample table");
 
-/// The parts of the file that say where its frames are.
+/// The parts of the file that locate its frames.
 struct Index {
     file_len: u64,
     movie: Option<Vec<u8>>,
@@ -50,7 +50,7 @@ fn read_index(file: &mut File) -> Result<Index, Fault> {
         file.seek(SeekFrom::Start(at))?;
         file.read_exact(&mut header[..header_len])?;
         let Some((kind, content, end)) = place(&header, at, file_len) else {
-            // Behind the index of a plain file lies padding at most; behind a fragment, the next is expected.
+            // After the index of a plain file there is at most padding; after a fragment, the next is expected.
             index.is_cut_off = !index.fragments.is_empty();
             break;
         };
@@ -89,7 +89,7 @@ fn is_video(track: &[u8]) -> bool {
     handler.and_then(|handler| handler.get(8..12)) == Some(b"vide")
 }
 
-/// What the headers of movie and track say.
+/// The content of the headers of movie and track.
 struct Header {
     track_id: u32,
     /// Ticks per second of the track's media.
@@ -115,7 +115,7 @@ impl Header {
     }
 }
 
-/// The track's number and the four entries of its matrix that turn and mirror.
+/// The track's number and the four entries of its matrix for rotation and mirroring.
 fn track_header(header: &[u8]) -> Option<(u32, [i32; 4])> {
     let mut header = Bytes(header);
     let (version, _) = header.version_and_flags()?;
@@ -127,7 +127,7 @@ fn track_header(header: &[u8]) -> Option<(u32, [i32; 4])> {
     Some((track_id, [a, b, c, d]))
 }
 
-/// Gives every sample its number and time in the film; `film_time_s` tells the time from the media's ticks.
+/// Assigns a number and a time in the film to every sample; `film_time_s` converts the media's ticks to time.
 fn in_film(samples: &[MediaSample], film_time_s: impl Fn(i64) -> Option<f64>) -> Vec<Sample> {
     let mut times: Vec<(usize, f64)> = Vec::new();
     for (index, sample) in samples.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The sample table: six compact lists that together place every sample in the file and in time.
+//! The sample table: six compact lists that together give the place of every sample in the file and in time.
 
 use super::boxes::{Bytes, find};
 use crate::fault::Fault;
@@ -10,9 +10,9 @@ pub(super) struct MediaSample {
     pub(super) offset: u64,
     /// Its length, bytes.
     pub(super) len: u32,
-    /// When it is shown, ticks of the media.
+    /// Its display time, ticks of the media.
     pub(super) time: i64,
-    /// When its successor is decoded, ticks of the media.
+    /// The decoding time of its successor, ticks of the media.
     pub(super) decoding_end: i64,
 }
 
@@ -32,13 +32,13 @@ fn lengths(list: &[u8], file_len: u64) -> Option<Vec<u32>> {
     let common = list.u32()?;
     if common > 0 {
         let count = list.u32()?;
-        // No entry backs this count, so the file must: samples have at least a byte.
+        // No entry confirms this count, so the file must: samples have at least one byte.
         return (u64::from(count) <= file_len).then(|| vec![common; count as usize]);
     }
     (0..list.table_len(4)?).map(|_| list.u32()).collect()
 }
 
-/// Samples lie in chunks; `stsc` says how many, in runs of chunks alike, `stco` or `co64` where.
+/// Samples are stored in chunks; `stsc` gives their number, in runs of equal chunks, `stco` or `co64` the place.
 fn offsets(table: &[u8], lens: &[u32]) -> Option<Vec<u64>> {
     let mut runs = Bytes(find(table, *b"stsc")?);
     runs.version_and_flags()?;
@@ -49,7 +49,7 @@ fn offsets(table: &[u8], lens: &[u32]) -> Option<Vec<u64>> {
     let mut samples_per_chunk = 0;
     for (number, chunk) in (1..).zip(chunk_offsets(table)?) {
         while let Some((_, count, description)) = runs.next_if(|&(first, ..)| first <= number) {
-            // A second description would be another codec midway.
+            // A second description would be a change of codec.
             (description == 1).then_some(())?;
             samples_per_chunk = count as usize;
         }
@@ -70,7 +70,7 @@ fn chunk_offsets(table: &[u8]) -> Option<Vec<u64>> {
     (0..count).map(|_| list.u32_or_u64(version)).collect()
 }
 
-/// For each sample when it is shown and when its successor is decoded.
+/// For each sample its display time and the decoding time of its successor.
 fn times(table: &[u8], count: usize) -> Option<Vec<(i64, i64)>> {
     let durations = runs(find(table, *b"stts")?, count)?;
     let delays = match find(table, *b"ctts") {
@@ -87,7 +87,7 @@ fn times(table: &[u8], count: usize) -> Option<Vec<(i64, i64)>> {
     Some(durations.into_iter().zip(delays).map(time).collect())
 }
 
-/// Unfolds runs of equal values to one value a sample.
+/// Expands runs of equal values to one value per sample.
 fn runs(list: &[u8], count: usize) -> Option<Vec<u32>> {
     let mut list = Bytes(list);
     list.version_and_flags()?;

@@ -3,7 +3,7 @@
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
-/// A Gaussian is cut at this many standard deviations: what lies beyond weighs 4e-6 of the whole.
+/// A Gaussian is cut at this many standard deviations: the rest has 4e-6 of the whole weight.
 const CUT: f64 = 5.0;
 
 /// The moved points of a flow, sorted into square cells as wide as the Gaussian reaches.
@@ -15,7 +15,8 @@ pub(super) struct MovedPoints {
 }
 
 impl MovedPoints {
-    /// Moves every reference pixel by its flow. Points out of reach of the image and points that are not finite are
+    /// Moves every reference pixel by its flow. Points out of reach of the image and points that are not finite are left
+    /// out.
     /// left out.
     pub(super) fn new(flow: &FlowField, sigma: f64) -> Self {
         let (width, height) = flow.size();

@@ -1,8 +1,8 @@
 //! The density by splines: spread the points, smooth the grid, read it at the points.
 //!
-//! Every moved point is spread over 4×4 nodes of the pixel grid by a cubic B-spline, the grid is smoothed by a
-//! separable kernel, and the result is read between its nodes by a cubic B-spline again. The kernel is chosen so that
-//! the three together make the Gaussian; what remains of the grid is below 5e-4 at σ = 2 px.
+//! Every moved point is spread over 4×4 nodes of the pixel grid by a cubic B-spline, the grid is smoothed by a separable
+//! kernel, and the result is interpolated between its nodes by a cubic B-spline again. The kernel is chosen so that the
+//! three together give the Gaussian; the remaining effect of the grid is below 5e-4 at σ = 2 px.
 //!
 //! Multiplications and additions are never fused and their order does not depend on the width of the registers: every
 //! instruction set gives the same bits.
@@ -32,8 +32,8 @@ pub(super) struct SplineSum {
 impl SplineSum {
     /// A sum of Gaussians of standard deviation `sigma` px over images of this size.
     pub(super) fn new(width: usize, height: usize, sigma: f64, level: Level) -> Self {
-        // A place in sight reads nodes up to 3 px outside the image; the taps carry there what lies `reach` px farther
-        // out, and a block that touches such a node begins up to 4 px before it.
+        // A place inside the image reads nodes up to 3 px outside the image; the taps carry there what lies `reach` px
+        // farther out, and a block that touches such a node begins up to 4 px before it.
         let border = smoothing::reach(sigma) + SUPPORT - 1;
         let margin = border + 3;
         let grid = Grid { columns: width + 2 * margin, rows: height + 2 * margin, margin };
@@ -50,8 +50,8 @@ impl SplineSum {
         }
     }
 
-    /// Writes the density at the moved place of every reference pixel. A place more than half a pixel outside the image
-    /// reads too little.
+    /// Writes the density at the moved place of every reference pixel. At a place more than half a pixel outside the
+    /// image it is too small.
     pub(super) fn at_points_into(&mut self, flow: &FlowField, density: &mut Image<f32>) {
         dispatch!(self.level, simd => self.at_points(simd, flow, density));
     }
@@ -62,7 +62,7 @@ impl SplineSum {
         let Grid { columns, margin, .. } = self.grid;
         for (y, density) in density.rows_mut().enumerate() {
             for (x, density) in density.iter_mut().enumerate() {
-                // On a node the spline weighs its neighbours 1/6, 4/6, 1/6.
+                // At a node the spline weights its neighbours 1/6, 4/6, 1/6.
                 let across = |y: usize| {
                     let nodes = &self.smoothed[y * columns + x + margin - 1..][..3];
                     (nodes[0] + 4.0 * nodes[1] + nodes[2]) / 6.0

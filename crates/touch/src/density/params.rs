@@ -1,4 +1,4 @@
-//! What a user may choose about the density.
+//! Parameters of the density.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,8 +8,8 @@ use crate::{GuidedFilterParams, ParameterError};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DensityMethod {
-    /// Cubic B-splines on the pixel grid, smoothed: within 5e-4 of the exact sum at σ = 2 px, 2.5e-3 at 1.5 px; of the
-    /// density itself where that exceeds 1.
+    /// Cubic B-splines on the pixel grid, smoothed: within 5e-4 of the exact sum at σ = 2 px, 2.5e-3 at 1.5 px; relative
+    /// to the density where that exceeds 1.
     #[default]
     Fast,
     /// Every Gaussian within 5σ in `f64`: the definition. Seconds for a frame.
@@ -44,7 +44,7 @@ impl DensityParams {
     ///
     /// [`ParameterError`] names the first value out of range.
     pub fn validate(&self) -> Result<(), ParameterError> {
-        // Below 1.5 px the pixel grid cannot carry the Gaussian; above 8 px it blurs every contact away.
+        // Below 1.5 px the pixel grid is too coarse for the Gaussian; above 8 px it blurs every contact away.
         let is_allowed = (1.5..=8.0).contains(&self.sigma_px);
         ParameterError::unless(is_allowed, "density.sigma_px", self.sigma_px, "1.5 to 8 px")?;
         self.filter.validate()

@@ -1,4 +1,4 @@
-//! Smoothing on the pixel grid: what remains of the Gaussian once splines have done their part.
+//! Smoothing on the pixel grid: the part of the Gaussian that the splines do not contribute.
 
 use std::f64::consts::PI;
 
@@ -17,7 +17,7 @@ pub(super) fn taps(sigma: f64) -> Vec<f32> {
         let sinc = if k > 0.0 { (0.5 * k).sin() / (0.5 * k) } else { 1.0 };
         (-0.5 * (sigma * k).powi(2)).exp() / sinc.powi(8)
     };
-    // The rule of midpoints is exact but for aliases 2·SAMPLES px away, where nothing is left.
+    // The midpoint rule is exact except for aliases 2·SAMPLES px away, where the kernel has vanished.
     let tap = |n: usize| {
         let waves = (0..SAMPLES).map(|i| (i as f64 + 0.5) * PI / SAMPLES as f64);
         waves.map(|k| spectrum(k) * (k * n as f64).cos()).sum::<f64>()
@@ -27,12 +27,12 @@ pub(super) fn taps(sigma: f64) -> Vec<f32> {
     taps.iter().map(|tap| (tap / sum) as f32).collect()
 }
 
-/// How far the taps for this σ reach from their centre, px. A multiple of four: they are taken in fours.
+/// Reach of the taps for this σ from their centre, px. A multiple of four, because they are processed in fours.
 pub(super) fn reach(sigma: f64) -> usize {
     4 * sigma.ceil() as usize
 }
 
-/// Smooths `from` by `taps` along columns and rows into `to`, leaving a border of `border` px as it is.
+/// Smooths `from` by `taps` along columns and rows into `to`, leaving a border of `border` px unchanged.
 ///
 /// Both are row-major with `stride` columns; `down` is scratch of one row. The taps reach no farther than `border`.
 #[simd]

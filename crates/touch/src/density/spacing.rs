@@ -1,4 +1,4 @@
-//! How far apart neighbouring points have moved, and where that leaves gaps between their Gaussians.
+//! Distances between neighbouring points after their motion, and where these leave gaps between their Gaussians.
 //!
 //! [Du2021] calls the density valid while 3σ > M, where M is "the largest length of the flow's first differences".
 //! Taken literally that is the *change* of spacing. What must not exceed the reach of a Gaussian is the spacing
@@ -11,7 +11,7 @@ use fearless_simd::prelude::*;
 use fearless_simd_macros::simd;
 use fingervision_flow::FlowField;
 
-/// Squared spacings of the points of one row and of the rows beside it, px², and the largest of them so far.
+/// Squared spacings of the points of one row and of the adjacent rows, px², and the largest of them so far.
 #[derive(Debug, Clone)]
 pub(super) struct Spacings {
     /// Entry `x` lies between points `x − 1` and `x`; zero at both ends, where a neighbour is missing.
@@ -34,7 +34,7 @@ impl Spacings {
         }
     }
 
-    /// Measures row `y` of the flow. Rows come in turn from the first, which forgets the flow before.
+    /// Measures row `y` of the flow. Rows must come in order from the first, which resets the state of the previous flow.
     #[simd]
     pub(super) fn measure<S: Simd>(&mut self, simd: S, flow: &FlowField, y: usize) {
         if y == 0 {
@@ -79,7 +79,7 @@ fn squared_spacings<S: Simd>(_: S, to: &mut [f32], here: (&[f32], &[f32]), there
     for ((to, (u, v)), (u_there, v_there)) in to.iter_mut().zip(here).zip(there) {
         let (dx, dy) = (u_there - u + step.0, v_there - v + step.1);
         let squared = dx * dx + dy * dy;
-        // What is not a number is a gap, too, and must not get lost in a comparison.
+        // A value that is not a number is a gap, too, and must not get lost in a comparison.
         *to = if squared < f32::INFINITY { squared } else { f32::INFINITY };
     }
 }
@@ -91,7 +91,7 @@ fn keep_largest<S: Simd>(_: S, largest: &mut [f32], spacings: &[f32]) {
     }
 }
 
-/// The larger of two numbers: one instruction, where `f32::max` also looks for what is not a number.
+/// The larger of two numbers: one instruction, whereas `f32::max` also tests for NaN.
 #[inline]
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }

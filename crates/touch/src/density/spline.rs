@@ -1,8 +1,8 @@
-//! Cubic B-splines on the pixel grid: they spread a moved point over 4×4 nodes and read a field between its nodes.
+//! Cubic B-splines on the pixel grid: they spread a moved point over 4×4 nodes and interpolate a field between its nodes.
 //!
-//! Neighbours move alike. Sixteen points in a row whose flow differs by less than about a pixel share a block of 5×5
-//! offsets, which holds the 4×4 nodes of each: whole registers then move along the rows of the grid. Where the flow
-//! varies more, in the rim of a contact, points are taken one by one.
+//! Neighbours have similar flow. Sixteen points in a row whose flow differs by less than about a pixel share a block of
+//! 5×5 offsets, which contains the 4×4 nodes of each: whole registers are then processed along the rows of the grid.
+//! Where the flow varies more, at the rim of a contact, points are processed one by one.
 
 #![expect(clippy::inline_always, reason = "lanes passed between functions that are not inlined go through memory")]
 
@@ -15,13 +15,13 @@ pub(super) const SUPPORT: usize = 5;
 /// Nodes along each axis of a point that shares no block.
 const OWN_SUPPORT: usize = 4;
 
-/// Points in a group, whatever the width of the registers, so that sums have one order.
+/// Points in a group, whatever the width of the registers, so that the order of sums is always the same.
 const GROUP: usize = 16;
 
 /// Nodes along a row that a group touches.
 const REACH: usize = GROUP + SUPPORT - 1;
 
-/// Groups whose weights are made before the first of them is used: a load that overlaps a recent store waits for it.
+/// Groups whose weights are computed before the first of them is used: a load that overlaps a recent store waits for it.
 const BATCH: usize = 8;
 
 /// A grid of nodes a pixel apart that reaches beyond the image on every side.
@@ -48,7 +48,7 @@ struct Blocks<S: Simd, F> {
 /// Blocks whose first nodes follow each other; `first` is that of the first point.
 type SharedBlocks<S> = Blocks<S, usize>;
 
-/// Blocks wherever each point takes them.
+/// Blocks at the individual position of each point.
 type OwnBlocks<S> = Blocks<S, i32x16<S>>;
 
 impl Grid {
@@ -122,8 +122,8 @@ impl<S: Simd> SharedBlocks<S> {
 #[derive(Debug, Clone, Copy)]
 struct StoredBlocks {
     first: First,
-    /// Five rows of weights across, five down, with zeros before, between and behind them: a register may begin
-    /// before its row or end behind it.
+    /// Five rows of weights across, five down, with zeros before, between and after them: a register may begin before its
+    /// row or end after it.
     weights: [f32; 2 * SUPPORT * REACH + SUPPORT - 1],
 }
 
@@ -134,7 +134,7 @@ enum First {
     Own([i32; GROUP]),
 }
 
-/// Where [`spread_row`] and [`read_row`] keep weights; no value outlives a call.
+/// Where [`spread_row`] and [`read_row`] keep weights; no value is kept between calls.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch(Vec<StoredBlocks>);
 
@@ -165,8 +165,8 @@ impl StoredBlocks {
     /// Adds points that share their block to the grid.
     #[inline(always)]
     fn spread<S: Simd>(&self, simd: S, first: usize, columns: usize, nodes: &mut [f32]) {
-        // A node takes weight `i` of the point `i` places before it: the row of weights moves by as many. The four
-        // nodes behind the group take nothing of the first weight.
+        // Node `k` of the group takes weight `i` of point `k − i`: the row of weights is shifted by `i`. The four nodes
+        // after the group take nothing of the first weight.
         let mut across = [f32x16::splat(simd, 0.0); SUPPORT];
         let mut across_tail = [f32x4::splat(simd, 0.0); SUPPORT];
         for (i, (across, across_tail)) in across.iter_mut().zip(&mut across_tail).enumerate() {
@@ -295,7 +295,7 @@ fn shared_node<S: Simd>(simd: S, flow: f32x16<S>) -> f32x16<S> {
     f32x16::splat(simd, flow[GROUP / 2] - 0.5).floor()
 }
 
-/// Whether every flow of a group is less than 2 px behind `node`. A flow that is not a number is not.
+/// Whether every flow of a group is less than 2 px after `node`. False for a flow that is not a number.
 #[inline(always)]
 fn is_within_two<S: Simd>(flow: f32x16<S>, node: f32x16<S>) -> bool {
     (flow.simd_ge(node) & flow.simd_lt(node + 2.0)).all_true()
@@ -347,7 +347,7 @@ mod tests {
         spline(column - place.0) * spline(row - place.1)
     }
 
-    /// Flows that keep groups together, tear them apart, leave the grid and are not numbers.
+    /// Flows that keep groups together, separate them, leave the grid and are not numbers.
     fn rows() -> Vec<(Vec<f32>, Vec<f32>)> {
         let row = |amplitude: f32, seed: f32| -> (Vec<f32>, Vec<f32>) {
             let at = |x: usize, phase: f32| amplitude * (seed * (x * x) as f32 + phase).sin();

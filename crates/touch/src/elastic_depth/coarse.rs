@@ -1,8 +1,8 @@
-//! The surface in larger cells: tractions need fewer of them than depth does.
+//! A grid of larger cells over the surface: tractions need fewer cells than depth does.
 
 use fingervision_elastic::SurfaceGrid;
 
-/// A grid over that of the surface: the same cells, or such of twice their side. The two grids share their centre.
+/// A grid with the cells of the surface's grid, or with cells of twice their side. The two grids share their centre.
 #[derive(Debug, Clone, Copy)]
 pub struct CoarseGrid {
     surface: SurfaceGrid,
@@ -13,7 +13,8 @@ pub struct CoarseGrid {
 }
 
 impl CoarseGrid {
-    /// Cells of `part` by `part` cells of the surface; where their number is odd the outer ones on both sides reach beyond it.
+    /// Each cell covers `part` by `part` cells of the surface; if their number is odd, the outer cells on both sides
+    /// reach beyond it.
     #[must_use]
     pub fn new(surface: SurfaceGrid, part: usize) -> Self {
         let SurfaceGrid { columns, rows, cell_mm } = surface;
@@ -34,7 +35,8 @@ impl CoarseGrid {
         })
     }
 
-    /// Brings what is known of the cells to those of the surface, linear between centres and constant beyond the outer ones.
+    /// Interpolates values of the cells to the surface's cells: linear between centres and constant beyond the outer
+    /// ones.
     pub(super) fn to_surface(self, values: &[[f32; 3]], target: &mut [[f32; 3]]) {
         let Self { surface, grid, .. } = self;
         for (row, target) in target.chunks_exact_mut(surface.columns).enumerate() {
@@ -53,8 +55,8 @@ impl CoarseGrid {
         }
     }
 
-    /// On an axis of `fine` of the surface's cells and `count` of these the one before the centre of a cell of the surface, and
-    /// how far it is from there to the next one, 0 to 1.
+    /// Along an axis of `fine` surface cells and `count` of these cells: the cell before the centre of a surface cell,
+    /// and the distance from its centre towards the next one, 0 to 1.
     fn between(self, at: usize, fine: usize, count: usize) -> (usize, f32) {
         let place = (at as f64 - 0.5 * (fine as f64 - 1.0)) / self.part as f64 + 0.5 * (count as f64 - 1.0);
         let place = place.clamp(0.0, (count - 1) as f64);
@@ -67,7 +69,7 @@ impl CoarseGrid {
 pub struct Around([usize; 4]);
 
 impl Around {
-    /// The mean of what is known of the cells; of four times the same that one's to the bit.
+    /// The mean of the cells' values; if all four are the same cell, its value to the bit.
     #[must_use]
     pub fn mean(self, of: impl Fn(usize) -> f32) -> f32 {
         let [a, b, c, d] = self.0.map(of);
@@ -117,7 +119,7 @@ mod tests {
             let [widest, highest] =
                 [coarse.grid.columns, coarse.grid.rows].map(|count| 0.5 * (count as f64 - 1.0) * coarse.grid.cell_mm);
             for (value, [x, y]) in target.iter().zip(surface.centres_mm()) {
-                // Beyond the outer centres it goes on constantly.
+                // Beyond the outer centres the value is constant.
                 let expected = plane([x.clamp(-widest, widest), y.clamp(-highest, highest)]);
                 assert!((0..3).all(|axis| (value[axis] - expected[axis]).abs() < 1e-5), "{value:?}, not {expected:?}");
             }

@@ -1,47 +1,47 @@
-//! Where the gel is touched, and how deep it is there.
+//! Finds where the gel is touched, and how deep.
 
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 
 use super::coarse::Around;
-use super::face_search::{self, FaceLimits, Room};
-use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Way};
+use super::face_search::{self, FaceLimits, Scratch};
+use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Symmetry};
 use super::rigid::{self, StuckFace};
 use super::surface::{self, Seen, Surface, WithoutDrag};
 use super::thresholds::THRESHOLDS;
 use super::{CELLS, ElasticMode, ElasticParams};
 
-/// Rings of cells left out at the border of contact where a face's motion is fitted: walls are not the face.
+/// Rings of cells left out at the border of contact where a face's motion is fitted: the walls do not belong to the face.
 const RIM_CELLS: usize = 3;
 
-/// Standard deviation of a depth over its mean absolute error as the network foretells it: that of the Laplace distribution
-/// that it was trained for. Errors on unseen presses are as large as foretold.
+/// Standard deviation of a depth over the mean absolute error that the network predicts: that of the Laplace distribution
+/// it was trained for. Errors on unseen presses are as large as predicted.
 const DEVIATION: f32 = std::f32::consts::SQRT_2;
-/// Cells that tell of a face's motion: more than so many add time and no precision.
+/// Most cells used to fit a face's motion: more add time and no precision.
 const MOST_POINTS: usize = 600;
 
-/// Looks for contact in every frame.
+/// Finds contact in every frame.
 #[derive(Debug)]
 pub(super) struct ContactFinder {
-    /// What was learned, unless it is not to be used.
+    /// The network, if it is switched on and applies to the gel.
     network: Option<ContactNetwork>,
-    room: Room,
-    /// The size of the network's grid: the surface's, filled up to a multiple of what the network needs.
+    face_scratch: Scratch,
+    /// The size of the network's grid: the surface's, padded to a multiple of what the network needs.
     padded: (usize, usize),
     constants: [f32; CONSTANTS],
-    /// In which ways the network looks.
-    ways: Vec<Way>,
-    /// What it tells of the cells.
-    told: Vec<[f32; OUTPUTS]>,
-    /// From mm to the mm of training.
+    /// Mirror images and quarter turns in which the network is evaluated.
+    symmetries: Vec<Symmetry>,
+    /// Its estimates for the cells.
+    estimated: Vec<[f32; OUTPUTS]>,
+    /// From mm to the network's scale, on which the gel has the side used in training.
     scale: f32,
     /// Thickness of the gel, mm.
     thickness_mm: f64,
-    /// What a point of the gel may differ from a stuck face's motion, mm: at least, and in the last frame.
+    /// Allowed difference between a point of the gel and a stuck face's motion, mm: at least, and in the last frame.
     least_noise_mm: f64,
     noise_mm: f64,
-    /// Whether the flow is far less certain than what the network was trained on.
+    /// Whether the deviation of the flow is far larger than that of the training images.
     pub(super) is_flow_uncertain: bool,
-    /// Depth, mm, that the flow's error puts into a frame beyond what the network's own error covers.
+    /// Error of depth, mm, caused by the flow's error beyond what the network's own error includes.
     flow_deviation_mm: f32,
     /// Whether each cell is touched.
     pub(super) touches: Vec<bool>,
@@ -49,8 +49,8 @@ pub(super) struct ContactFinder {
     pub(super) share: Vec<f32>,
     /// Depth of each cell, mm.
     pub(super) depth_mm: Vec<f32>,
-    /// Error of that depth as it was learned, mm, one standard deviation.
-    told_deviation_mm: Vec<f32>,
+    /// Error of that depth as the network estimates it, mm, one standard deviation.
+    network_deviation_mm: Vec<f32>,
     /// Whether a cell moves with a face that the gel sticks to.
     on_face: Vec<bool>,
     /// Standard deviation of the depth of that face, mm.
@@ -70,13 +70,13 @@ impl ContactFinder {
         let sensor = Sensor::new(gel, surface.distance_mm());
         let constants = network::constants(sensor.poissons_ratio, sensor.thickness_mm);
         Self {
-            network: (params.learned && sensor.is_told_of()).then(|| ContactNetwork::new(padded)),
-            ways: match params.mode {
-                ElasticMode::Exact => Way::all(padded),
-                ElasticMode::Live => vec![Way::PLAIN],
+            network: (params.network && sensor.network_applies()).then(|| ContactNetwork::new(padded)),
+            symmetries: match params.mode {
+                ElasticMode::Exact => Symmetry::all(padded),
+                ElasticMode::Live => vec![Symmetry::PLAIN],
             },
-            told: vec![[0.0; OUTPUTS]; cells],
-            room: Room::new(cells),
+            estimated: vec![[0.0; OUTPUTS]; cells],
+            face_scratch: Scratch::new(cells),
             padded,
             constants,
             scale: scale as f32,
@@ -88,7 +88,7 @@ impl ContactFinder {
             touches: vec![false; cells],
             share: vec![0.0; cells],
             depth_mm: vec![0.0; cells],
-            told_deviation_mm: vec![0.0; cells],
+            network_deviation_mm: vec![0.0; cells],
             on_face: vec![false; cells],
             face_deviation_mm: f32::INFINITY,
             inner: Vec::with_capacity(cells),
@@ -97,8 +97,8 @@ impl ContactFinder {
         }
     }
 
-    /// Whether depth is told by what was learned.
-    pub(super) fn is_learned(&self) -> bool {
+    /// Whether the network estimates depth.
+    pub(super) fn uses_network(&self) -> bool {
         self.network.is_some()
     }
 
@@ -114,7 +114,7 @@ impl ContactFinder {
         self.depth_mm.fill(0.0);
     }
 
-    /// Finds contact and its depth in what the surface shows, with what is known of its drag set apart.
+    /// Finds contact and its depth from the surface's motion, with the known displacement by shear subtracted.
     pub(super) fn find(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
         self.take_noise(surface);
         if self.network.is_some() {
@@ -129,7 +129,7 @@ impl ContactFinder {
             surface,
             &FaceLimits::new(self.noise_mm, self.thickness_mm),
             &mut self.touches,
-            &mut self.room,
+            &mut self.face_scratch,
         );
         self.hold_to_face(surface);
         // What does not move with the face has no depth of its own.
@@ -139,7 +139,8 @@ impl ContactFinder {
         }
     }
 
-    /// Finds the depth anew, with drag set apart; contact, which the whole motion tells better, stays.
+    /// Finds the depth again with the displacement by shear subtracted; contact, for which the whole motion is the better
+    /// input, is kept.
     pub(super) fn find_depth(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
         self.look(surface, drag);
         self.take_depth(drag);
@@ -152,7 +153,7 @@ impl ContactFinder {
         (THRESHOLDS.still_px * surface.mm_per_px).max(THRESHOLDS.still_over_deviation * deviation_mm)
     }
 
-    /// Takes note of how far a frame's flow can be trusted.
+    /// Stores how accurate a frame's flow is.
     fn take_noise(&mut self, surface: &Surface) {
         let deviation_mm = surface.typical_deviation_mm(&mut self.scratch);
         self.noise_mm = self.least_noise_mm.max(THRESHOLDS.noise_over_deviation * deviation_mm);
@@ -162,7 +163,7 @@ impl ContactFinder {
         self.flow_deviation_mm = (surface.typical_leverage() * beyond_mm) as f32;
     }
 
-    /// Gives what moves with a face that the gel sticks to the depth of that face.
+    /// Assigns the depth of a stuck face to the cells that move with it.
     fn hold_to_face(&mut self, surface: &Surface) {
         self.erode(surface.grid);
         let deviation_mm = |face: &StuckFace| {
@@ -187,20 +188,20 @@ impl ContactFinder {
         }
     }
 
-    /// Whether a face is about as deep as what was learned says, if that is used.
+    /// Whether a face is about as deep as the network estimates, if that is used.
     fn is_likely(&self, surface: &Surface, face: &StuckFace) -> bool {
         let depths = |cell: usize| (face.motion.apply(surface.centre_mm(cell))[2], f64::from(self.depth_mm[cell]));
-        let (face_mm, learned_mm) =
+        let (face_mm, network_mm) =
             self.inner.iter().map(|&cell| depths(cell)).fold((0.0, 0.0), |sum, (a, b)| (sum.0 + a, sum.1 + b));
-        !self.is_learned() || (face_mm - learned_mm).abs() <= THRESHOLDS.most_change * learned_mm
+        !self.uses_network() || (face_mm - network_mm).abs() <= THRESHOLDS.most_change * network_mm
     }
 
     /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free and
-    /// nothing learned tells of it.
+    /// the network is not used.
     pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32) -> f32 {
-        match (self.on_face[cell], self.is_learned()) {
+        match (self.on_face[cell], self.uses_network()) {
             (true, _) => self.face_deviation_mm,
-            (false, true) => self.told_deviation_mm[cell].hypot(self.flow_deviation_mm),
+            (false, true) => self.network_deviation_mm[cell].hypot(self.flow_deviation_mm),
             (false, false) => {
                 let [least, by_depth] = THRESHOLDS.free_deviation;
                 (least * self.thickness_mm + by_depth * f64::from(around_mm.abs())) as f32
@@ -218,42 +219,48 @@ impl ContactFinder {
         surface.border().any(|cell| self.touches[cell])
     }
 
-    /// Asks the network: the mean over the ways in which it looks.
+    /// Evaluates the network: the mean over all symmetries in use.
     fn look(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
         let Some(network) = &mut self.network else { return };
         let SurfaceGrid { columns, rows, .. } = surface.grid;
         let seen = drag.map_or(surface.seen.as_slice(), |drag| drag.seen);
-        self.told.fill([0.0; OUTPUTS]);
-        for &way in &self.ways {
+        self.estimated.fill([0.0; OUTPUTS]);
+        for &symmetry in &self.symmetries {
             let input = |column: usize, row: usize| {
-                way.inputs(input(surface.grid, seen, self.padded, way.place(self.padded, (column, row)), self.scale))
+                symmetry.inputs(input(
+                    surface.grid,
+                    seen,
+                    self.padded,
+                    symmetry.place(self.padded, (column, row)),
+                    self.scale,
+                ))
             };
             network.run(self.constants, input, |column, row, outputs| {
-                let (column, row) = way.place(self.padded, (column, row));
+                let (column, row) = symmetry.place(self.padded, (column, row));
                 if column < columns && row < rows {
-                    for (sum, output) in self.told[row * columns + column].iter_mut().zip(outputs) {
+                    for (sum, output) in self.estimated[row * columns + column].iter_mut().zip(outputs) {
                         *sum += output;
                     }
                 }
             });
         }
-        let per_way = 1.0 / self.ways.len() as f32;
-        self.told.as_flattened_mut().iter_mut().for_each(|sum| *sum *= per_way);
+        let per_symmetry = 1.0 / self.symmetries.len() as f32;
+        self.estimated.as_flattened_mut().iter_mut().for_each(|sum| *sum *= per_symmetry);
     }
 
-    /// Contact that the network tells of, where the camera sees the gel at rest: of what lies beyond nothing is said.
+    /// Contact as the network estimates it, where the camera sees the gel at rest; beyond that nothing is known.
     fn take_contact(&mut self, surface: &Surface) {
-        for (cell, &[depth_mm, odds, _]) in self.told.iter().enumerate() {
-            let is_told = depth_mm > 0.0 && surface.has_pixels(cell);
-            let share = if is_told { 1.0 / (1.0 + (-odds).exp()) } else { 0.0 };
+        for (cell, &[depth_mm, odds, _]) in self.estimated.iter().enumerate() {
+            let is_estimated = depth_mm > 0.0 && surface.has_pixels(cell);
+            let share = if is_estimated { 1.0 / (1.0 + (-odds).exp()) } else { 0.0 };
             (self.share[cell], self.touches[cell]) = (share, share > 0.5);
         }
     }
 
     fn take_depth(&mut self, drag: Option<WithoutDrag<'_>>) {
-        for (cell, &[depth_mm, _, error]) in self.told.iter().enumerate() {
+        for (cell, &[depth_mm, _, error]) in self.estimated.iter().enumerate() {
             self.depth_mm[cell] = depth_mm / self.scale;
-            self.told_deviation_mm[cell] = DEVIATION * error.exp() / self.scale;
+            self.network_deviation_mm[cell] = DEVIATION * error.exp() / self.scale;
         }
         if let Some(WithoutDrag { dragged_mm, .. }) = drag {
             for (depth_mm, dragged_mm) in self.depth_mm.iter_mut().zip(dragged_mm) {
@@ -280,7 +287,7 @@ impl ContactFinder {
     }
 }
 
-/// What the network gets of a cell of a grid of so many columns and rows; beyond the surface that of the last cell.
+/// The network's input for a cell of a grid of this many columns and rows; beyond the surface that of the last cell.
 fn input(
     grid: SurfaceGrid,
     seen: &[Seen],
@@ -301,7 +308,7 @@ fn input(
     [2.0 * x, 2.0 * y, here.slope[0], here.slope[1], 3.0 * spread]
 }
 
-/// The places on both sides of one on an axis of so many, itself where there is none.
+/// The neighbours of a place along an axis of this length; itself where there is none.
 fn neighbours(at: usize, count: usize) -> [usize; 2] {
     [at.saturating_sub(1), (at + 1).min(count - 1)]
 }

@@ -1,9 +1,9 @@
-//! What the gel does because it is dragged along its surface, set apart from what it does because it is pressed.
+//! Separates the displacement caused by motion of contact along the surface from that of the indentation.
 //!
-//! Small strain adds up: a press that also shears or twists the gel moves it as the press alone would, plus what the motion of
-//! contact along the surface does on its own. That motion, a shift and a turn, is seen; elasticity tells the rest of its field,
-//! as the tractions that move contact so and keep its depth. Without it what is left looks like a press straight down, which
-//! is what the network knows best.
+//! At small strain displacements add up: a press that also shears or twists the gel moves it as the press alone would,
+//! plus the displacement caused by the motion of contact along the surface. That motion, a translation and a rotation, is
+//! visible. Elasticity gives the rest of the field, from tractions that move contact by that much and do not change its
+//! depth. What is left after the subtraction looks like a press straight down, which is what the network knows best.
 
 use fingervision_elastic::BlockOperator;
 
@@ -13,23 +13,23 @@ use super::motion::{Motion, ramp};
 use super::surface::{Seen, Surface, WithoutDrag};
 use super::traction::{Limits, Tractions};
 
-/// Motion along the surface over depth, root mean squares: below the first number nothing is set apart, above the second all of
-/// it. Faces that stick and are pressed straight down stay below 0.02, those that slide below 0.22.
+/// Ratio of motion along the surface to depth, root mean squares: below the first number nothing is subtracted, above the
+/// second all of it. Stuck faces pressed straight down stay below 0.02, sliding ones below 0.22.
 const PARTIAL: [f64; 2] = [0.15, 0.3];
 
-/// Sets drag apart in every frame.
+/// Finds the displacement caused by shear and twist in every frame.
 #[derive(Debug)]
 pub(super) struct Drag {
     coarse: CoarseGrid,
     limits: Limits,
     tractions: Tractions,
     touches: Vec<bool>,
-    /// How contact is moved, mm.
+    /// Motion of contact along the surface, mm.
     wanted_mm: Vec<[f32; 3]>,
     is_found: bool,
-    /// Displacement of the surface's cells by drag alone, mm.
+    /// Displacement of the surface's cells by shear and twist alone, mm.
     dragged_mm: Vec<[f32; 3]>,
-    /// What the camera would tell of the cells without drag.
+    /// What the camera would measure of the cells without shear and twist.
     seen: Vec<Seen>,
 }
 
@@ -48,7 +48,7 @@ impl Drag {
         }
     }
 
-    /// Forgets the frames before.
+    /// Forgets the previous frames.
     pub(super) fn rest(&mut self) {
         self.tractions.rest();
         self.is_found = false;
@@ -59,12 +59,12 @@ impl Drag {
         self.is_found.then_some(WithoutDrag { seen: &self.seen, dragged_mm: &self.dragged_mm })
     }
 
-    /// Takes the whole motion for a press until drag is looked for.
+    /// Attributes the whole motion to the indentation until shear is looked for.
     pub(super) fn forget(&mut self) {
         self.is_found = false;
     }
 
-    /// Looks how contact moves along the surface, and what that does to the gel; says whether it does anything.
+    /// Finds the motion of contact along the surface and the displacement it causes; returns whether there is any.
     pub(super) fn find(&mut self, surface: &Surface, contact: &ContactFinder) -> bool {
         let Some((share, motion)) = motion_of(surface, contact).filter(|(share, _)| *share > 0.0) else {
             self.forget();
@@ -85,7 +85,7 @@ impl Drag {
     }
 }
 
-/// How contact moves along the surface, and which part of that is drag; none without contact.
+/// Motion of contact along the surface, and which part of it is subtracted; none without contact.
 fn motion_of(surface: &Surface, contact: &ContactFinder) -> Option<(f64, Motion)> {
     let cells = || (0..surface.grid.len()).filter(|&cell| contact.touches[cell]);
     let lateral_mm = |cell: usize| surface.seen[cell].lateral_mm(contact.depth_mm[cell]).map(f64::from);

@@ -1,7 +1,7 @@
-//! A flat face that the gel sticks to, found by its motion alone.
+//! Finds a flat face that the gel sticks to, by its motion alone.
 //!
-//! The surface is cut into overlapping windows. The rigid motion of each is fitted, and the one with which most of the
-//! deep surface moves, to the noise of the flow, is the face. Nothing is learned and nothing else is found: neither a
+//! The surface is divided into overlapping windows. A rigid motion is fitted to each; the face is given by the one that
+//! explains most of the deep surface to the noise of the flow. No network is used, and nothing else is found: neither a
 //! ball nor a face that slides.
 
 use fingervision_elastic::SurfaceGrid;
@@ -14,7 +14,7 @@ use super::thresholds::THRESHOLDS;
 const WINDOW: usize = 12;
 /// From one window to the next, cells.
 const STEP: usize = 6;
-/// Every so many cells are looked at, along both axes.
+/// Only every so many cells are tested, along both axes.
 const SPARSE: usize = 2;
 /// Cells that a face has at least.
 const LEAST_CELLS: usize = 60;
@@ -41,12 +41,12 @@ impl FaceLimits {
 }
 
 /// Marks the cells that move with the face; none are left marked if there is no face.
-pub(super) fn mark(surface: &Surface, limits: &FaceLimits, touches: &mut [bool], room: &mut Room) {
+pub(super) fn mark(surface: &Surface, limits: &FaceLimits, touches: &mut [bool], scratch: &mut Scratch) {
     touches.fill(false);
     let mut best: Option<(f64, StuckFace)> = None;
     for (column, row) in windows(surface.grid) {
-        collect(surface, (column, row), &mut room.cells);
-        let Some(face) = rigid::fit(surface, &room.cells, limits.tolerance, &mut room.scratch) else { continue };
+        collect(surface, (column, row), &mut scratch.cells);
+        let Some(face) = rigid::fit(surface, &scratch.cells, limits.tolerance, &mut scratch.scratch) else { continue };
         if face.residual_mm > limits.tolerance {
             continue;
         }
@@ -60,21 +60,21 @@ pub(super) fn mark(surface: &Surface, limits: &FaceLimits, touches: &mut [bool],
     for (cell, touches) in touches.iter_mut().enumerate() {
         *touches = moves(cell);
     }
-    open(surface.grid, touches, &mut room.marks);
+    open(surface.grid, touches, &mut scratch.marks);
     if touches.iter().filter(|touches| **touches).count() < LEAST_CELLS {
         touches.fill(false);
     }
 }
 
-/// Scratch of a search.
+/// Scratch memory of a search.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Room {
+pub(super) struct Scratch {
     cells: Vec<usize>,
     scratch: Vec<f64>,
     marks: Vec<bool>,
 }
 
-impl Room {
+impl Scratch {
     pub(super) fn new(cells: usize) -> Self {
         Self {
             cells: Vec::with_capacity(WINDOW * WINDOW),
@@ -115,13 +115,13 @@ fn score(surface: &Surface, face: &StuckFace, limits: &FaceLimits) -> f64 {
         .sum()
 }
 
-/// Leaves marks only where a cell and its four neighbours are marked, or one of them is such a cell.
+/// Keeps a mark only where a cell and its four neighbours are marked, or where this holds for one of the neighbours.
 fn open(grid: SurfaceGrid, marks: &mut [bool], inner: &mut [bool]) {
     for (cell, inner) in inner.iter_mut().enumerate() {
         *inner =
             marks[cell] && surface::neighbours(grid, cell).is_some_and(|near| near.iter().all(|&near| marks[near]));
     }
-    // Cells at the grid's border are no such cells, so a step over it finds none.
+    // Cells at the grid's border do not count, so a step across it finds none.
     let columns = grid.columns;
     let around = |cell: usize| [cell.wrapping_sub(1), cell + 1, cell.wrapping_sub(columns), cell + columns];
     for (cell, mark) in marks.iter_mut().enumerate() {

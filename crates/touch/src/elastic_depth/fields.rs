@@ -1,4 +1,4 @@
-//! What the elastic inverse gives for one frame.
+//! The result of the elastic inverse for one frame.
 
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 use fingervision_image::Image;
@@ -25,28 +25,29 @@ pub struct ElasticFields {
     pub force_n: Option<[f32; 3]>,
     /// Torque on the gel about the z axis through the centre of contact, N mm; none without Young's modulus.
     pub torque_nmm: Option<f32>,
-    /// How far the motion along the surface, a quarter of the thickness and more from contact, is from what the tractions
-    /// make there: root mean square over the largest depth, dimensionless; none where there is too little motion to tell.
+    /// Difference between the motion along the surface, a quarter of the thickness and more from contact, and the motion
+    /// that the tractions predict there: root mean square over the largest depth, dimensionless; none where the motion is
+    /// too small.
     pub unexplained: Option<f32>,
     /// Whether the gel is strained beyond the linear range.
     pub is_beyond_linear: bool,
     /// Whether contact reaches the border of what the camera sees.
     pub is_cut: bool,
-    /// Whether the tractions do not explain the motion: the fields do not hold.
+    /// Whether the tractions do not explain the motion: the fields are then not valid.
     pub is_unexplained: bool,
-    /// Whether that is because the flow, whose deviation is small, cannot be that of this gel before this camera.
+    /// Whether that is so although the deviation of the flow is small: the flow cannot be that of this gel and camera.
     pub is_misfit: bool,
-    /// Whether the gel moves and nothing like it before this camera was learned from, though what was learned is to be used.
-    pub is_outside_learned: bool,
-    /// Whether the flow holds in less than a tenth of contact.
+    /// Whether the gel moves, the network is switched on, and gel and camera are outside its training range.
+    pub is_outside_training: bool,
+    /// Whether the flow is valid in less than a tenth of contact.
     pub is_untracked: bool,
-    /// Whether the flow's deviation is more than 2.5 times that of the images which the network was trained on.
+    /// Whether the flow's deviation is more than 2.5 times that of the network's training images.
     pub is_flow_uncertain: bool,
     /// Deviation of depth at rest in images of the usual noise, mm.
     rest_deviation_mm: f32,
 }
 
-/// A field of tractions over the gel's surface: row by row, the surface's centre in the grid's middle.
+/// A field of tractions over the gel's surface, row by row, with the surface's centre in the grid's middle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TractionGrid {
     /// Cells along x.
@@ -88,7 +89,7 @@ impl ElasticFields {
             is_cut: false,
             is_unexplained: false,
             is_misfit: false,
-            is_outside_learned: false,
+            is_outside_training: false,
             is_untracked: false,
             is_flow_uncertain: false,
             rest_deviation_mm: (THRESHOLDS.rest_deviation * gel.thickness_mm) as f32,
@@ -115,6 +116,6 @@ impl ElasticFields {
         self.unexplained = None;
         (self.is_beyond_linear, self.is_cut) = (false, false);
         (self.is_unexplained, self.is_misfit) = (false, false);
-        (self.is_outside_learned, self.is_untracked, self.is_flow_uncertain) = (false, false, false);
+        (self.is_outside_training, self.is_untracked, self.is_flow_uncertain) = (false, false, false);
     }
 }

@@ -1,5 +1,5 @@
-//! The gel held in contact: the tractions that this takes, the force and the torque that they make, and whether they explain
-//! how the gel moves around.
+//! The tractions that cause the displacement in contact, their force and torque, and whether they explain the motion of
+//! the gel around contact.
 
 use fingervision_elastic::{BlockOperator, SurfaceGrid};
 
@@ -20,7 +20,7 @@ pub(super) struct HeldGel {
     seen: Vec<Seen>,
     touches: Vec<bool>,
     wanted_mm: Vec<[f32; 3]>,
-    /// The cell in contact that is nearest to each.
+    /// The nearest cell in contact for each cell.
     nearest: Vec<Place>,
 }
 
@@ -39,7 +39,7 @@ impl HeldGel {
         }
     }
 
-    /// The cells to which the tractions belong.
+    /// The cells that the tractions act on.
     pub(super) fn grid(&self) -> SurfaceGrid {
         self.coarse.grid
     }
@@ -49,18 +49,18 @@ impl HeldGel {
         self.tractions.displacement_mm()
     }
 
-    /// Forgets the frames before.
+    /// Forgets the previous frames.
     pub(super) fn rest(&mut self) {
         self.tractions.rest();
     }
 
-    /// Finds tractions that give the gel in contact its displacement.
+    /// Finds tractions that cause the displacement in contact.
     pub(super) fn hold(&mut self, surface: &Surface, contact: &ContactFinder) {
         self.gather(surface, contact);
         self.tractions.hold(&self.touches, &self.wanted_mm, self.limits);
     }
 
-    /// Brings to the larger cells what is known of the surface's: the mean around each centre.
+    /// Transfers values of the surface's cells to the larger cells: the mean around each centre.
     fn gather(&mut self, surface: &Surface, contact: &ContactFinder) {
         for (cell, around) in self.coarse.around().enumerate() {
             let seen = Seen {
@@ -76,9 +76,9 @@ impl HeldGel {
         }
     }
 
-    /// How far the motion along the surface, well away from contact, is from what the tractions make there beyond the flow's own
-    /// error: root mean square over the largest depth; that of the whole surface where there is no contact, none where the motion
-    /// is too small to tell.
+    /// Difference between the motion along the surface, well away from contact, and the motion that the tractions predict
+    /// there, beyond the flow's own error: root mean square over the largest depth; over the whole surface where there is
+    /// no contact, none where the motion is too small.
     pub(super) fn unexplained(&mut self, thickness_mm: f64, deepest_mm: f64, mm_per_px: f64) -> Option<f64> {
         let away = THRESHOLDS.away * thickness_mm / self.grid().cell_mm;
         let columns = self.grid().columns;
@@ -101,14 +101,14 @@ impl HeldGel {
         (all > count * telling_mm * telling_mm).then(|| (left / count).sqrt() / deepest_mm.max(telling_mm))
     }
 
-    /// Strain in contact, pressed to a depth; nothing slides where there is a face that the gel sticks to.
+    /// Strain in contact at a depth; nothing slides where there is a stuck face.
     pub(super) fn strain(&self, thickness_mm: f64, deepest_mm: f64, has_face: bool) -> Strain {
         let strain = Strain::of(self.grid(), &self.touches, &self.wanted_mm, deepest_mm, thickness_mm);
         if has_face { Strain { slide: 0.0, ..strain } } else { strain }
     }
 
-    /// Force `(x, y, z)`, N, and torque about the z axis through the centre of contact, N mm, of a gel of this shear modulus
-    /// that is strained so in contact; hands the traction of each cell, `MPa`, to `write`.
+    /// Force `(x, y, z)`, N, and torque about the z axis through the centre of contact, N mm, for a gel of this shear
+    /// modulus and this strain in contact; passes the traction of each cell, `MPa`, to `write`.
     pub(super) fn force(
         &self,
         shear_modulus_mpa: f64,
@@ -135,7 +135,7 @@ impl HeldGel {
         (force, torque)
     }
 
-    /// The middle of contact where it is now, mm.
+    /// The current middle of contact, mm.
     fn centre_mm(&self) -> [f64; 2] {
         let (mut sum, mut count) = ([0.0; 2], 0.0);
         let cells = self.grid().centres_mm().zip(&self.wanted_mm).zip(&self.touches);

@@ -1,15 +1,14 @@
 //! Depth, 3-D displacement and force from the flow, by perspective and the gel's elasticity.
 //!
-//! The camera tells two numbers of every point, and the point has three unknowns ([`surface`]). Elasticity gives the
-//! third:
+//! The camera gives two equations for the three unknowns of every point ([`surface`]). Elasticity gives the third:
 //!
-//! 1. Where the gel is touched and how deep it is are looked for with the help of a small network that learned it from
-//!    simulated presses ([`network`]). Around contact it corrects linear elasticity for large strain.
-//! 2. A face that the gel sticks to moves as one rigid piece: where that explains the flow to its noise, perspective
-//!    fixes the depth of the face far more sharply than anything else ([`rigid`]).
-//! 3. Tractions are found that give the gel in contact the displacement it has; outside contact there are none
-//!    ([`traction`]). They make the force and the torque, tell whether the gel is the one that was described, and are
-//!    all that tells of the gel around contact where nothing learned is used.
+//! 1. A small network, trained on simulated presses, estimates where the gel is touched and how deep ([`network`]).
+//!    Around contact it corrects linear elasticity for large strain.
+//! 2. A face that the gel sticks to moves as a rigid body: where that explains the flow to its noise, perspective
+//!    determines the depth of the face far more accurately than anything else ([`rigid`]).
+//! 3. The tractions that cause the displacement in contact are found; outside contact there are none
+//!    ([`traction`]). They give the force and the torque, and show whether the gel is the one described. Without the
+//!    network they alone give the displacement around contact.
 //!
 //! Elasticity is linear, that of a block with free sides, bonded at its base. The solution is that of small strain: beyond
 //! a depth of about a quarter of the thickness it is an approximation.
@@ -32,7 +31,7 @@ mod traction;
 
 pub use coarse::{Around, CoarseGrid};
 pub use fields::{ElasticFields, TractionGrid};
-pub use network::LEARNED_FROM;
+pub use network::TRAINING_RANGE;
 pub use params::{ElasticMode, ElasticParams};
 pub use stiffening::Strain;
 pub use surface::Seen;
@@ -56,9 +55,9 @@ const CELLS: usize = 120;
 /// is not the one that was described.
 pub const MOST_UNEXPLAINED: f64 = THRESHOLDS.most_unexplained;
 
-/// When tractions are found in exact mode.
+/// Termination of the solver for tractions in exact mode.
 const EXACT: Limits = Limits { tolerance: 1e-3, most_iterations: 30 };
-/// The same live: a fixed number of steps from those of the frame before.
+/// The same in live mode: a fixed number of steps from the tractions of the previous frame.
 const LIVE: Limits = Limits { tolerance: 1e-2, most_iterations: 1 };
 
 /// The gel's surface as square cells, row by row, its centre in the grid's middle.
@@ -66,7 +65,7 @@ const LIVE: Limits = Limits { tolerance: 1e-2, most_iterations: 1 };
 pub struct Cells<'a> {
     /// The cells.
     pub grid: SurfaceGrid,
-    /// What the camera tells of each.
+    /// What the camera measures of each.
     pub seen: &'a [Seen],
     /// Whether each is touched.
     pub touches: &'a [bool],
@@ -76,34 +75,36 @@ pub struct Cells<'a> {
     pub mm_per_px: f64,
 }
 
-/// Finds what presses the gel from how its surface moves in the image.
+/// Finds indentation from the motion of the gel's surface in the image.
 ///
-/// Owns all scratch: no call of [`ElasticDepth::solve`] allocates. A frame's answer depends on the frames before it only
-/// through where the solver begins, within its tolerance, and through a misfit, which stays until the gel fits well or rests.
+/// Owns all scratch memory: no call of [`ElasticDepth::solve`] allocates. The result of a frame depends on previous
+/// frames only through the solver's start, within its tolerance, and through a misfit, which stays until the gel fits
+/// well or rests.
 #[derive(Debug)]
 pub struct ElasticDepth {
     gel: GelBlock,
-    /// Whether what was learned is to be used, but nothing like this gel before this camera was learned from.
-    is_outside_learned: bool,
+    /// Whether the network is switched on, but gel and camera are outside its training range.
+    is_outside_training: bool,
     surface: Surface,
     contact: ContactFinder,
-    /// None where nothing learned tells depth.
+    /// None where the network is not used.
     drag: Option<Drag>,
-    /// Whether a frame's drag is found in the frame itself and not in the one before.
+    /// Whether shear is found in the frame itself and not taken from the previous one.
     is_exact: bool,
     held: HeldGel,
-    /// Depth, its deviation and the share in contact of the cells, on their way to the pixels; a fourth number fills the lanes.
-    told: Vec<[f32; KNOWN]>,
+    /// Depth, its deviation and the share in contact of the cells, to be interpolated to the pixels; a fourth number
+    /// fills the lanes.
+    cells: Vec<[f32; KNOWN]>,
     fields: ElasticFields,
 }
 
 impl ElasticDepth {
-    /// For one gel before one camera; `size` is that of the reference grid, px.
+    /// For one gel and camera; `size` is that of the reference grid, px.
     ///
     /// # Errors
     ///
-    /// [`TrackError::NoSurface`] if the camera sees no point of the gel, [`TrackError::Gel`] if its elasticity cannot be
-    /// had.
+    /// [`TrackError::NoSurface`] if the camera sees no point of the gel, [`TrackError::Gel`] if its elastic model
+    /// cannot be made.
     pub fn new(
         camera: &Camera,
         gel: &GelBlock,
@@ -113,23 +114,23 @@ impl ElasticDepth {
         let surface = Surface::new(camera, gel, size, CELLS).ok_or(TrackError::NoSurface)?;
         let contact = ContactFinder::new(&surface, gel, *params);
         let (part, limits) = match params.mode {
-            // What was learned tells depth everywhere: tractions make force and drag alone, and larger cells will do.
-            ElasticMode::Live if contact.is_learned() => (2, LIVE),
+            // The network estimates depth everywhere: tractions give only force and shear, and larger cells suffice.
+            ElasticMode::Live if contact.uses_network() => (2, LIVE),
             ElasticMode::Live => (1, LIVE),
             ElasticMode::Exact => (1, EXACT),
         };
         let coarse = CoarseGrid::new(surface.grid, part);
         let operator = BlockOperator::new(gel, coarse.grid)?;
-        let drag = contact.is_learned().then(|| operator.on_grid(coarse.grid)).transpose()?;
+        let drag = contact.uses_network().then(|| operator.on_grid(coarse.grid)).transpose()?;
         let drag = drag.map(|operator| Drag::new(surface.grid.len(), coarse, operator, limits));
         let held = HeldGel::new(coarse, operator, limits);
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
-        let (told, is_exact) = (vec![[0.0; KNOWN]; surface.grid.len()], params.mode == ElasticMode::Exact);
-        let is_outside_learned = params.is_outside_learned(camera, gel);
-        Ok(Self { gel: *gel, is_outside_learned, contact, drag, is_exact, held, told, surface, fields })
+        let (cells, is_exact) = (vec![[0.0; KNOWN]; surface.grid.len()], params.mode == ElasticMode::Exact);
+        let is_outside_training = params.is_outside_training(camera, gel);
+        Ok(Self { gel: *gel, is_outside_training, contact, drag, is_exact, held, cells, surface, fields })
     }
 
-    /// The fields of one frame, from its flow, px, the deviation of that, px, and where it holds.
+    /// The fields of one frame, from its flow, px, the deviation of the flow, px, and its validity.
     ///
     /// # Panics
     ///
@@ -150,7 +151,7 @@ impl ElasticDepth {
         &self.fields
     }
 
-    /// Finds contact and its depth. Live, a frame's drag is taken to be that of the frame before.
+    /// Finds contact and its depth. In live mode the displacement by shear is that of the previous frame.
     fn find_contact(&mut self) {
         if let Some(drag) = self.drag.as_mut().filter(|_| self.is_exact) {
             drag.forget();
@@ -162,7 +163,7 @@ impl ElasticDepth {
         }
     }
 
-    /// What the last frame told of the gel's surface, cell by cell.
+    /// The estimates of the last frame, cell by cell.
     #[must_use]
     pub fn cells(&self) -> Cells<'_> {
         let ContactFinder { touches, depth_mm, .. } = &self.contact;
@@ -181,7 +182,7 @@ impl ElasticDepth {
         &self.fields
     }
 
-    /// The same, to take its planes out; the next frame writes all of those that are left in their place.
+    /// The same, for taking its planes out; the next frame overwrites those that are put in their place.
     pub(crate) fn fields_mut(&mut self) -> &mut ElasticFields {
         &mut self.fields
     }
@@ -216,27 +217,27 @@ impl ElasticDepth {
     }
 
     fn write_fields(&mut self) {
-        // Where nothing learned tells of the free gel, the tractions do.
-        let moved = (!self.contact.is_learned()).then(|| self.held.displacement_mm());
-        // Where neither what was learned nor a face tells of the press, nothing is known.
-        let is_known = self.contact.is_learned() || self.contact.has_face();
-        for (cell, told) in self.told.iter_mut().enumerate() {
+        // Without the network, the tractions give the depth of the free gel.
+        let moved = (!self.contact.uses_network()).then(|| self.held.displacement_mm());
+        // Without the network and without a face, nothing is known.
+        let is_known = self.contact.uses_network() || self.contact.has_face();
+        for (cell, values) in self.cells.iter_mut().enumerate() {
             let around_mm = moved.map_or(0.0, |moved| moved[cell][2]);
-            let is_told = moved.is_none() || self.contact.touches[cell];
-            let depth = if is_told { self.contact.depth_mm[cell] } else { around_mm };
-            *told = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
+            let is_estimated = moved.is_none() || self.contact.touches[cell];
+            let depth = if is_estimated { self.contact.depth_mm[cell] } else { around_mm };
+            *values = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
         }
         let ElasticFields { depth_mm, deviation_mm, contact, .. } = &mut self.fields;
         let depths = depth_mm.values_mut().iter_mut().zip(deviation_mm.values_mut());
         let targets = depths.zip(contact.values_mut());
-        self.surface.to_pixels(&self.told, targets, |((depth_mm, deviation_mm), contact), told| {
-            let [depth, deviation, share, _] = told.unwrap_or([0.0, f32::INFINITY, 0.0, 0.0]);
+        self.surface.to_pixels(&self.cells, targets, |((depth_mm, deviation_mm), contact), values| {
+            let [depth, deviation, share, _] = values.unwrap_or([0.0, f32::INFINITY, 0.0, 0.0]);
             let deviation = if is_known { deviation } else { f32::INFINITY };
             (*depth_mm, *deviation_mm, *contact) = (depth, deviation, u8::from(share > 0.5));
         });
     }
 
-    /// Area, flags and force.
+    /// Writes area, flags and force.
     fn write_figures(&mut self, deepest_mm: f64) {
         let thickness_mm = self.gel.thickness_mm;
         let touched = self.contact.touches.iter().filter(|touches| **touches).count();
@@ -244,18 +245,18 @@ impl ElasticDepth {
         self.fields.is_beyond_linear = deepest_mm > THRESHOLDS.linear_range * thickness_mm;
         self.fields.is_flow_uncertain = self.contact.is_flow_uncertain;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
-        self.fields.is_outside_learned = self.is_outside_learned;
+        self.fields.is_outside_training = self.is_outside_training;
         self.fields.is_untracked = (self.tracked() as f64) < THRESHOLDS.least_tracked * touched as f64;
         let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);
-        // Once it does not fit, a gel has to fit well or to come to rest.
+        // After a misfit, the gel has to fit well or to come to rest.
         let was_unexplained = self.fields.is_unexplained;
         let most = if was_unexplained { 0.5 * MOST_UNEXPLAINED } else { MOST_UNEXPLAINED } as f32;
         self.fields.is_unexplained = self.fields.unexplained.map_or(was_unexplained, |part| part > most);
         self.fields.is_misfit = self.fields.is_unexplained && !self.fields.is_flow_uncertain;
     }
 
-    /// Cells in contact whose flow holds.
+    /// Number of cells in contact with valid flow.
     fn tracked(&self) -> usize {
         let cells = self.surface.seen.iter().zip(&self.contact.touches);
         cells.filter(|(seen, touches)| **touches && seen.trust > 0.5).count()

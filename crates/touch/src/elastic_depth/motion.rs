@@ -1,22 +1,23 @@
-//! How contact moves along the surface as a whole.
+//! The motion of contact along the surface as a whole.
 
-/// Which part of the squared motion in contact is a shift and a turn: below the first number contact slides, above the second it
-/// sticks. Contact that sticks reaches 0.97 and more where it moves by more than it strains, contact that slides at most 0.945.
+/// Which part of the squared motion in contact is a translation and a rotation: below the first number contact slides,
+/// above the second it sticks. Sticking contact reaches 0.97 and more where it moves by more than it strains, sliding
+/// contact at most 0.945.
 const STICKING: [f64; 2] = [0.945, 0.965];
 
-/// A shift and a turn along the surface.
+/// A translation and a rotation along the surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Motion {
     centre_mm: [f64; 2],
     shift_mm: [f64; 2],
     turn: f64,
-    /// Sums of squares over the points, mm²: of this motion, and of theirs.
+    /// Sums of squares over the points, mm²: of this motion, and of the points' own.
     square: f64,
     whole_square: f64,
 }
 
 impl Motion {
-    /// That of points, mm, with their displacements, mm, by least squares; none without points.
+    /// Least-squares motion of points, mm, with these displacements, mm; none without points.
     pub(super) fn of(points: impl Iterator<Item = ([f64; 2], [f64; 2])> + Clone) -> Option<Self> {
         let (mut at_sum, mut moved_sum, mut count) = ([0.0; 2], [0.0; 2], 0.0);
         for (at, moved) in points.clone() {
@@ -63,7 +64,7 @@ impl Motion {
         self.square
     }
 
-    /// How far the points stick to what moves so, 0 to 1; 1 where none moves.
+    /// How well the points stick to this motion, 0 to 1; 1 where none moves.
     pub(super) fn sticking(&self) -> f64 {
         if self.whole_square > 0.0 { ramp(self.square / self.whole_square, STICKING) } else { 1.0 }
     }
@@ -78,7 +79,7 @@ pub(super) fn ramp(value: f64, [none, whole]: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Points on a grid, moved so.
+    /// Points on a grid, with this motion.
     fn points(moved: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<([f64; 2], [f64; 2])> {
         let places = (0..48).map(|k| [2.0 + 0.5 * f64::from(k % 8), 0.5 * f64::from(k / 8) - 1.0]);
         places.map(|at| (at, moved(at))).collect()

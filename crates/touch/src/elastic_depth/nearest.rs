@@ -3,11 +3,11 @@
 /// Column and row of a cell.
 pub(super) type Place = [isize; 2];
 
-/// Where there is no marked cell: farther from any cell than all others are.
+/// The value where there is no marked cell: farther from any cell than all others are.
 const NOWHERE: Place = [-20_000, -20_000];
 
-/// Finds the nearest marked cell of every cell, itself where it is marked, by passing places from cell to cell
-/// ([Danielsson1980]); now and then the one that is found lies a fraction of a cell farther than the nearest. All are the same
+/// Finds the nearest marked cell of every cell, itself where it is marked, by propagating places from cell to cell
+/// ([Danielsson1980]); occasionally the result lies a fraction of a cell farther than the nearest one. All are the same
 /// impossible place where none is marked.
 pub(super) fn nearest_into(columns: usize, marks: &[bool], nearest: &mut [Place]) {
     for (cell, (nearest, &mark)) in nearest.iter_mut().zip(marks).enumerate() {
@@ -23,12 +23,12 @@ pub(super) fn nearest_into(columns: usize, marks: &[bool], nearest: &mut [Place]
     }
 }
 
-/// Whether a place is one of a cell.
+/// Whether a place is that of a cell.
 pub(super) fn is_somewhere(place: Place) -> bool {
     place[0] >= 0
 }
 
-/// The distance of a cell from a place, in cells; far from a place that is none.
+/// The distance of a cell from a place, in cells; far from an impossible place.
 pub(super) fn distance(columns: usize, cell: usize, from: Place) -> f64 {
     (squared(place(columns, cell), from) as f64).sqrt()
 }
@@ -42,7 +42,7 @@ fn place(columns: usize, cell: usize) -> Place {
     [(cell % columns).cast_signed(), (cell / columns).cast_signed()]
 }
 
-/// Brings what the row beside one knows to it, then what its own cells know to each other.
+/// Propagates the places of the neighbouring row to this row, then the places of its own cells to each other.
 fn pass(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize, beside: usize) {
     for column in 0..columns {
         for other in column.saturating_sub(1)..(column + 2).min(columns) {
@@ -62,7 +62,7 @@ fn along(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize) {
     }
 }
 
-/// Takes over the place that another cell knows if it is nearer to the one in a column and a row; a marked cell knows its own.
+/// Takes the place known to another cell if it is nearer to the cell at this column and row; a marked cell knows its own.
 fn take(columns: usize, marks: &[bool], nearest: &mut [Place], (column, row): (usize, usize), other: usize) {
     let cell = row * columns + column;
     if marks[cell] {

@@ -1,4 +1,4 @@
-//! How depth is found from the gel's elasticity: the `[elastic]` table of a profile.
+//! Settings of depth from the gel's elasticity: the `[elastic]` table of a profile.
 
 use fingervision_elastic::GelBlock;
 use fingervision_optics::Camera;
@@ -10,36 +10,36 @@ use super::network::Sensor;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ElasticParams {
-    /// How long a frame may take.
+    /// How much time a frame may take.
     pub mode: ElasticMode,
-    /// Whether contact is looked for with the help of what was learned from simulated presses; without it by the rigid
-    /// motion of the face alone.
-    pub learned: bool,
+    /// Whether the network trained on simulated presses finds contact and depth; without it only stuck flat faces are
+    /// found, by their rigid motion.
+    pub network: bool,
 }
 
-/// How long a frame may take.
+/// How much time a frame may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ElasticMode {
-    /// What was learned is asked in eight mirrors and quarter turns of the gel (four if it is no square), tractions are solved
-    /// for to their tolerance.
+    /// The network is evaluated for eight mirror images and quarter turns of the gel (four if it is not square),
+    /// tractions are solved to their tolerance.
     #[default]
     Exact,
-    /// What was learned is asked once, tractions take a fixed number of steps from those of the frame before.
+    /// The network is evaluated once, tractions take a fixed number of steps from those of the previous frame.
     Live,
 }
 
 impl ElasticParams {
-    /// Whether what was learned is to be used, but nothing like this gel before this camera was learned from.
+    /// Whether the network is switched on, but gel and camera are outside its training range.
     #[must_use]
-    pub fn is_outside_learned(&self, camera: &Camera, gel: &GelBlock) -> bool {
+    pub fn is_outside_training(&self, camera: &Camera, gel: &GelBlock) -> bool {
         let [_, _, distance_mm] = camera.position_mm();
-        self.learned && !Sensor::new(gel, distance_mm).is_learned_from()
+        self.network && !Sensor::new(gel, distance_mm).is_in_training_range()
     }
 }
 
 impl Default for ElasticParams {
     fn default() -> Self {
-        Self { mode: ElasticMode::default(), learned: true }
+        Self { mode: ElasticMode::default(), network: true }
     }
 }

@@ -1,14 +1,14 @@
 //! The motion of a face that the gel sticks to.
 //!
-//! Gel that sticks to a flat face from the first touch moves with it as one rigid piece: six numbers tell the depth of
-//! every point, and the camera sees each point on a ray. With the points at rest `X`, rotated by R and moved by T,
+//! Gel that sticks to a flat face from the first touch moves with it as a rigid body: six numbers give the depth of every
+//! point, and the camera sees each point on a ray. With the points at rest `X`, rotated by R and moved by T,
 //!
 //! ```text
 //! (R X + T − X)_xy + a (R X + T)_z = b
 //! ```
 //!
-//! is fitted by Gauss–Newton with Tukey's weights [Huber1981]. What matches to the noise of the flow is held by the face:
-//! free gel strains by far more.
+//! is fitted by Gauss–Newton with Tukey's weights [Huber1981]. Points that match to the noise of the flow belong to the
+//! face: free gel strains by far more.
 
 #[cfg(test)]
 mod tests;
@@ -34,7 +34,7 @@ pub(super) struct StuckFace {
     pub(super) matching: f64,
 }
 
-/// A point at rest and what the camera tells of it.
+/// A point at rest and what the camera measures of it.
 #[derive(Debug, Clone, Copy)]
 struct Point {
     rest: [f64; 2],
@@ -42,15 +42,15 @@ struct Point {
     slope: [f64; 2],
 }
 
-/// Rounds of reweighting.
+/// Iterations of reweighting.
 const ROUNDS: usize = 8;
-/// Points that a fit needs at least.
+/// Least number of points for a fit.
 const LEAST_POINTS: usize = 30;
 
 impl RigidMotion {
     const NONE: Self = Self { rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation_mm: [0.0; 3] };
 
-    /// Where a point of the undeformed surface goes, mm.
+    /// Current position of a point of the undeformed surface, mm.
     pub(super) fn apply(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         [0, 1, 2].map(|i| self.rotation[i][0] * x + self.rotation[i][1] * y + self.translation_mm[i])
     }
@@ -65,13 +65,13 @@ impl RigidMotion {
     }
 }
 
-/// Distance between where a motion puts a cell and where the camera sees it, mm.
+/// Distance between the position of a cell by a motion and as the camera sees it, mm.
 pub(super) fn distance_mm(surface: &Surface, cell: usize, motion: &RigidMotion) -> f64 {
     let [x, y] = residual(&point(surface, cell), motion);
     (x * x + y * y).sqrt()
 }
 
-/// Fits the motion of a face to some cells of the surface; none where they are too few or do not fix it.
+/// Fits the motion of a face to some cells of the surface; none where they are too few or do not determine it.
 pub(super) fn fit(surface: &Surface, cells: &[usize], tolerance_mm: f64, scratch: &mut Vec<f64>) -> Option<StuckFace> {
     if cells.len() < LEAST_POINTS {
         return None;
@@ -89,13 +89,13 @@ pub(super) fn fit(surface: &Surface, cells: &[usize], tolerance_mm: f64, scratch
     Some(StuckFace { motion, residual_mm, matching: matching / cells.len() as f64 })
 }
 
-/// The residual at which weights fall off, for a median of so much.
+/// The residual at which weights vanish, for this median.
 fn scale_of(residual_mm: f64, tolerance_mm: f64) -> f64 {
     (1.5 * residual_mm).max(tolerance_mm)
 }
 
-/// Standard deviation of the depth in the middle of the points to which a face was fitted, mm, if each errs by the tolerance on
-/// its own: large where the rays are as good as parallel, none where the points do not fix it.
+/// Standard deviation of the depth in the middle of the points of a fitted face, mm, if each has an independent error of
+/// the tolerance: large where the rays are nearly parallel, none where the points do not determine it.
 pub(super) fn depth_deviation_mm(
     surface: &Surface,
     cells: &[usize],

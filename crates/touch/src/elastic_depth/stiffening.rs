@@ -1,19 +1,19 @@
-//! How much stiffer a gel is than small strain says.
+//! How much stiffer a gel is at finite strain than at small strain.
 //!
-//! Four things raise the force of a neo-Hookean block over that of the linear one that is moved alike in contact:
-//! depth, gel that slides outwards under a face, so that what was touched at rest now takes up more of the face, gel
-//! that is dragged along the surface, which pushes back against the face [Poynting1909], and walls, which alone push
-//! along the surface where contact slides, and squeeze the gel before them. With d the largest depth, h the thickness,
-//! e the mean change of the area in contact, s the length of its mean displacement along the surface and a the radius
-//! of a disc of its area, the normal force grows by `1 + 0.25 d / h + 0.3 e + 0.1 s² / (d a)`, shear force and torque
-//! by `1 + 0.72 d / h + 0.3 e`, and by 0.09 more where contact slides.
+//! Four effects make the force of a neo-Hookean block larger than that of the linear one with the same displacement in
+//! contact: the gel is compressed; where it slides outwards under a face, the part that was touched at rest covers more
+//! of the face; shear adds to the normal force (Poynting effect [Poynting1909]); and where contact slides, only the side
+//! walls of the indenter push along the surface, and they compress the gel in front of them. With d the largest depth, h
+//! the thickness, e the mean change of the area in contact, s the length of its mean displacement along the surface and a
+//! the radius of a disc of its area, the normal force grows by `1 + 0.25 d / h + 0.3 e + 0.1 s² / (d a)`, shear force and
+//! torque by `1 + 0.72 d / h + 0.3 e`, and by 0.09 more where contact slides.
 //!
-//! The numbers were fitted to presses of a circle, a sphere and a square alone. Those along the normal: stuck and
-//! sliding, ν .35 and .48, 2 mm deep in 10 mm; the last of them to 24 presses, 1 and 1.8 mm deep, dragged by .8 and 1.5
-//! mm, of which each alone gives .06 to .14, and beyond which `s² / (d a)` counts for no more than theirs. Those along
-//! the surface: the mean over 60 presses that were slid by up to 1.5 mm or turned by .3 rad; single forces are within 4
-//! %, torques within 12 %. The 0.09 was fitted to 5 squares, 1.2 to 2 mm deep, slid by 1.2 mm or turned by .16 or .3
-//! rad without friction: shear forces alone give .05, torques .13.
+//! The numbers were fitted only to presses of a circle, a sphere and a square. For the normal force: stuck and sliding, ν
+//! .35 and .48, 2 mm deep in 10 mm; its last coefficient to 24 presses, 1 and 1.8 mm deep, dragged by .8 and 1.5 mm, of
+//! which each alone gives .06 to .14; `s² / (d a)` is limited to the largest value among them. For shear force and
+//! torque: the mean over 60 presses that were slid by up to 1.5 mm or turned by .3 rad; single forces are within 4 %,
+//! torques within 12 %. The 0.09 was fitted to 5 squares, 1.2 to 2 mm deep, slid by 1.2 mm or turned by .16 or .3 rad
+//! without friction: shear forces alone give .05, torques .13.
 
 use std::f64::consts::PI;
 
@@ -24,7 +24,7 @@ use super::surface::neighbours;
 
 /// Relative stiffening by depth over thickness, along the normal.
 const BY_DEPTH: f64 = 0.25;
-/// The same for shear forces and torque, which a pressed block resists more.
+/// The same for shear forces and torque, for which a pressed block is stiffer.
 const SHEAR_BY_DEPTH: f64 = 0.72;
 /// Relative stiffening by the change of the area in contact.
 const BY_SPREAD: f64 = 0.3;
@@ -32,10 +32,10 @@ const BY_SPREAD: f64 = 0.3;
 const BY_DRAG: f64 = 0.1;
 /// Relative stiffening along the surface of contact that [slides](Strain::slide).
 const BY_SLIDE: f64 = 0.09;
-/// Drag of the presses that [`BY_DRAG`] was fitted to: it counts for no more than that.
+/// Largest drag of the presses that [`BY_DRAG`] was fitted to: larger values are limited to it.
 const MOST_DRAG: f64 = 0.75;
 
-/// How far contact is from small strain.
+/// The deviation of contact from small strain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Strain {
     /// Largest depth over the gel's thickness.
@@ -44,13 +44,13 @@ pub struct Strain {
     pub spread: f64,
     /// `s² / (d a)`: the square of the mean displacement along the surface over depth and the radius of a disc of the area.
     pub drag: f64,
-    /// How far contact slides, 0 to 1: 1 where its motion along the surface is more than a shift and a turn.
+    /// How far contact slides, 0 to 1: 1 where its motion along the surface is more than a translation and a rotation.
     pub slide: f64,
 }
 
 impl Strain {
-    /// That of a grid's cells in contact, from their displacement, mm, the largest depth, mm, and the gel's thickness, mm; the
-    /// spread is that of cells whose four neighbours are in contact. 0 where there is no contact.
+    /// Strain of a grid's cells in contact, from their displacement, mm, the largest depth, mm, and the gel's thickness,
+    /// mm; the spread is that of cells whose four neighbours are in contact. 0 where there is no contact.
     ///
     /// # Panics
     ///
@@ -88,7 +88,7 @@ fn spread(grid: SurfaceGrid, in_contact: &[bool], moved_mm: &[[f32; 3]]) -> f64 
         let change = |to: usize, from: usize, axis: usize| {
             f64::from(moved_mm[to][axis] - moved_mm[from][axis]) / (2.0 * grid.cell_mm)
         };
-        // The determinant, so that what turns does not spread.
+        // The determinant, so that a rotation is not a spread.
         let area = (1.0 + change(right, left, 0)) * (1.0 + change(below, above, 1))
             - change(right, left, 1) * change(below, above, 0);
         sum += area - 1.0;
@@ -97,7 +97,7 @@ fn spread(grid: SurfaceGrid, in_contact: &[bool], moved_mm: &[[f32; 3]]) -> f64 
     if count > 0.0 { sum / count } else { 0.0 }
 }
 
-/// That of contact of this area, mm², which is shifted so, mm, and so deep, mm.
+/// Drag of contact of this area, mm², for this displacement, mm, and depth, mm.
 fn drag([x, y]: [f64; 2], area_mm2: f64, depth_mm: f64) -> f64 {
     let radius_mm = (area_mm2 / PI).sqrt();
     if depth_mm > 0.0 { (x * x + y * y) / (depth_mm * radius_mm) } else { 0.0 }
@@ -109,7 +109,7 @@ mod tests {
 
     const GRID: SurfaceGrid = SurfaceGrid { columns: 12, rows: 10, cell_mm: 0.5 };
 
-    /// The strain of contact 3 mm by 2 mm, 1 mm deep in 10 mm, that is displaced so from where it was.
+    /// The strain of contact 3 mm by 2 mm, 1 mm deep in 10 mm, with this displacement from where it was.
     fn strain(moved: impl Fn([f64; 2]) -> [f64; 2]) -> Strain {
         let moved: Vec<_> = GRID.centres_mm().map(&moved).map(|[x, y]| [x as f32, y as f32, 1.0]).collect();
         let touches: Vec<_> =
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn contact_that_is_dragged_pushes_back() {
+    fn shear_adds_to_the_normal_force() {
         let dragged = strain(|_| [0.3, -0.4]);
         let radius_mm = (6.0 / PI).sqrt();
         assert!((dragged.drag - 0.25 / radius_mm).abs() < 1e-6 && dragged.spread.abs() < 1e-6, "{dragged:?}");

@@ -1,4 +1,4 @@
-//! The gel's surface as cells, and what the camera tells of each.
+//! The gel's surface as cells, and the camera's measurement of each.
 //!
 //! A pixel at `x` with the flow `u` sees its point of the gel along the ray of `x + u`. With `X` the point at rest, that
 //! ray meets the undeformed surface at `X + b`, the apparent displacement, and leans by the slope `a` from the z axis.
@@ -8,7 +8,7 @@
 //! U + a d = b
 //! ```
 //!
-//! Three unknowns a point: the depth d is left free, and is what elasticity has to find.
+//! Three unknowns for each point: the depth d is left open, and elasticity has to determine it.
 
 use fearless_simd::{Level, dispatch, f32x4, f32x8, prelude::*};
 use fearless_simd_macros::simd;
@@ -19,11 +19,11 @@ use fingervision_optics::Camera;
 
 use super::nearest::{Place, cell_at, is_somewhere, nearest_into};
 
-/// Nearer to the image's border a flow that does not hold is that of gel that has left the view, px.
+/// An invalid flow nearer to the image's border than this belongs to gel that has left the view, px.
 const MARGIN_PX: f64 = 8.0;
 /// Marks a pixel that does not show the gel.
 const NOWHERE: u32 = u32::MAX;
-/// Numbers of a cell that are brought to the pixels together: two cells of them are a register.
+/// Numbers of a cell that are interpolated to the pixels together: two cells of them fill a register.
 pub(super) const KNOWN: usize = 4;
 
 /// The cells of a gel's surface, seen by a camera.
@@ -34,25 +34,26 @@ pub(super) struct Surface {
     pub(super) grid: SurfaceGrid,
     /// The cell of each pixel.
     cell_of: Vec<u32>,
-    /// The four cells around each pixel, for what is linear between their centres.
+    /// The four cells around each pixel, for linear interpolation between their centres.
     corners: Vec<Corners>,
     /// The mean place of each cell's pixels in the reference image, px, and where that is on the gel, mm.
     rest: Vec<Option<Rest>>,
-    /// Cells at the border of what the camera sees of the gel where the gel goes on.
+    /// Cells at the border of the visible part of the gel, where the gel continues.
     border: Vec<usize>,
     /// Width and height of the image, px.
     size: (usize, usize),
-    /// Whether each cell is seen in the last frame, and the nearest one that is.
+    /// Whether each cell is visible in the last frame, and the nearest visible cell.
     is_seen: Vec<bool>,
     nearest: Vec<Place>,
     sums: Vec<Sum>,
     /// Size of a pixel on the undeformed surface, mm: the root of the mean area of what the pixels on the gel see.
     pub(super) mm_per_px: f64,
-    /// What the last frame told, a cell each.
+    /// The measurements of the last frame, one for each cell.
     pub(super) seen: Vec<Seen>,
 }
 
-/// Of the four cells around a pixel the upper left, and how far the pixel is from its centre to the right and down, 0 to 1.
+/// The upper left of the four cells around a pixel, and the distance of the pixel from its centre to the right and down,
+/// 0 to 1.
 #[derive(Debug, Clone, Copy)]
 struct Corners {
     cell: u32,
@@ -71,7 +72,7 @@ struct Sum {
     flow: [f32; 2],
     count: f32,
     valid: f32,
-    /// Of the flow's variance where it holds, px².
+    /// Variance of the flow where it is valid, px².
     variance: f32,
 }
 
@@ -85,16 +86,17 @@ impl Sum {
     }
 }
 
-/// What the camera tells of a cell.
+/// The camera's measurement of a cell.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Seen {
     /// b: the apparent displacement, mm.
     pub apparent_mm: [f32; 2],
     /// a: the slope of the ray, dimensionless.
     pub slope: [f32; 2],
-    /// Which part of the cell's pixels has a flow that holds, 0 to 1; 0 where no pixel shows the cell.
+    /// Which part of the cell's pixels has a valid flow, 0 to 1; 0 where no pixel shows the cell.
     pub trust: f32,
-    /// Predicted standard deviation of its flow, both components together, on the undeformed surface, mm; 0 where none holds.
+    /// Predicted standard deviation of its flow, both components together, on the undeformed surface, mm; 0 where none is
+    /// valid.
     pub deviation_mm: f32,
 }
 
@@ -108,7 +110,7 @@ pub(super) struct WithoutDrag<'a> {
 }
 
 impl Seen {
-    /// U = b − a d: the displacement along the surface, mm, of a cell that is so deep, mm.
+    /// U = b − a d: the displacement along the surface, mm, of a cell at this depth, mm.
     #[must_use]
     pub fn lateral_mm(&self, depth_mm: f32) -> [f32; 2] {
         [0, 1].map(|axis| self.apparent_mm[axis] - self.slope[axis] * depth_mm)
@@ -120,7 +122,7 @@ impl Surface {
     pub(super) fn new(camera: &Camera, gel: &GelBlock, size: (usize, usize), cells: usize) -> Option<Self> {
         let [width_mm, height_mm] = gel.size_mm;
         let cell_mm = width_mm.max(height_mm) / cells as f64;
-        // What lies between cells needs two of them.
+        // Interpolation between cells needs two of them.
         let count = |length: f64| ((length / cell_mm).round() as usize).max(2);
         let grid = SurfaceGrid { columns: count(width_mm), rows: count(height_mm), cell_mm };
         let place = |x: usize, y: usize| {
@@ -181,8 +183,8 @@ impl Surface {
         self.camera.position_mm()[2]
     }
 
-    /// Depth that an error of the apparent displacement puts into a point half-way from the gel's centre to its side, mm per
-    /// mm: one over the slope of its ray.
+    /// Error of depth per error of the apparent displacement, mm per mm, for a point half-way from the gel's centre to
+    /// its side: one over the slope of its ray.
     pub(super) fn typical_leverage(&self) -> f64 {
         let SurfaceGrid { columns, rows, cell_mm } = self.grid;
         self.distance_mm() / (0.25 * cell_mm * columns.max(rows) as f64)
@@ -195,14 +197,14 @@ impl Surface {
         [at(cell % columns, columns), at(cell / columns, rows)]
     }
 
-    /// The largest apparent displacement of a cell whose flow holds, mm.
+    /// The largest apparent displacement of a cell with valid flow, mm.
     pub(super) fn largest_apparent_mm(&self) -> f64 {
         let trusted = self.seen.iter().filter(|seen| seen.trust > 0.5);
         let squares = trusted.map(|seen| seen.apparent_mm[0].powi(2) + seen.apparent_mm[1].powi(2));
         f64::from(squares.fold(0.0, f32::max)).sqrt()
     }
 
-    /// Half of the cells whose flow holds have a deviation of at most this, mm; `scratch` is room to rank them.
+    /// The median deviation of the cells with valid flow, mm; `scratch` is memory to rank them.
     pub(super) fn typical_deviation_mm(&self, scratch: &mut Vec<f64>) -> f64 {
         scratch.clear();
         scratch.extend(self.seen.iter().filter(|seen| seen.trust > 0.5).map(|seen| f64::from(seen.deviation_mm)));
@@ -210,17 +212,17 @@ impl Surface {
         if scratch.is_empty() { 0.0 } else { *scratch.select_nth_unstable_by(middle, f64::total_cmp).1 }
     }
 
-    /// Cells at the border of what the camera sees of the gel where the gel goes on.
+    /// Cells at the border of the visible part of the gel, where the gel continues.
     pub(super) fn border(&self) -> impl Iterator<Item = usize> {
         self.border.iter().copied()
     }
 
-    /// Takes a frame's flow, px, its deviation, px, and where it holds. What a cell outside the view does is taken from the
-    /// nearest inside.
+    /// Takes a frame's flow, px, its deviation, px, and its validity. Cells outside the field of view take the
+    /// displacement of the nearest visible cell.
     pub(super) fn look(&mut self, flow: &FlowField, deviation: &Image<f32>, valid: &Image<u8>) {
         self.sums.fill(Sum::default());
         let pixels = flow.u.values().iter().zip(flow.v.values()).zip(deviation.values().iter().zip(valid.values()));
-        // Neighbours in a row mostly show the same cell: they are summed before they are added to it.
+        // Neighbours in a row mostly belong to the same cell: they are summed before they are added to it.
         let (mut last, mut run) = (0, Sum::default());
         for (&cell, ((&u, &v), (&deviation, &valid))) in self.cell_of.iter().zip(pixels) {
             if cell != NOWHERE && u.is_finite() && v.is_finite() {
@@ -252,7 +254,7 @@ impl Surface {
         self.fill();
     }
 
-    /// Gives cells that are not seen what the nearest one tells that is.
+    /// Cells that are not visible take the measurement of the nearest visible cell.
     fn fill(&mut self) {
         nearest_into(self.grid.columns, &self.is_seen, &mut self.nearest);
         if !is_somewhere(self.nearest[0]) {
@@ -264,8 +266,8 @@ impl Surface {
         }
     }
 
-    /// Brings what is known of the cells to the pixels, linear between centres: calls `write` for every pixel and its target,
-    /// row by row, with nothing where it does not show the gel.
+    /// Interpolates values of the cells to the pixels, linear between centres: calls `write` for every pixel and its
+    /// target, row by row, with `None` where the pixel does not show the gel.
     pub(super) fn to_pixels<T>(
         &self,
         cells: &[[f32; KNOWN]],
@@ -283,7 +285,7 @@ impl Surface {
         targets: impl Iterator<Item = T>,
         mut write: impl FnMut(T, Option<[f32; KNOWN]>),
     ) {
-        // Two cells side by side fill one register.
+        // Two adjacent cells fill one register.
         let pair = |cell: usize| f32x8::from_slice(simd, cells[cell..cell + 2].as_flattened());
         for (&Corners { cell, right, down }, target) in self.corners.iter().zip(targets) {
             if cell == NOWHERE {
@@ -297,7 +299,7 @@ impl Surface {
         }
     }
 
-    /// What the camera would tell of a cell at some depth, mm, if a part of its displacement, mm, were taken from it.
+    /// What the camera would measure of a cell at a depth, mm, if a displacement, mm, were subtracted from its own.
     pub(super) fn without(&self, cell: usize, depth_mm: f32, [x, y, z]: [f32; 3]) -> Seen {
         let seen = &self.seen[cell];
         let lateral_mm = seen.lateral_mm(depth_mm);
@@ -318,7 +320,7 @@ impl Surface {
         }
     }
 
-    /// The displacement of a pixel's point along x and y, mm, where its flow, px, and its depth, mm, are known.
+    /// The displacement of a pixel's point along x and y, mm, from its flow, px, and its depth, mm.
     pub(super) fn lateral_mm(&self, at_px: [f64; 2], flow_px: [f64; 2], depth_mm: f64) -> Option<[f64; 2]> {
         let rest = self.camera.surface_point(at_px, 0.0)?;
         let now = self.camera.surface_point([at_px[0] + flow_px[0], at_px[1] + flow_px[1]], depth_mm)?;
@@ -327,7 +329,7 @@ impl Surface {
 }
 
 impl Corners {
-    /// Around a place on the grid, in cells, whole at their centres.
+    /// The cells around a place on the grid, in cells, integer at their centres.
     fn around(grid: SurfaceGrid, place: Option<[f64; 2]>) -> Self {
         let Some([x, y]) = place else { return Self { cell: NOWHERE, right: 0.0, down: 0.0 } };
         let split = |place: f64, count: usize| {
@@ -340,7 +342,7 @@ impl Corners {
     }
 }
 
-/// The four cells beside one; none at the grid's border.
+/// The four neighbours of a cell; none at the grid's border.
 pub(super) fn neighbours(grid: SurfaceGrid, cell: usize) -> Option<[usize; 4]> {
     let (column, row) = (cell % grid.columns, cell / grid.columns);
     let is_inner = column > 0 && row > 0 && column + 1 < grid.columns && row + 1 < grid.rows;

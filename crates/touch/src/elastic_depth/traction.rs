@@ -1,12 +1,12 @@
-//! The tractions that hold the gel where it is touched.
+//! The tractions that cause the displacement of the gel in contact.
 //!
 //! In contact the displacement is known, outside it the traction is zero. With C the compliance of the block's surface,
-//! `(C t)` equals the displacement on the cells in contact: solved for t there by conjugate gradients, preconditioned with
-//! the stiffness of a layer, from the tractions of the frame before.
+//! `(C t)` equals the displacement at the cells in contact. This is solved for t by conjugate gradients, preconditioned
+//! with the stiffness of a layer, starting from the tractions of the previous frame.
 
 use fingervision_elastic::BlockOperator;
 
-/// Tractions in units of the shear modulus and the displacement that they make, with the scratch to find them.
+/// Tractions in units of the shear modulus and the displacement that they cause, with the scratch memory to find them.
 #[derive(Debug)]
 pub struct Tractions {
     operator: BlockOperator,
@@ -18,7 +18,7 @@ pub struct Tractions {
     image: Vec<[f32; 3]>,
 }
 
-/// When to end.
+/// When the iteration ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Residual displacement relative to the wanted one, as root mean squares, dimensionless.
@@ -43,7 +43,7 @@ impl Tractions {
         }
     }
 
-    /// Forgets the frames before.
+    /// Forgets the previous frames.
     pub(super) fn rest(&mut self) {
         self.traction.fill([0.0; 3]);
         self.displacement_mm.fill([0.0; 3]);
@@ -55,13 +55,13 @@ impl Tractions {
         &self.traction
     }
 
-    /// The displacement `(x, y, z)` of the cells' centres that they make, mm.
+    /// The displacement `(x, y, z)` of the cells' centres that they cause, mm.
     #[must_use]
     pub fn displacement_mm(&self) -> &[[f32; 3]] {
         &self.displacement_mm
     }
 
-    /// Brings the cells in contact to the wanted displacements, mm; those elsewhere are not read.
+    /// Solves for the tractions that give the cells in contact these displacements, mm; values elsewhere are not read.
     ///
     /// # Panics
     ///

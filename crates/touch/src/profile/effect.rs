@@ -1,19 +1,19 @@
-//! Which settings change nothing under the others that are in force.
+//! Finds settings that have no effect under the other settings in force.
 
 use fingervision_flow::Preset;
 
 use super::{Profile, ProfileError};
 use crate::{DepthLaw, DepthMethod, Fields, Policy};
 
-/// A reason for no effect, and what would give one.
+/// A reason for no effect, and what would give the setting one.
 type Reason = (String, String);
 
 impl Profile {
-    /// Checks that settings change something, each named by its path: those that somebody gave on purpose.
+    /// Checks that settings have an effect, each named by its path: those that the user gave explicitly.
     ///
     /// # Errors
     ///
-    /// [`ProfileError::NoEffect`] naming the first that changes nothing for these fields.
+    /// [`ProfileError::NoEffect`] naming the first one without effect on these fields.
     pub fn expect_effect<'a>(
         &self,
         keys: impl IntoIterator<Item = &'a str>,
@@ -22,7 +22,7 @@ impl Profile {
         keys.into_iter().find_map(|key| self.no_effect(key, fields)).map_or(Ok(()), Err)
     }
 
-    /// Why a setting changes nothing; absent if it changes something.
+    /// Why a setting has no effect; absent if it has one.
     #[must_use]
     pub fn no_effect(&self, key: &str, fields: Fields) -> Option<ProfileError> {
         let reason = match key.split_once('.') {
@@ -43,11 +43,11 @@ impl Profile {
         let of_affine = || ("flow.preset is dense inverse search alone".into(), "set flow.preset=affine".into());
         match key {
             "finest_level" if is_affine => Some((
-                "flow.preset = \"affine\" ends at full size".into(),
+                "flow.preset = \"affine\" always ends at full size".into(),
                 "set flow.preset=medium, fast or ultrafast".into(),
             )),
             "search.finest_level" if self.flow.finest_level.is_some() => {
-                Some(("flow.finest_level is set and goes first".into(), "set flow.finest_level instead".into()))
+                Some(("flow.finest_level is set and takes precedence".into(), "set flow.finest_level instead".into()))
             }
             _ if key.starts_with("search") && is_affine && policy == Policy::Single => Some((
                 "references.policy = \"single\" with flow.preset = \"affine\" never searches".into(),
@@ -94,24 +94,24 @@ impl Profile {
             return Some((format!("there is no elastic depth: the profile has no {lacks}"), hint));
         }
         let is_asked = fields.depth || fields.displacement || fields.traction;
-        (!is_asked).then(|| ("no elastic field is asked for".into(), "ask for depth in --fields".into()))
+        (!is_asked).then(|| ("no elastic field is requested".into(), "add depth to --fields".into()))
     }
 
     fn idle_density(&self, fields: Fields) -> Option<Reason> {
         let is_used = fields.density || self.law_in_force(fields).is_some();
-        (!is_used).then(|| ("the density is not asked for".into(), "ask for density in --fields".into()))
+        (!is_used).then(|| ("the density is not requested".into(), "add density to --fields".into()))
     }
 
     fn idle_law(&self, fields: Fields) -> Option<Reason> {
         let reason = match self.depth_method() {
             DepthMethod::Elastic => "depth.method is \"elastic\"",
-            DepthMethod::Density if !fields.depth => "depth is not asked for",
+            DepthMethod::Density if !fields.depth => "depth is not requested",
             DepthMethod::Density => return None,
         };
-        Some((reason.into(), "set depth.method=density and ask for depth".into()))
+        Some((reason.into(), "set depth.method=density and request depth".into()))
     }
 
-    /// The law that turns density into depth, if depth is found so.
+    /// The law that turns density into depth, if that method is in force.
     fn law_in_force(&self, fields: Fields) -> Option<DepthLaw> {
         self.depth.density.filter(|_| fields.depth && self.depth_method() == DepthMethod::Density)
     }

@@ -24,17 +24,17 @@ pub enum ProfileError {
         /// Columns and rows of the frames, px.
         frame_size: (usize, usize),
     },
-    /// A setting that changes nothing under the others.
+    /// A setting that has no effect under the others.
     #[error("{key} has no effect: {reason}")]
     NoEffect {
         /// The path of the setting.
         key: String,
         /// Why not.
         reason: String,
-        /// What would give it one.
+        /// What would give it an effect.
         hint: String,
     },
-    /// Elastic depth without the table that says where the camera is or what the gel is.
+    /// Elastic depth is requested, but the table that describes camera or gel is missing.
     #[error("depth.method = \"elastic\" needs [{table}], which the profile lacks")]
     ElasticNeeds {
         /// The table.
@@ -43,7 +43,7 @@ pub enum ProfileError {
 }
 
 impl ProfileError {
-    /// What the user can do about it, where there is something to say.
+    /// What the user can do about it, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
@@ -51,7 +51,7 @@ impl ProfileError {
                 Some("leave --profile out to track an uncalibrated sensor".into())
             }
             Self::Settings(SettingsError::OutOfRange { key, allowed, .. }) if allowed.ends_with(" mm") => {
-                Some(format!("write {key} in mm: multiply by 1000 what is in m, divide by 1000 what is in µm"))
+                Some(format!("write {key} in mm: multiply a value in m by 1000, divide a value in µm by 1000"))
             }
             Self::Settings(SettingsError::OutOfRange { key, allowed, .. }) => {
                 Some(format!("set {key} in the profile, or with --set, to {allowed}"))
@@ -70,12 +70,12 @@ impl ProfileError {
         }
     }
 
-    /// The same error, in a file.
+    /// The same error, with the file's name.
     pub(super) fn in_file(self, path: &Path) -> Self {
         self.map_settings(|error| error.in_file(path))
     }
 
-    /// The same error, with its line in the text where it had none.
+    /// The same error, with its line in the text if it had none.
     pub(super) fn in_text(self, text: &str) -> Self {
         self.map_settings(|error| error.in_text(text))
     }
@@ -100,7 +100,7 @@ impl From<ParameterError> for ProfileError {
     }
 }
 
-/// The key of what an error of the flow is about; a picture's size is the region's.
+/// The key that an error of the flow refers to; a picture's size is the region's.
 impl From<FlowError> for ProfileError {
     fn from(error: FlowError) -> Self {
         const REGION: &str = "image.region_of_interest";
@@ -112,7 +112,7 @@ impl From<FlowError> for ProfileError {
                 Self::impossible(REGION, format!("{width}x{height} px"), format!("{least} px or more either way"))
             }
             FlowError::TooLarge { width, height, most } => {
-                Self::impossible(REGION, format!("{width}x{height} px"), format!("{most} px or less in all"))
+                Self::impossible(REGION, format!("{width}x{height} px"), format!("{most} px or less in total"))
             }
         }
     }

@@ -1,29 +1,30 @@
-//! What looks wrong with a profile although every value is possible: a slip of unit, a camera that looks elsewhere.
+//! What looks wrong in a profile although every value is possible: a wrong unit, a camera that does not see the gel.
 
 use serde::Serialize;
 
 use super::review::ProfileReview;
 use super::{DepthMethod, Profile};
-use crate::LEARNED_FROM;
+use crate::TRAINING_RANGE;
 
-/// Angles of view across the region that a lens has, degrees.
+/// Usual angles of view of a lens across the region, degrees.
 const ANGLES_DEGREES: std::ops::RangeInclusive<f64> = 5.0..=150.0;
-/// Less than this part of the gel in view, or of the view on gel, is no sensor as meant.
+/// With less than this part of the gel in view, or of the view on gel, the profile is unlikely to be as intended.
 const LEAST_PART: f64 = 0.2;
-/// Farther than this from the region's middle, in its sides, a principal point is taken to be that of another image.
+/// A principal point farther than this from the region's middle, in sides of the region, is assumed to be that of another
+/// image.
 const FARTHEST_AXIS: f64 = 0.25;
-/// A longer rotation is one in degrees, rad.
+/// A longer rotation vector is assumed to be in degrees, rad.
 const LARGEST_ROTATION_RAD: f64 = 0.6;
 
-/// How much a remark weighs.
+/// The severity of a remark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Weight {
     /// Tracking fails, or its numbers are wrong.
     Fault,
-    /// It may be meant, but rarely is.
+    /// It may be intended, but rarely is.
     Warning,
-    /// What is absent and what it would switch on.
+    /// Something is absent; the remark names what it would enable.
     Missing,
 }
 
@@ -31,9 +32,9 @@ pub enum Weight {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Remark {
-    /// How much it weighs.
+    /// Its severity.
     pub weight: Weight,
-    /// What is the matter, with the value.
+    /// The problem, with the value.
     pub message: String,
     /// What to do about it.
     pub hint: String,
@@ -45,7 +46,7 @@ impl Remark {
     }
 }
 
-/// All that is to say, faults first.
+/// All remarks, faults first.
 pub(super) fn all(profile: &Profile, review: &ProfileReview, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
     let mut remarks = does_not_fit(profile, frame_size);
     remarks.extend(lengths(profile));
@@ -57,7 +58,7 @@ pub(super) fn all(profile: &Profile, review: &ProfileReview, frame_size: Option<
     remarks
 }
 
-/// What keeps a tracker from being made.
+/// Why a tracker cannot be made.
 fn does_not_fit(profile: &Profile, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
     let region = frame_size.and_then(|size| profile.region(size).err());
     let is_elastic = profile.depth_method() == DepthMethod::Elastic;
@@ -67,7 +68,7 @@ fn does_not_fit(profile: &Profile, frame_size: Option<(usize, usize)>) -> Vec<Re
     region.into_iter().chain(elastic).map(fault).collect()
 }
 
-/// Values in another unit: 1000 times what a sensor has, or a thousandth.
+/// Values in another unit: 1000 times larger or smaller than those of a sensor.
 fn lengths(profile: &Profile) -> Vec<Remark> {
     let mut checks = Vec::new();
     if let Some(gel) = profile.gel {
@@ -86,7 +87,7 @@ fn lengths(profile: &Profile) -> Vec<Remark> {
     remarks
 }
 
-/// A unit and the ones that it is mistaken for: 1000 times smaller, 1000 times larger.
+/// A unit and the units it is confused with: 1000 times smaller, 1000 times larger.
 type Unit = [&'static str; 3];
 const LENGTH: Unit = ["mm", "µm", "m"];
 const STIFFNESS: Unit = ["MPa", "kPa", "GPa"];
@@ -100,7 +101,7 @@ fn slip(key: &str, value: f64, [least, most]: [f64; 2], [unit, smaller, larger]:
         Some((meant, given_in)) => format!("the unit is {unit}: write {} if this is in {given_in}", rounded(meant)),
         None => format!("the unit is {unit}: measure it again"),
     };
-    let message = format!("{key} = {value} {unit} is none of a sensor: {least} to {most} {unit} is usual");
+    let message = format!("{key} = {value} {unit} is not that of a usual sensor: {least} to {most} {unit}");
     Some(Remark::new(Weight::Fault, message, hint))
 }
 
@@ -121,7 +122,7 @@ fn lens(profile: &Profile, review: &ProfileReview) -> Vec<Remark> {
             remarks.push(Remark::new(
                 Weight::Fault,
                 format!("camera.focal_length_px = {fx} px sees {angle:.1}° across a region of {width} px"),
-                "the focal length is in px of the image: the lens's in mm over the size of a pixel on the chip in mm",
+                "the focal length is in px of the image: that of the lens in mm divided by the size of a pixel on the chip in mm",
             ));
         }
         let off = [(cx / (width - 1.0).max(1.0) - 0.5).abs(), (cy / (height - 1.0).max(1.0) - 0.5).abs()];
@@ -129,12 +130,12 @@ fn lens(profile: &Profile, review: &ProfileReview) -> Vec<Remark> {
             remarks.push(Remark::new(
                 Weight::Warning,
                 format!("camera.principal_point_px = [{cx}, {cy}] is far from the middle of the region of {width}x{height} px"),
-                "it is in px of the region of interest: subtract the region's x and y from that in the camera's image",
+                "it is in px of the region of interest: subtract the region's x and y from the position in the camera's image",
             ));
         }
     }
     if (fx / fy).max(fy / fx) > 1.25 {
-        let message = format!("camera.focal_length_px = [{fx}, {fy}] px says that pixels are not square");
+        let message = format!("camera.focal_length_px = [{fx}, {fy}] px means that pixels are not square");
         remarks.push(Remark::new(Weight::Warning, message, "both are nearly equal for a usual camera"));
     }
     let rotation = camera.rotation_rad.iter().map(|value| value * value).sum::<f64>().sqrt();
@@ -168,13 +169,13 @@ fn training_range(review: &ProfileReview) -> Option<Remark> {
     (review.is_outside_training_range == Some(true)).then(|| {
         Remark::new(
             Weight::Warning,
-            format!("gel and camera are outside the network's training range: {LEARNED_FROM}"),
-            "expect larger errors of depth than depth_deviation says; --set elastic.learned=false does without the network",
+            format!("gel and camera are outside the network's training range: {TRAINING_RANGE}"),
+            "expect larger errors of depth than depth_deviation says; --set elastic.network=false switches the network off",
         )
     })
 }
 
-/// What is absent, and what it would switch on.
+/// What is absent, and what it would enable.
 fn missing(profile: &Profile) -> Vec<Remark> {
     let mut remarks = Vec::new();
     let mut lacks = |message: &str, hint: &str| remarks.push(Remark::new(Weight::Missing, message, hint));

@@ -1,19 +1,4 @@
-use super::{Profile, Remark, Weight};
-
-/// The profile of the documentation.
-const SENSOR: &str = "
-    [image]
-    region_of_interest = [15, 15, 610, 450]
-    [camera]
-    focal_length_px = [400.0, 400.0]
-    principal_point_px = [304.5, 224.5]
-    translation_mm = [0.0, 0.0, 25.0]
-    [gel]
-    size_mm = [30.0, 30.0]
-    thickness_mm = 10.0
-    poissons_ratio = 0.48
-    youngs_modulus_mpa = 0.6
-";
+use super::{Profile, Remark, SENSOR, Weight};
 
 /// What there is to say once some values are others.
 fn remarks(assignments: &[(&str, &str)]) -> Vec<Remark> {
@@ -31,7 +16,7 @@ fn expect(assignments: &[(&str, &str)], weight: Weight, message: &str, hint: &st
 }
 
 #[test]
-fn a_sound_sensor_gives_nothing_to_say() {
+fn a_valid_sensor_gives_no_remarks() {
     assert_eq!(remarks(&[]), []);
 }
 
@@ -83,7 +68,7 @@ fn a_region_outside_the_frame_is_a_fault() {
 
 #[test]
 fn a_sensor_outside_the_training_range_is_a_warning() {
-    expect(&[("gel.thickness_mm", "3")], Weight::Warning, "training range", "elastic.learned=false");
+    expect(&[("gel.thickness_mm", "3")], Weight::Warning, "training range", "elastic.network=false");
 }
 
 #[test]

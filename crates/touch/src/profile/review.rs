@@ -1,4 +1,4 @@
-//! What a profile switches on, before any frame is tracked.
+//! What a profile enables, before any frame is tracked.
 
 use fingervision_elastic::GelBlock;
 use fingervision_image::Rect;
@@ -8,22 +8,23 @@ use serde::Serialize;
 use super::remarks::{self, Remark};
 use super::{DepthMethod, Profile};
 
-/// Points along either side of the grids that count what is seen.
+/// Points along each side of the grids that count what is visible.
 const GRID: usize = 41;
 
-/// What a profile switches on, what the camera sees and what looks wrong.
+/// What a profile enables, what the camera sees and what looks wrong.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ProfileReview {
-    /// Left column, top row, width and height of what is tracked, px; absent where the whole frame is and its size is unknown.
+    /// Left column, top row, width and height of the tracked region, px; absent if it is the whole frame and its size is
+    /// unknown.
     pub region_of_interest: Option<[usize; 4]>,
-    /// The way to depth, or none.
+    /// The method for depth, or none.
     pub depth: Option<DepthMethod>,
-    /// Whether there is a force.
+    /// Whether force is computed.
     pub has_force: bool,
     /// Size of a pixel on the undeformed surface where the optical axis meets it, mm.
     pub mm_per_px: Option<f64>,
-    /// Width and height of what the region shows through its middle, mm on the undeformed surface.
+    /// Width and height of the field of view of the region through its middle, mm on the undeformed surface.
     pub field_of_view_mm: Option<[f64; 2]>,
     /// Part of the gel's surface that the region shows, 0 to 1.
     pub gel_seen: Option<f64>,
@@ -36,7 +37,7 @@ pub struct ProfileReview {
 }
 
 impl Profile {
-    /// What the profile switches on and what looks wrong, for frames of this size if it is known.
+    /// What the profile enables and what looks wrong, for frames of this size if it is known.
     #[must_use]
     pub fn review(&self, frame_size: Option<(usize, usize)>) -> ProfileReview {
         let whole = |(width, height)| Rect::whole(width, height);
@@ -52,7 +53,7 @@ impl Profile {
             _ => None,
         };
         let outside =
-            || self.elastic_sensor().is_ok_and(|(camera, gel)| self.elastic.is_outside_learned(&camera, &gel));
+            || self.elastic_sensor().is_ok_and(|(camera, gel)| self.elastic.is_outside_training(&camera, &gel));
         let mut review = ProfileReview {
             region_of_interest: region.map(|region| [region.x, region.y, region.width, region.height]),
             depth,
@@ -61,7 +62,7 @@ impl Profile {
             field_of_view_mm: scene.as_ref().and_then(|(region, camera)| field_of_view_mm(region, camera)),
             gel_seen: with_gel.map(|((region, camera), gel)| gel_seen(region, camera, &gel)),
             region_on_gel: with_gel.map(|((region, camera), gel)| region_on_gel(region, camera, &gel)),
-            is_outside_training_range: (is_elastic && self.elastic.learned).then(outside),
+            is_outside_training_range: (is_elastic && self.elastic.network).then(outside),
             remarks: Vec::new(),
         };
         review.remarks = remarks::all(self, &review, frame_size);
@@ -76,7 +77,7 @@ fn field_of_view_mm(region: &Rect, camera: &Camera) -> Option<[f64; 2]> {
         let ([ax, ay], [bx, by]) = (camera.surface_point(a, 0.0)?, camera.surface_point(b, 0.0)?);
         Some((bx - ax).hypot(by - ay))
     };
-    // A pixel reaches half a pixel from its centre.
+    // A pixel extends half a pixel from its centre.
     let width = between([-0.5, 0.5 * bottom], [right + 0.5, 0.5 * bottom])?;
     let height = between([0.5 * right, -0.5], [0.5 * right, bottom + 0.5])?;
     Some([width, height])
@@ -105,7 +106,7 @@ fn last_px(region: &Rect) -> [f64; 2] {
     [region.width, region.height].map(|length| length as f64 - 1.0)
 }
 
-/// The part of a grid over the unit square at whose points something holds.
+/// The part of a grid over the unit square at whose points `holds` is true.
 fn part_of_grid(holds: impl Fn(f64, f64) -> bool) -> f64 {
     let at = |k: usize| (k as f64 + 0.5) / GRID as f64;
     let count = (0..GRID * GRID).filter(|k| holds(at(k % GRID), at(k / GRID))).count();
@@ -114,34 +115,30 @@ fn part_of_grid(holds: impl Fn(f64, f64) -> bool) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::SENSOR;
     use super::*;
 
-    const SENSOR: &str = "
-        [image]
-        region_of_interest = [0, 0, 480, 480]
-        [camera]
-        focal_length_px = [400.0, 400.0]
-        principal_point_px = [239.5, 239.5]
-        translation_mm = [0.0, 0.0, 25.0]
-        [gel]
-        size_mm = [30.0, 30.0]
-        thickness_mm = 10.0
-        poissons_ratio = 0.48
-    ";
+    /// The profile of the documentation, with a region that shows the whole gel.
+    fn square_sensor() -> Profile {
+        let mut profile = Profile::from_toml(SENSOR).unwrap();
+        let region = ("image.region_of_interest", "[0, 0, 480, 480]");
+        profile.set_all([region, ("camera.principal_point_px", "[239.5, 239.5]")]).unwrap();
+        profile
+    }
 
     #[test]
     fn a_sensor_that_its_camera_sees_to_the_edges_is_found_so() {
-        let review = Profile::from_toml(SENSOR).unwrap().review(None);
+        let review = square_sensor().review(None);
         let [width, height] = review.field_of_view_mm.unwrap();
         assert!((width - 30.0).abs() < 1e-9 && (height - 30.0).abs() < 1e-9, "{width} x {height} mm");
         assert_eq!((review.gel_seen, review.region_on_gel), (Some(1.0), Some(1.0)));
-        assert_eq!((review.depth, review.has_force), (Some(DepthMethod::Elastic), false));
+        assert_eq!((review.depth, review.has_force), (Some(DepthMethod::Elastic), true));
         assert_eq!(review.is_outside_training_range, Some(false));
     }
 
     #[test]
     fn half_the_gel_is_seen_where_the_image_is_half_as_wide() {
-        let mut profile = Profile::from_toml(SENSOR).unwrap();
+        let mut profile = square_sensor();
         profile.set("image.region_of_interest", "[0, 0, 240, 480]").unwrap();
         let review = profile.review(None);
         assert!((review.gel_seen.unwrap() - 0.5).abs() < 0.02, "{review:?}");

@@ -4,13 +4,13 @@ use serde::Deserialize;
 
 use super::{PROFILE, Profile};
 
-/// What is read of a `run.toml`: its `[profile]`. The rest says how the run was made.
+/// The part of a `run.toml` that is read: its `[profile]`. The rest describes how the run was made.
 #[derive(Debug, Deserialize)]
 pub(super) struct RunRecord {
     pub(super) profile: Profile,
 }
 
-/// What tells a `run.toml` from a profile, which has no such keys.
+/// The keys that distinguish a `run.toml` from a profile.
 #[derive(Debug, Deserialize)]
 struct Outline {
     #[expect(dead_code, reason = "it must be there")]
@@ -19,7 +19,7 @@ struct Outline {
     profile: AnyTable,
 }
 
-/// A table, whatever it holds.
+/// A table with any content.
 #[derive(Debug, Deserialize)]
 struct AnyTable {}
 

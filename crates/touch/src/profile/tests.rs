@@ -5,34 +5,18 @@ use fingervision_optics::Radial;
 use super::*;
 use crate::{DepthLine, ElasticMode, Fields, PerspectiveGain, Policy};
 
-const WHOLE: &str = r#"
-name = "left index"
-[image]
-region_of_interest = [15, 15, 610, 450]
-[camera]
-focal_length_px = [400.0, 400.0]
-principal_point_px = [239.5, 239.5]
-distortion = { k1 = 0.01, k2 = 0.0, p1 = 0.0, p2 = 0.0 }
-rotation_rad = [0.0, 0.0, 0.0]
-translation_mm = [0.0, 0.0, 25.0]
-[gel]
-size_mm = [30.0, 30.0]
-thickness_mm = 10.0
-poissons_ratio = 0.48
-youngs_modulus_mpa = 0.6
-[depth]
-method = "elastic"
-density = { slope_mm = 15.2, intercept_mm = 0.0 }
-[flow]
-finest_level = 1
-[references]
-policy = "stack"
-[density]
-sigma_px = 2.5
-[elastic]
-mode = "live"
-learned = false
-"#;
+/// The profile of the documentation, with a value in every table.
+fn whole() -> String {
+    format!(
+        "name = \"left index\"\n{SENSOR}\n\
+         [camera.distortion]\nk1 = 0.01\nk2 = 0.0\np1 = 0.0\np2 = 0.0\n\
+         [depth]\nmethod = \"elastic\"\ndensity = {{ slope_mm = 15.2, intercept_mm = 0.0 }}\n\
+         [flow]\nfinest_level = 1\n\
+         [references]\npolicy = \"stack\"\n\
+         [density]\nsigma_px = 2.5\n\
+         [elastic]\nmode = \"live\"\nnetwork = false\n"
+    )
+}
 
 /// The message and the hint of what `text` is refused for.
 fn refusal(text: &str) -> (String, String) {
@@ -42,13 +26,13 @@ fn refusal(text: &str) -> (String, String) {
 
 #[test]
 fn every_part_is_read() {
-    let profile = Profile::from_toml(WHOLE).unwrap();
+    let profile = Profile::from_toml(&whole()).unwrap();
     assert_eq!(profile.name, "left index");
     assert_eq!(profile.region((640, 480)).unwrap(), Rect { x: 15, y: 15, width: 610, height: 450 });
     assert!((profile.camera.unwrap().distortion.k1 - 0.01).abs() < 1e-12);
     assert_eq!(profile.gel.unwrap().youngs_modulus_mpa, Some(0.6));
     assert_eq!((profile.depth.method, profile.depth_method()), (Some(DepthMethod::Elastic), DepthMethod::Elastic));
-    assert_eq!((profile.elastic.mode, profile.elastic.learned), (ElasticMode::Live, false));
+    assert_eq!((profile.elastic.mode, profile.elastic.network), (ElasticMode::Live, false));
     assert_eq!(profile.depth.density, Some(DepthLine { slope_mm: 15.2, intercept_mm: 0.0 }.into()));
     assert_eq!((profile.flow.finest_level, profile.references.policy), (Some(1), Policy::Stack));
     assert!((profile.mm_per_px().unwrap() - 0.0625).abs() < 1e-12);
@@ -63,8 +47,8 @@ fn every_part_may_be_absent() {
 }
 
 #[test]
-fn depth_is_elastic_once_camera_and_gel_are_known_unless_told_otherwise() {
-    let known = Profile::from_toml(&WHOLE.replace("method = \"elastic\"", "")).unwrap();
+fn depth_is_elastic_with_camera_and_gel_unless_a_method_is_set() {
+    let known = Profile::from_toml(&whole().replace("method = \"elastic\"", "")).unwrap();
     assert_eq!((known.depth.method, known.depth_method()), (None, DepthMethod::Elastic));
     let without = |change: fn(&mut Profile)| {
         let mut profile = known.clone();
@@ -80,7 +64,7 @@ fn depth_is_elastic_once_camera_and_gel_are_known_unless_told_otherwise() {
 #[test]
 fn elastic_depth_names_the_table_that_it_lacks() {
     let lacking = |change: fn(&mut Profile)| {
-        let mut profile = Profile::from_toml(WHOLE).unwrap();
+        let mut profile = Profile::from_toml(&whole()).unwrap();
         change(&mut profile);
         let error = profile.elastic_sensor().unwrap_err();
         (error.to_string(), error.hint().unwrap())
@@ -91,12 +75,12 @@ fn elastic_depth_names_the_table_that_it_lacks() {
     let (error, hint) = lacking(|profile| profile.gel = None);
     assert_eq!(error, "depth.method = \"elastic\" needs [gel], which the profile lacks");
     assert!(hint.contains("thickness_mm") && hint.contains("depth.method=density"), "{hint}");
-    assert!(Profile::from_toml(WHOLE).unwrap().elastic_sensor().is_ok());
+    assert!(Profile::from_toml(&whole()).unwrap().elastic_sensor().is_ok());
 }
 
 #[test]
 fn what_is_written_is_read_back() {
-    for profile in [Profile::default(), Profile::from_toml(WHOLE).unwrap()] {
+    for profile in [Profile::default(), Profile::from_toml(&whole()).unwrap()] {
         let text = profile.to_toml();
         assert_eq!(Profile::from_toml(&text).unwrap(), profile, "{text}");
     }
@@ -104,7 +88,7 @@ fn what_is_written_is_read_back() {
 
 #[test]
 fn the_printed_radial_form_is_read_and_written_only_where_it_is_meant() {
-    let brown = Profile::from_toml(WHOLE).unwrap();
+    let brown = Profile::from_toml(&whole()).unwrap();
     let mut printed = brown.clone();
     printed.set("camera.distortion.radial", "printed").unwrap();
     assert_eq!(printed.camera.unwrap().distortion.radial, Radial::Printed);
@@ -164,11 +148,11 @@ fn what_is_not_toml_is_named_with_its_line() {
 #[test]
 fn an_impossible_value_is_refused() {
     let camera = |key: &str, value: &str| {
-        let mut profile = Profile::from_toml(WHOLE).unwrap();
+        let mut profile = Profile::from_toml(&whole()).unwrap();
         profile.set(&format!("camera.{key}"), value).unwrap_err().to_string()
     };
     let gel = |key: &str, value: &str| {
-        let mut profile = Profile::from_toml(WHOLE).unwrap();
+        let mut profile = Profile::from_toml(&whole()).unwrap();
         profile.set(&format!("gel.{key}"), value).unwrap_err().to_string()
     };
     assert_eq!(
@@ -205,7 +189,7 @@ fn an_impossible_parameter_of_an_algorithm_is_refused() {
 
 #[test]
 fn a_gain_of_perspective_needs_a_camera() {
-    let mut profile = Profile::from_toml(WHOLE).unwrap();
+    let mut profile = Profile::from_toml(&whole()).unwrap();
     profile.set("depth.density", "{ gain = 0.8 }").unwrap();
     assert_eq!(profile.depth.density, Some(DepthLaw::Perspective(PerspectiveGain { gain: 0.8 })));
     assert_eq!(Profile::from_toml(&profile.to_toml()).unwrap(), profile);
@@ -278,7 +262,7 @@ fn a_path_that_leads_nowhere_is_refused_and_changes_nothing() {
 
 #[test]
 fn a_region_outside_the_frame_is_refused() {
-    let profile = Profile::from_toml(WHOLE).unwrap();
+    let profile = Profile::from_toml(&whole()).unwrap();
     let error = profile.region((320, 240)).unwrap_err();
     assert_eq!(
         error.to_string(),
@@ -351,7 +335,7 @@ fn a_setting_without_effect_is_named_with_what_would_use_it() {
 
 #[test]
 fn the_record_of_a_run_gives_its_profile() {
-    let profile = Profile::from_toml(WHOLE).unwrap();
+    let profile = Profile::from_toml(&whole()).unwrap();
     let table: toml::Table = profile.to_toml().parse().unwrap();
     let mut record = toml::Table::new();
     record.insert("version".into(), "0.1.0".into());
@@ -359,7 +343,7 @@ fn the_record_of_a_run_gives_its_profile() {
     record.insert("fields".into(), vec!["flow"].into());
     record.insert("profile".into(), table.into());
     let text = record.to_string();
-    assert!(Profile::is_run_record(&text) && !Profile::is_run_record(WHOLE));
+    assert!(Profile::is_run_record(&text) && !Profile::is_run_record(&whole()));
     assert_eq!(Profile::from_toml(&text).unwrap(), profile);
 }
 

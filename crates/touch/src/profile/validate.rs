@@ -1,4 +1,4 @@
-//! Which values a sensor can have.
+//! The values that a sensor can have.
 
 use fingervision_elastic::{BlockError, GelBlock};
 use fingervision_optics::{CameraError, CameraParams};
@@ -7,7 +7,7 @@ use crate::{DepthLaw, PerspectiveGain};
 
 use super::{ImageSection, Profile, ProfileError};
 
-/// Distances from a lens to a gel, mm: beyond them a length is in another unit.
+/// Distances from a lens to a gel, mm: beyond them the length is assumed to be in another unit.
 const DISTANCES_MM: [f64; 2] = [1.0, 2000.0];
 /// Sides of a gel, mm.
 const SIZES_MM: [f64; 2] = [1.0, 2000.0];
@@ -43,7 +43,7 @@ fn validate_camera(camera: &CameraParams) -> Result<(), ProfileError> {
     Err(ProfileError::impossible("camera.translation_mm", format!("{:?}", camera.translation_mm), allowed))
 }
 
-/// A camera that cannot be, in a profile.
+/// An impossible camera in a profile.
 pub(super) fn impossible_camera(error: CameraError) -> ProfileError {
     ProfileError::impossible(format!("camera.{}", error.key), error.value, error.allowed)
 }

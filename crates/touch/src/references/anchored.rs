@@ -1,13 +1,13 @@
-//! Our policy: one reference, kept in reach.
+//! Our policy: one reference for the whole stream.
 //!
-//! Every frame is matched with the first image, starting from where the frame before was found, so errors do not
-//! accumulate. A *keyframe*, the last frame but a few that matched well, stands by. Where the first image no longer
-//! matches, the frame is searched from nowhere against the first image and against the keyframe; the better result, after
-//! a refinement of the composed flow against the first image, is taken. Only while the first image cannot be matched at
-//! all is the keyframe the reference, and the composed flow the answer.
+//! Every frame is matched with the first image, starting from the flow of the previous frame, so errors do not
+//! accumulate. A *keyframe*, a recent frame that matched well, is kept as well. If the first image no longer matches, the
+//! frame is searched without a start against the first image and against the keyframe; the better result, after a
+//! refinement of the composed flow against the first image, is taken. Only while the first image cannot be matched at
+//! all, the keyframe is the reference, and the composed flow the result.
 //!
-//! A gel that was pressed at the start is recognised by its first motion; once it has come to rest, that rest
-//! becomes the reference, unless elasticity says that it is no rest but a press.
+//! A gel that was pressed at the start is recognised by its first motion; once it has come to rest, that rest becomes the
+//! reference, unless the elastic model explains the frame as an indentation.
 
 use super::compose::compose_into;
 use super::start_up::StartUp;
@@ -78,7 +78,7 @@ impl Anchored {
         self.start_up.is_pressed()
     }
 
-    /// Takes note of whether elasticity explains the last frame as a press.
+    /// Stores whether the elastic model explains the last frame as an indentation.
     pub(crate) fn note_press(&mut self, is_press: bool) {
         self.start_up.note_press(is_press);
     }
@@ -107,7 +107,7 @@ impl Anchored {
         }
     }
 
-    /// Tries harder to find a frame that the start from the frame before did not find. Returns the reference's id.
+    /// Tries to find a frame that was not found from the previous frame's flow. Returns the reference's id.
     fn rescue(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> u64 {
         if let Some(id) = self.follow_keyframe(estimator, current, out) {
             return id;
@@ -122,7 +122,7 @@ impl Anchored {
         self.first_id
     }
 
-    /// Goes by way of the keyframe and, where that leads back to the first image, refines there.
+    /// Matches with the keyframe and, if that leads back to the first image, refines there.
     fn follow_keyframe(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Option<u64> {
         let key = self.keyframe.as_deref_mut()?;
         if !key.is_prepared {
@@ -149,7 +149,7 @@ impl Anchored {
         Some(key.id)
     }
 
-    /// Takes note of a frame that was found.
+    /// Stores a frame that was found.
     fn remember(&mut self, estimator: &FlowEstimator, current: &Picture, out: &Estimate, reference_id: u64) {
         self.start_up.watch(&self.before, out);
         self.before.copy_from(&out.flow);
@@ -158,7 +158,7 @@ impl Anchored {
             return;
         }
         self.frames_since_key += 1;
-        // While the keyframe serves as reference it is renewed only when it, too, begins to fail.
+        // While the keyframe serves as reference it is replaced only when it, too, begins to fail.
         let is_due = if reference_id == self.first_id {
             self.frames_since_key >= THRESHOLDS.keyframe_interval && out.matched >= THRESHOLDS.keyframe_matched
         } else {
@@ -169,7 +169,7 @@ impl Anchored {
         }
     }
 
-    /// Makes the present frame the keyframe.
+    /// Makes the current frame the keyframe.
     fn keep(&mut self, estimator: &FlowEstimator, current: &Picture, out: &Estimate) {
         self.ids += 1;
         self.frames_since_key = 0;
@@ -188,7 +188,7 @@ impl Anchored {
         key.is_prepared = false;
     }
 
-    /// Makes the present rest the first reference.
+    /// Makes the current rest the first reference.
     fn adopt(&mut self, estimator: &FlowEstimator, current: &Picture) {
         estimator.prepare(current, &mut self.first);
         self.ids += 1;

@@ -1,16 +1,17 @@
-//! What the first motion of the gel says about the first image: did it show the gel at rest or pressed?
+//! Decides from the first motion of the gel whether the first image showed it at rest or pressed.
 //!
-//! Which way the surface moves along itself is no evidence. Nearly incompressible gel gives way sideways and compressible
-//! gel is drawn in, so a press on the one looks much like a release of the other. Two signs hold for every gel, because a
-//! surface that is pressed comes nearer to the camera, and what comes nearer moves away from the centre of perspective:
+//! The direction in which the surface moves along itself is not evidence. Nearly incompressible gel is pushed outwards
+//! and compressible gel is drawn in, so a press on the one looks much like a release of the other. Two signs hold for
+//! every gel, because a pressed surface comes nearer to the camera, and what comes nearer moves away from the centre of
+//! perspective:
 //!
 //! - **Far from contact**, all around it, a press leaves the surface where it is or moves it outwards, whatever Poisson's
 //!   ratio is. A release moves it inwards.
-//! - **The face**, where motion is largest, is a patch that is scaled about the centre of perspective: a press away from the
-//!   centre shifts and magnifies it, a release shifts it back and makes it smaller, both by the same factor. Shear
+//! - **The face**, where motion is largest, is a patch that is scaled about the centre of perspective: a press away from
+//!   the centre shifts and magnifies it, a release shifts it back and makes it smaller, both by the same factor. Shear
 //!   shifts without magnifying.
 //!
-//! Each is evidence for either answer. Without any the first image stays undecided and the next frame is looked at.
+//! Each is evidence for either answer. Without any, the first image stays undecided and the next frame is tested.
 
 use fingervision_flow::Estimate;
 
@@ -33,7 +34,7 @@ struct Sample {
     flow: [f32; 2],
 }
 
-/// Looks at flows from the first image; keeps its scratch.
+/// Tests flows from the first image; keeps its scratch memory.
 #[derive(Debug)]
 pub(super) struct FirstMotion {
     /// The centre of perspective, px.
@@ -42,12 +43,12 @@ pub(super) struct FirstMotion {
 }
 
 impl FirstMotion {
-    /// Looks at flows of a camera that has its centre of perspective there, px.
+    /// For a camera with this centre of perspective, px.
     pub(super) fn new(centre_px: [f32; 2]) -> Self {
         Self { centre_px, samples: Vec::new() }
     }
 
-    /// What a flow says of the first image; none where little moves or the motion could be either.
+    /// What a flow shows about the first image; none if little moves or the motion could be either.
     pub(super) fn judge(&mut self, estimate: &Estimate) -> Option<FirstImage> {
         self.take(estimate);
         let moving = || self.samples.iter().filter(|sample| sample.length() > THRESHOLDS.motion_px);
@@ -81,7 +82,7 @@ impl FirstMotion {
         self.samples.extend(measured.map(sample));
     }
 
-    /// `Σ f·(x − p) / Σ |f| |x − p|` over what moves, about the centre of perspective `p`.
+    /// `Σ f·(x − p) / Σ |f| |x − p|` over the moving samples, about the centre of perspective `p`.
     fn outwards(&self) -> f32 {
         let moving = self.samples.iter().filter(|sample| sample.length() > THRESHOLDS.motion_px);
         let (along, all) = moving.fold((0.0, 0.0), |(along, all), sample| {

@@ -1,4 +1,4 @@
-//! Which reference a frame is matched with, and how flows over several references are put together.
+//! Which reference a frame is matched with, and how flows over several references are composed.
 
 mod anchored;
 mod compose;
@@ -44,7 +44,7 @@ pub(crate) struct Single {
 }
 
 impl References {
-    /// The references of a camera that has its centre of perspective there, px.
+    /// The references for a camera with this centre of perspective, px.
     pub(crate) fn new(
         estimator: &FlowEstimator,
         size: (usize, usize),
@@ -71,14 +71,14 @@ impl References {
         }
     }
 
-    /// Takes note of whether elasticity explains the last frame as a press.
+    /// Stores whether the elastic model explains the last frame as an indentation.
     pub(crate) fn note_press(&mut self, is_press: bool) {
         if let Self::Anchored(references) = self {
             references.note_press(is_press);
         }
     }
 
-    /// The first reference, once there is one.
+    /// The first reference, if there is one yet.
     pub(crate) fn first(&self) -> Option<&Reference> {
         match self {
             Self::Anchored(references) => references.first(),

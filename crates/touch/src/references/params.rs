@@ -5,15 +5,15 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Policy {
-    /// Every frame is matched with the first image, from where the frame before was found; a later image only helps
-    /// where the first no longer matches, and no longer than that. Nothing accumulates.
+    /// Every frame is matched with the first image, starting from the flow of the previous frame; a later image is used
+    /// only where and as long as the first no longer matches. No drift accumulates.
     #[default]
     Anchored,
     /// The stack of references of [Du2021], as published.
     ///
     /// [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
     Stack,
-    /// The first image alone, started from the frame before.
+    /// Only the first image, started from the previous frame.
     Single,
 }
 
@@ -37,9 +37,9 @@ pub struct ReferenceParams {
     pub policy: Policy,
     /// Anchored and stack: a frame counts as matched while at least this part of the textured patches match, 0 to 1.
     pub min_matched: f32,
-    /// Anchored: frames between two searches from nowhere while the gel is lost.
+    /// Anchored: frames between two searches without a start while the gel is lost.
     pub search_interval: u64,
-    /// Anchored: frames that the gel must have been still after a release from a start under pressure, before its new
+    /// Anchored: number of frames that the gel must have been still, after a release from a pressed start, before its new
     /// rest becomes the reference.
     pub rest_frames: u64,
     /// Stack: a largest photometric error above this adds the frame to the stack, grey levels.
@@ -48,7 +48,7 @@ pub struct ReferenceParams {
     pub loop_error: f32,
     /// Stack: columns and rows of the coarse flow.
     pub coarse_grid: [usize; 2],
-    /// Stack: most references held; at the limit frames are matched with the newest.
+    /// Stack: largest number of references; at the limit frames are matched with the newest.
     pub max_references: usize,
 }
 

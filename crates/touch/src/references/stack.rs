@@ -5,16 +5,16 @@
 //! to the stack. An error below the loop threshold against an older reference closes a loop and drops all later ones.
 //! The flow from the first reference is the current flow composed with its reference's own.
 //!
-//! The fine flow starts from that of the frame before, and is searched for where that does not match.
+//! The fine flow starts from that of the previous frame, and is searched for if that does not match.
 //!
-//! Where the paper superposes flows this composes them; plain addition is off by several per cent of a strong press.
+//! Where the paper adds flows this composes them; the sum is off by several per cent of a strong press.
 
 use super::compose::compose_into;
 use super::{Matched, ReferenceParams};
 use fingervision_flow::{Estimate, FlowError, FlowEstimator, FlowField, FlowParams, Picture, Preset, Reference, Start};
 use fingervision_image::{Image, average_into};
 
-/// A reference, its coarse twin and how to get to it from the first one.
+/// A reference, its coarse version and the flow from the first reference to it.
 #[derive(Debug)]
 struct Layer {
     id: u64,
@@ -36,7 +36,7 @@ pub(crate) struct Stack {
     coarse_picture: Picture,
     coarse_current: Image<f32>,
     coarse_flow: Estimate,
-    /// Flow from the top reference to the frame before.
+    /// Flow from the top reference to the previous frame.
     before: FlowField,
     from_top: Estimate,
 }
@@ -86,13 +86,13 @@ impl Stack {
         matched
     }
 
-    /// Drops all layers above the oldest one that the frame comes back to; returns the error against the top.
+    /// Drops all layers above the oldest one to which the frame returns; returns the error against the top.
     fn close_loop(&mut self) -> f32 {
         for k in 0..self.layers.len() - 1 {
             let error = self.coarse_error(k);
             if error < self.params.loop_error {
                 self.layers.truncate(k + 1);
-                // The frame is as good as at the reference that it came back to.
+                // The frame matches as well as the reference to which it returned.
                 self.before.fill(0.0);
                 return error;
             }
@@ -145,6 +145,6 @@ fn largest_error(reference: &Image<f32>, current: &Image<f32>, flow: &FlowField)
             }
         }
     }
-    // A flow that leads out of the image has compared nothing worth the name.
+    // A flow that leads out of the image has compared too little.
     if 2 * compared >= width * height { largest } else { f32::INFINITY }
 }

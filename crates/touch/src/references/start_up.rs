@@ -1,10 +1,10 @@
-//! Was the gel pressed when tracking began?
+//! Decides whether the gel was pressed when tracking began.
 //!
-//! The first motion is watched until it says whether the first image showed the gel at rest or pressed ([`FirstMotion`]).
-//! Motion that could be either leaves the question open, without a flag.
+//! The first motion is observed until it shows whether the first image showed the gel at rest or pressed
+//! ([`FirstMotion`]). Motion that could be either leaves the question open, without a flag.
 //!
-//! Where elasticity is known it decides, too: a release is no press on any gel, so a press that fits in some frames in a row
-//! says that the gel was at rest at first.
+//! The elastic model, if there is one, also decides: it cannot explain a release as an indentation on any gel, so a press
+//! that fits in several consecutive frames shows that the gel was at rest at first.
 
 use fingervision_flow::{Estimate, FlowField};
 
@@ -13,29 +13,29 @@ use super::thresholds::THRESHOLDS;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Nothing has moved yet, or nothing that tells.
+    /// Nothing has moved yet, or nothing that decides.
     Undecided,
     /// The reference showed the gel pressed.
     Pressed {
-        /// Frames in a row without motion.
+        /// Consecutive frames without motion.
         still: u64,
     },
     /// The reference shows the gel at rest.
     Settled,
 }
 
-/// Watches the first motion.
+/// Observes the first motion.
 #[derive(Debug)]
 pub(crate) struct StartUp {
     state: State,
     first_motion: FirstMotion,
     rest_frames: u64,
-    /// Frames in a row, up to the last one, that are what a press on the gel of the first image makes.
+    /// Consecutive frames, up to the last one, that fit a press on the gel of the first image.
     explained: u64,
 }
 
 impl StartUp {
-    /// Watches a camera that has its centre of perspective there, px.
+    /// For a camera with this centre of perspective, px.
     pub(crate) fn new(rest_frames: u64, centre_px: [f32; 2]) -> Self {
         Self { state: State::Undecided, first_motion: FirstMotion::new(centre_px), rest_frames, explained: 0 }
     }
@@ -45,12 +45,13 @@ impl StartUp {
         self.explained == 0 && matches!(self.state, State::Pressed { .. })
     }
 
-    /// Whether a gel that was pressed at the start has been still for long enough, and not because something holds it pressed.
+    /// Whether a gel that was pressed at the start has been still for long enough, and not because an object holds it
+    /// pressed.
     pub(crate) fn has_come_to_rest(&self) -> bool {
         self.explained == 0 && matches!(self.state, State::Pressed { still } if still >= self.rest_frames)
     }
 
-    /// Takes note of whether elasticity explains the last frame as a press.
+    /// Stores whether the elastic model explains the last frame as an indentation.
     pub(crate) fn note_press(&mut self, is_press: bool) {
         self.explained = if is_press { self.explained + 1 } else { 0 };
         if self.explained >= THRESHOLDS.explained_frames {
@@ -63,7 +64,7 @@ impl StartUp {
         self.state = State::Settled;
     }
 
-    /// Looks at a frame that was found, given the flow of the one before.
+    /// Takes a frame that was found, and the flow of the previous one.
     pub(crate) fn watch(&mut self, before: &FlowField, now: &Estimate) {
         match &mut self.state {
             State::Settled => {}

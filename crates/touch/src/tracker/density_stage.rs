@@ -14,7 +14,7 @@ pub(super) struct DensityStage {
 }
 
 impl DensityStage {
-    /// A stage for this profile, with a law to depth or without; gives the reading the planes that it is to fill.
+    /// A stage for this profile, with or without a depth law; allocates the planes of the reading that it will fill.
     ///
     /// # Errors
     ///

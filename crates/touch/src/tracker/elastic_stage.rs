@@ -5,14 +5,14 @@ use fingervision_image::Image;
 use super::Fields;
 use crate::{ElasticDepth, ElasticFields, Flag, Profile, Reading, TrackError};
 
-/// What fills the fields of a reading that elasticity tells.
+/// Fills the fields of a reading that follow from elasticity.
 #[derive(Debug)]
 pub(super) struct ElasticStage {
     inverse: ElasticDepth,
 }
 
 impl ElasticStage {
-    /// A stage for this profile; gives the reading the planes that it is to fill.
+    /// A stage for this profile; allocates the planes of the reading that it will fill.
     ///
     /// # Errors
     ///
@@ -41,7 +41,7 @@ impl ElasticStage {
             (Flag::BeyondLinear, found.is_beyond_linear),
             (Flag::ContactCut, found.is_cut),
             (Flag::GelMisfit, found.is_misfit),
-            (Flag::OutsideLearned, found.is_outside_learned),
+            (Flag::OutsideTraining, found.is_outside_training),
             (Flag::ContactUntracked, found.is_untracked),
             (Flag::UncertainFlow, found.is_flow_uncertain),
         ] {
@@ -60,7 +60,7 @@ impl ElasticStage {
     }
 }
 
-/// Takes over what was found. Planes change places: the next frame writes all of them anew.
+/// Takes the results over. Planes are exchanged: the next frame overwrites all of them.
 fn take(found: &mut ElasticFields, reading: &mut Reading) {
     reading.max_depth_mm = super::largest_valid(&found.depth_mm, &found.on_gel);
     if let Some(depth) = &mut reading.depth {
@@ -79,7 +79,7 @@ fn take(found: &mut ElasticFields, reading: &mut Reading) {
     (reading.force_n, reading.torque_nmm) = (found.force_n, found.torque_nmm);
 }
 
-/// Leaves fields that say nothing: no depth of which anything is known, no contact, no force.
+/// Leaves empty fields: infinite deviation, no contact, no force.
 fn clear(reading: &mut Reading) {
     let planes = reading.depth.iter_mut().chain(reading.displacement.iter_mut().flatten());
     planes.for_each(|plane| plane.values_mut().fill(0.0));

@@ -1,4 +1,4 @@
-//! What somebody said about the recordings, kept beside them.
+//! The user's answers about the recordings, stored beside them.
 
 use std::fs;
 use std::io;
@@ -13,18 +13,18 @@ use crate::failure::Failure;
 /// The answers' file in the sensor's folder.
 const FILE: &str = "answers.toml";
 
-/// What no image tells.
+/// Values that no image contains.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct Answers {
-    /// How far the board moves between neighbouring images, mm.
+    /// Step of the board between consecutive images, mm.
     step_mm: f64,
-    /// Where to, degrees from x towards y.
+    /// Direction of the step, degrees from x towards y.
     direction_deg: f64,
-    /// From the lens to the gel's surface, mm, and how far that may be off.
+    /// From the lens to the gel's surface, mm, and its standard deviation.
     #[serde(skip_serializing_if = "Option::is_none")]
     distance_mm: Option<[f64; 2]>,
-    /// How much of the gel's surface the image shows from left to right, mm.
+    /// Width of the gel's surface in the image, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     view_mm: Option<f64>,
     /// The gel's width, height and thickness, mm.
@@ -35,7 +35,7 @@ pub(super) struct Answers {
     youngs_modulus_mpa: Option<f64>,
 }
 
-/// Answers that are given now, on the command line or at a prompt.
+/// Answers given now, on the command line or at a prompt.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Given {
     pub(super) step_mm: Option<f64>,
@@ -46,7 +46,7 @@ pub(super) struct Given {
     pub(super) youngs_modulus_mpa: Option<f64>,
 }
 
-/// Poisson's ratio of soft silicone, until presses tell the gel's own.
+/// Poisson's ratio of soft silicone, used until the gel's own is fitted to presses.
 const SILICONE: f64 = 0.48;
 
 impl Default for Answers {
@@ -63,7 +63,7 @@ impl Default for Answers {
 }
 
 impl Answers {
-    /// The answers of a folder; those that everybody begins with if it has none.
+    /// The answers of a folder; the defaults if it has none.
     pub(super) fn load(folder: &Path) -> Result<Self, Failure> {
         let path = folder.join(FILE);
         let text = match fs::read_to_string(&path) {
@@ -80,13 +80,13 @@ impl Answers {
             .chain(answers.gel_mm.into_iter().flatten())
             .chain(answers.youngs_modulus_mpa);
         match lengths.into_iter().find(|&value| !is_length(value)) {
-            Some(value) => Err(refused(&path, &format!("{value} mm is no length"))),
-            None if !answers.direction_deg.is_finite() => Err(refused(&path, &"direction_deg is no angle")),
+            Some(value) => Err(refused(&path, &format!("{value} mm is not a length"))),
+            None if !answers.direction_deg.is_finite() => Err(refused(&path, &"direction_deg is not an angle")),
             None => Ok(answers),
         }
     }
 
-    /// These answers with those replaced that are given now.
+    /// These answers, with the new ones in place of the old.
     pub(super) fn with(self, given: &Given) -> Self {
         Self {
             step_mm: given.step_mm.unwrap_or(self.step_mm),
@@ -98,7 +98,7 @@ impl Answers {
         }
     }
 
-    /// Keeps the answers in a folder that exists.
+    /// Stores the answers in a folder that exists.
     pub(super) fn save(&self, folder: &Path) -> Result<(), Failure> {
         let path = folder.join(FILE);
         let text = toml::to_string(self).map_err(|error| refused(&path, &error))?;
@@ -110,7 +110,7 @@ impl Answers {
         Slide { step_mm: self.step_mm, direction_rad: self.direction_deg.to_radians() }
     }
 
-    /// How much of the gel's surface the image shows from left to right, mm, if it was measured.
+    /// Width of the gel's surface in the image, mm, if it was measured.
     pub(super) fn view_mm(&self) -> Option<f64> {
         self.view_mm
     }
@@ -135,6 +135,6 @@ fn refused(path: &Path, reason: &impl ToString) -> Failure {
     let path: PathBuf = path.into();
     Failure::new(
         format!("{}: {}", path.display(), reason.to_string()),
-        "remove the file and give --step-mm, --direction, --distance-mm, --view-mm and --gel-mm again, or put it right",
+        "remove the file and give --step-mm, --direction, --distance-mm, --view-mm and --gel-mm again, or correct it",
     )
 }

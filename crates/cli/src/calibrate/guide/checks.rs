@@ -1,4 +1,5 @@
-//! What was found in recordings, kept in the sensor's folder: a recording that has not changed is not checked again.
+//! Results of the checks of recordings, stored in the sensor's folder: a recording that has not changed is not checked
+//! again.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,7 +13,7 @@ use serde::{Deserialize, Serialize};
 /// Its file in the sensor's folder.
 const FILE: &str = "checks.json";
 
-/// What a check depends on: the recording's files, their sizes and times, and how they are looked at.
+/// What a check depends on: the recording's files, their sizes and times, and the settings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Key(u64);
 
@@ -22,7 +23,7 @@ struct Kept {
     check: RecordingCheck,
 }
 
-/// The checks that were made, by the names of their recordings.
+/// The checks, by the names of their recordings.
 #[derive(Debug)]
 pub(super) struct Checks {
     path: PathBuf,
@@ -59,25 +60,25 @@ fn files(folder: &Path) -> Vec<(PathBuf, u64, u64, u32)> {
 }
 
 impl Checks {
-    /// Those of a sensor's folder; none where there are none or they cannot be read.
+    /// The checks of a sensor's folder; none if there are none or they cannot be read.
     pub(super) fn load(folder: &Path) -> Self {
         let path = folder.join(FILE);
         let kept = fs::read_to_string(&path).ok().and_then(|text| serde_json::from_str(&text).ok());
         Self { path, kept: kept.unwrap_or_default(), has_changed: false }
     }
 
-    /// What was found in a recording, if it was looked at under this key.
+    /// The result for a recording, if it was checked under this key.
     pub(super) fn of(&self, recording: &Path, key: Key) -> Option<RecordingCheck> {
         self.kept.get(&name(recording)).filter(|kept| kept.key == key).map(|kept| kept.check.clone())
     }
 
-    /// Keeps what was found.
+    /// Stores a result.
     pub(super) fn keep(&mut self, recording: &Path, key: Key, check: &RecordingCheck) {
         self.kept.insert(name(recording), Kept { key, check: check.clone() });
         self.has_changed = true;
     }
 
-    /// Writes the file. Where that fails, the next run checks again: nothing is lost but time.
+    /// Writes the file. If that fails, the next run checks again.
     pub(super) fn save(&self) {
         if self.has_changed
             && let Ok(text) = serde_json::to_string_pretty(&self.kept)

@@ -1,4 +1,4 @@
-//! From sound recordings to the profile, and what it is worth.
+//! Fits the profile to the checked recordings, and reports its accuracy.
 
 use std::fmt;
 use std::fs;
@@ -21,24 +21,24 @@ use super::PROFILE;
 use super::answers::Answers;
 use super::look::{Kind, Step, images_of, noise_to_set};
 
-/// The profile while it is being made.
+/// The profile while it is being written.
 const DRAFT: &str = "sensor.toml.draft";
-/// A camera that leaves more than this of a step's flow unexplained, px, is not the one that took the images: five times
-/// what noise leaves of a good recording.
+/// A camera with a larger residual of a step's flow, px, is not the one that took the images: five times the residual
+/// that noise causes in a good recording.
 const LARGEST_RESIDUAL_PX: f64 = 0.05;
 
-/// How far the camera's picture of the gel may be from what a ruler shows, as a part.
+/// Allowed relative difference between the width of the view by the camera and by a ruler.
 const LARGEST_VIEW_ERROR: f64 = 0.15;
-/// An image that shows more than this many widths of the gel shows little of it.
+/// An image wider than this many widths of the gel shows little of it.
 const MOST_GELS: f64 = 1.5;
-/// A thickness that is fitted may differ by this from the one that was measured, as a part.
+/// Allowed relative difference between the fitted and the measured thickness.
 const LARGEST_THICKNESS_ERROR: f64 = 0.3;
 
 /// A calibrated sensor.
 #[derive(Debug, Serialize)]
 pub(super) struct Outcome {
     profile: PathBuf,
-    /// Noise that was written, grey levels.
+    /// The noise that was written, grey levels.
     noise_levels: Option<f32>,
     camera: CameraReport,
     depth: DepthFit,
@@ -49,25 +49,25 @@ pub(super) struct Outcome {
     pictures: [PathBuf; 2],
 }
 
-/// What became of the gel.
+/// The result for the gel.
 #[derive(Debug, Serialize)]
 struct GelOutcome {
-    /// As it was described.
+    /// As described by the user.
     described: GelBlock,
     /// What the presses determined and was written.
     fitted: Option<GelTable>,
-    /// Why they did not.
+    /// Why nothing was determined.
     remark: Option<String>,
 }
 
-/// What is written of the flow.
+/// The values written to `[flow]`.
 #[derive(Debug, Serialize)]
 struct FlowTable {
     noise_levels: f32,
 }
 
-/// Fits camera, depth and gel to the recordings of a folder and writes its profile; all of it or, where something does not
-/// hold, nothing.
+/// Fits camera, depth and gel to the recordings of a folder and writes its profile; either all of it or, if a part is not
+/// valid, nothing.
 pub(super) fn calibrate(
     folder: &Path,
     answers: &Answers,
@@ -77,7 +77,7 @@ pub(super) fn calibrate(
     let (profile, draft) = (folder.join(PROFILE), folder.join(DRAFT));
     let named = |error: io::Error| {
         let message = format!("{}: {}", draft.display(), error.kind());
-        Failure::new(message, "let the sensor's folder be one that you may write")
+        Failure::new(message, "make the sensor's folder writable")
     };
     if profile.exists() {
         fs::copy(&profile, &draft).map_err(named)?;
@@ -86,7 +86,7 @@ pub(super) fn calibrate(
     if outcome.is_ok() {
         fs::rename(&draft, &profile).map_err(named)?;
     } else {
-        // What is left of it is nobody's.
+        // The rest of the temporary file is not needed.
         let _ = fs::remove_file(&draft);
     }
     outcome
@@ -121,7 +121,7 @@ fn fit(folder: &Path, answers: &Answers, steps: &[Step], output: OutputArgs) -> 
     Ok(Outcome { profile, noise_levels, camera, law, depth: fit, gel, pictures: [residuals, curves] })
 }
 
-/// Writes the gel as it was described, then what the presses tell of it.
+/// Writes the gel as described, then the values that the presses determine.
 fn fit_gel(draft: &Path, described: GelBlock, presses: &[String], output: OutputArgs) -> Result<GelOutcome, Failure> {
     update_profile(draft, "gel", &described)?;
     let report = match gel::fit(presses, &Profile::load(draft)?, output) {
@@ -132,7 +132,7 @@ fn fit_gel(draft: &Path, described: GelBlock, presses: &[String], output: Output
     let thickness_mm = fitted.and_then(|table| table.thickness_mm).unwrap_or(described.thickness_mm);
     if (thickness_mm / described.thickness_mm - 1.0).abs() > LARGEST_THICKNESS_ERROR {
         let message =
-            format!("the presses tell a gel {thickness_mm:.2} mm thick, --gel-mm one of {} mm", described.thickness_mm);
+            format!("by the presses the gel is {thickness_mm:.2} mm thick, by --gel-mm {} mm", described.thickness_mm);
         return Err(Failure::new(
             message,
             "measure the gel's thickness again, and check the board's step, the distance and the depths: nothing was written",
@@ -141,11 +141,11 @@ fn fit_gel(draft: &Path, described: GelBlock, presses: &[String], output: Output
     if let Some(table) = &fitted {
         update_profile(draft, "gel", table)?;
     }
-    let remark = fitted.is_none().then(|| "the presses determine nothing of it".into());
+    let remark = fitted.is_none().then(|| "the presses do not determine it".into());
     Ok(GelOutcome { described, fitted, remark })
 }
 
-/// Refuses a camera that sees another part of the gel than a ruler on it or its size says.
+/// Refuses a camera whose field of view contradicts the ruler or the gel's size.
 fn check_view(camera: &CameraReport, answers: &Answers) -> Result<(), Failure> {
     let Some(slide) = camera.slides.first() else { return Ok(()) };
     let seen_mm = slide.size.0 as f64 / camera.px_per_mm;
@@ -155,7 +155,7 @@ fn check_view(camera: &CameraReport, answers: &Answers) -> Result<(), Failure> {
     {
         return Err(Failure::new(
             format!(
-                "by a step of {step} mm the image shows {seen_mm:.1} mm of the board from left to right, a ruler {view_mm} mm"
+                "with a step of {step} mm the image shows {seen_mm:.1} mm of the board from left to right, but by the ruler {view_mm} mm"
             ),
             format!(
                 "if the ruler is right, the step was {:.2} mm: give it with --step-mm; otherwise measure --view-mm again",
@@ -166,7 +166,7 @@ fn check_view(camera: &CameraReport, answers: &Answers) -> Result<(), Failure> {
     if let Some(gel) = answers.gel().filter(|gel| seen_mm > MOST_GELS * gel.size_mm[0]) {
         return Err(Failure::new(
             format!(
-                "by a step of {step} mm the image shows {seen_mm:.1} mm, but the gel is {} mm wide",
+                "with a step of {step} mm the image shows {seen_mm:.1} mm, but the gel is {} mm wide",
                 gel.size_mm[0]
             ),
             "check --step-mm and --gel-mm, or set image.region_of_interest in sensor.toml to the gel",
@@ -175,7 +175,7 @@ fn check_view(camera: &CameraReport, answers: &Answers) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The law of least error among those that leave what is untouched at rest.
+/// The law with the least error among those that give untouched gel no depth.
 fn method(fit: &DepthFit) -> Method {
     let error = |law: &&FittedLaw| law.left_out_error_mm.unwrap_or(law.error_mm);
     let through_rest = fit.laws.iter().filter(|law| law.method != Method::Line);
@@ -192,7 +192,7 @@ impl fmt::Display for Outcome {
         }
         writeln!(
             f,
-            "camera    leaves {after:.4} px of the flow, {:.4} mm on the board, and {test:.2} times that where it was not fitted",
+            "camera    residual {after:.4} px of the flow, {:.4} mm on the board; {test:.2} times that at nodes that were not fitted",
             camera.residual_mm
         )?;
         if after > LARGEST_RESIDUAL_PX {
@@ -203,13 +203,13 @@ impl fmt::Display for Outcome {
             )?;
         }
         for blind in &camera.knowledge.blind {
-            writeln!(f, "not seen  {}", blind.meaning)?;
+            writeln!(f, "not determined  {}", blind.meaning)?;
         }
         let least = depth.presses.iter().map(|press| press.line.correlation).fold(1.0, f64::min);
         let error = law.left_out_error_mm.unwrap_or(law.error_mm);
         writeln!(
             f,
-            "depth     errs by {error:.3} mm on a press left out; correlation {least:.3} or more in each press, {:.3} in all together",
+            "depth     error {error:.3} mm on a press that was left out; correlation {least:.3} or more in each press, {:.3} in all together",
             depth.pooled.correlation
         )?;
         for warning in &depth.warnings {
@@ -224,10 +224,10 @@ impl fmt::Display for Outcome {
 }
 
 impl Outcome {
-    /// What became of the gel, or how to come by one.
+    /// The result for the gel, or how to describe it.
     fn write_gel(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(GelOutcome { fitted, remark, .. }) = &self.gel else {
-            writeln!(f, "For depth from elasticity, contact and force say what the gel is:")?;
+            writeln!(f, "For depth from elasticity, contact and force, describe the gel:")?;
             return writeln!(f, "  fingervision calibrate --folder {} --gel-mm WIDTH,HEIGHT,THICKNESS", self.folder());
         };
         let values = fitted.map(|GelTable { poissons_ratio, thickness_mm, youngs_modulus_mpa }| {

@@ -1,4 +1,4 @@
-//! What a sensor's folder holds so far, and what that is worth.
+//! The recordings and answers in a sensor's folder, and the results of their checks.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,25 +18,25 @@ use super::PROFILE;
 use super::answers::Answers;
 use super::checks::{Checks, Key};
 
-/// Fewer presses do not show whether one law holds all over the image: centre, midway and corner.
+/// Fewer presses do not show whether one law fits everywhere in the image: centre, midway and corner.
 const LEAST_PRESSES: usize = 3;
 
-/// A part of the calibration that somebody has to do.
+/// A step of the calibration for the user.
 #[derive(Debug, Serialize)]
 pub(super) struct Step {
     pub(super) name: String,
     #[serde(skip)]
     pub(super) kind: Kind,
     pub(super) state: State,
-    /// Where its recording belongs; absent for a question.
+    /// The folder of its recording; absent for a question.
     pub(super) folder: Option<PathBuf>,
-    /// What its recording is worth, once there is one.
+    /// The result for its recording, if there is one.
     pub(super) check: Option<RecordingCheck>,
     /// The answer to a question.
     pub(super) answer: Option<String>,
 }
 
-/// What is to be done.
+/// The kinds of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Still,
@@ -47,7 +47,7 @@ pub(super) enum Kind {
     Press,
 }
 
-/// How far a step is.
+/// The state of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum State {
@@ -55,12 +55,12 @@ pub(super) enum State {
     Redo,
     Next,
     Later,
-    /// A question that may stay open.
+    /// An optional question.
     Optional,
 }
 
 impl Step {
-    /// What is wrong with its recording, as an error.
+    /// The fault of its recording, as an error.
     pub(super) fn fault(&self) -> Option<Failure> {
         let fault = self.check.as_ref()?.faults.first()?;
         Some(Failure::new(format!("{}: {fault}", self.name), &fault.remedy))
@@ -91,17 +91,17 @@ impl Step {
     }
 }
 
-/// Every step in its order. The first that is missing is next, unless one before it must be done again. What was found in a
-/// recording that has not changed since is not looked for again.
+/// Every step in order. The first that is missing is next, unless an earlier one must be repeated. Recordings that have
+/// not changed are not checked again.
 pub(super) fn look(folder: &Path, answers: &Answers, output: OutputArgs) -> Result<Vec<Step>, Failure> {
     let path = folder.join(PROFILE);
     let profile = if path.exists() { Profile::load(&path)? } else { Profile::default() };
-    // What is fitted later has no say in what a recording is worth.
+    // Values that are fitted later must not affect the check of a recording.
     let (image, flow, references) = (profile.image, profile.flow, profile.references);
     let mut bare = Profile { image, flow, references, ..Profile::default() };
     let mut looker = Looker { checks: Checks::load(folder), output };
     let place = folder.join("still");
-    // The noise that is being measured has no say in it, either.
+    // Neither must the noise that is being measured.
     bare.flow.noise_levels = Profile::default().flow.noise_levels;
     let still = Step::recording(Kind::Still, place.clone(), looker.still(&place, &bare));
     bare.flow.noise_levels = noise_to_set(&still).unwrap_or(profile.flow.noise_levels);
@@ -132,8 +132,8 @@ pub(super) fn look(folder: &Path, answers: &Answers, output: OutputArgs) -> Resu
     Ok(steps)
 }
 
-/// The camera's noise as a sound recording of the untouched gel shows it, grey levels. Half a level is what rounding and a
-/// lossless file leave at least.
+/// The camera's noise by a valid recording of the untouched gel, grey levels. Rounding and a lossless file cause at least
+/// half a level.
 pub(super) fn noise_to_set(still: &Step) -> Option<f32> {
     let check = still.check.as_ref().filter(|check| check.is_sound())?;
     let noise = check.noise_levels?.max(0.5);
@@ -190,7 +190,7 @@ impl Looker {
         })
     }
 
-    /// Checks the recording of a folder, beside the untouched gel where that is known; none where there is nothing in it.
+    /// Checks the recording of a folder, compared with the untouched gel if that is known; none if the folder is empty.
     fn judge(
         &mut self,
         folder: &Path,
@@ -245,7 +245,7 @@ fn of_one_size((width, height): (usize, usize), rest: Option<&Frame>) -> Result<
     Err(Fault::new(What::OtherSensor, measured, allowed, remedy))
 }
 
-/// Where a recording's images are: in its subfolder frames, as a simulation writes it, or in itself.
+/// The folder of a recording's images: its subfolder frames, as in a simulation, or itself.
 pub(super) fn images_of(folder: &Path) -> PathBuf {
     let frames = folder.join("frames");
     if frames.is_dir() { frames } else { folder.into() }
@@ -255,7 +255,7 @@ fn is_empty(folder: &Path) -> bool {
     fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none())
 }
 
-/// The folders named press and something, by number, then those that are still missing.
+/// The folders whose names begin with press, by number, then those that are still missing.
 fn press_folders(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();

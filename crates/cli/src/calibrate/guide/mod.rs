@@ -1,4 +1,4 @@
-//! `fingervision calibrate` alone: through the calibration of a real sensor, a recording at a time.
+//! `fingervision calibrate` alone: guides through the calibration of a real sensor, one recording after another.
 
 mod answers;
 mod checks;
@@ -26,25 +26,28 @@ const PROFILE: &str = "sensor.toml";
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct GuideArgs {
-    /// The folder of the sensor: it takes the recordings, the answers to what is asked, and at last the profile
+    /// The folder of the sensor: it contains the recordings, the answers and finally the profile
     #[arg(long, value_name = "DIR", default_value = "fingervision-sensor")]
     folder: PathBuf,
-    /// How far the board moves between neighbouring images, mm; 0.5 until told otherwise, then kept in the folder
+    /// Step of the board between consecutive images, mm; 0.5 if not given; stored in the folder
     #[arg(long, value_name = "MM", value_parser = positive)]
     step_mm: Option<f64>,
-    /// Where the board goes in the image: x, y, or degrees from x towards y; x until told otherwise, then kept
+    /// Direction of the board in the image: x, y, or degrees from x towards y; x if not given; stored
     #[arg(long, value_name = "x|y|DEG", value_parser = direction, allow_negative_numbers = true)]
     direction: Option<f64>,
-    /// The distance from the lens to the gel's surface as you measured it, as in 25±0.5 or 25+-0.5; kept
+    /// The measured distance from the lens to the gel's surface, as in 25±0.5 or 25+-0.5; stored
     #[arg(long, value_name = "MM±SD", value_parser = distance)]
     distance_mm: Option<Prior>,
-    /// How much of the gel's surface the image shows from its left border to its right one, mm, as a ruler on the gel shows it: the camera is checked against it; kept
+    /// Width of the gel's surface between the image's left and right border, mm, measured with a ruler on the gel; the
+    /// camera is checked against it; stored
     #[arg(long, value_name = "MM", value_parser = length)]
     view_mm: Option<f64>,
-    /// The gel's width, height and thickness, mm, as in 30,30,10: with it depth, contact and force come from elasticity; kept
+    /// The gel's width, height and thickness, mm, as in 30,30,10: enables depth, contact and force from elasticity;
+    /// stored
     #[arg(long, value_name = "W,H,T", value_parser = gel)]
     gel_mm: Option<Gel>,
-    /// The gel's Young's modulus, `MPa`, if it is known: force needs it, or a column `force_z_n` in the presses' depth.csv; kept
+    /// The gel's Young's modulus, `MPa`, if it is known: force needs it, or a column `force_z_n` in the presses'
+    /// depth.csv; stored
     #[arg(long, value_name = "MPA", value_parser = modulus)]
     youngs_modulus_mpa: Option<f64>,
     #[command(flatten)]
@@ -54,7 +57,7 @@ pub(crate) struct GuideArgs {
 /// Width, height and thickness, mm.
 type Gel = [f64; 3];
 
-/// How far the calibration is.
+/// The state of the calibration.
 #[derive(Debug, Serialize)]
 struct Progress<'a> {
     folder: &'a Path,
@@ -91,13 +94,13 @@ pub(crate) fn run(args: &GuideArgs, out: &mut impl Write) -> Result<(), Failure>
     }
 }
 
-/// Waits for a line: an answer to what is asked for, or an empty one. What is no answer is asked for again; none at the end
-/// of the input.
+/// Waits for a line: an answer to the question, or an empty one. After an invalid answer the question is repeated; none
+/// at the end of the input.
 fn hear(next: Option<Kind>, lines: &mut impl BufRead, out: &mut impl Write) -> Result<Option<Given>, Failure> {
     let asked = if next == Some(Kind::Distance) {
         "The distance in mm, as in 25±0.5, then Enter"
     } else {
-        "Enter looks again"
+        "Press Enter to check again"
     };
     loop {
         writeln!(out, "\n{asked}; Ctrl-C ends.")?;
@@ -110,15 +113,15 @@ fn hear(next: Option<Kind>, lines: &mut impl BufRead, out: &mut impl Write) -> R
             (_, "") => return Ok(Some(Given::default())),
             (Some(Kind::Distance), text) => match distance(text) {
                 Ok(distance) => return Ok(Some(Given { distance: Some(distance), ..Given::default() })),
-                Err(form) => writeln!(out, "{text} is no distance: {form}")?,
+                Err(form) => writeln!(out, "{text} is not a distance: {form}")?,
             },
-            (_, text) => writeln!(out, "nothing is asked for that {text} could answer")?,
+            (_, text) => writeln!(out, "there is no question to which {text} is the answer")?,
         }
     }
 }
 
 impl<'a> Progress<'a> {
-    /// Looks at the folder, makes room for what comes next, and calibrates once all is there.
+    /// Checks the folder, creates the folder for the next recording, and calibrates when all are there.
     fn new(args: &'a GuideArgs, answers: &Answers) -> Result<Self, Failure> {
         let folder = args.folder.as_path();
         let steps = look(folder, answers, args.output)?;
@@ -136,13 +139,13 @@ impl<'a> Progress<'a> {
 fn make(folder: &Path) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|error| {
         let message = format!("{}: cannot be made: {}", folder.display(), error.kind());
-        Failure::new(message, "name a folder that you may write with --folder")
+        Failure::new(message, "name a writable folder with --folder")
     })
 }
 
 /// A measured distance, mm.
 fn distance(text: &str) -> Result<Prior, String> {
-    let form = |_| "it takes the distance and how far it may be off, above 0 mm, as in 25±0.5 or 25+-0.5".to_string();
+    let form = |_| "it takes the distance and its standard deviation, above 0 mm, as in 25±0.5 or 25+-0.5".to_string();
     Prior::parse(&format!("distance_mm={text}")).map(|(_, prior)| prior).map_err(form)
 }
 
@@ -179,14 +182,14 @@ mod tests {
     fn a_distance_that_is_typed_is_taken() {
         let (given, said) = heard(Kind::Distance, "far\n25±0.5\n");
         assert_eq!(given.unwrap().distance, Some(Prior { value: 25.0, deviation: 0.5 }));
-        assert!(said.contains("far is no distance: it takes"), "{said}");
+        assert!(said.contains("far is not a distance: it takes"), "{said}");
     }
 
     #[test]
     fn an_empty_line_looks_again_and_the_end_of_the_input_ends() {
         assert!(heard(Kind::Board, "\n").0.unwrap().distance.is_none());
         assert!(heard(Kind::Board, "").0.is_none());
-        assert!(heard(Kind::Board, "25±0.5\n").1.contains("nothing is asked for that 25±0.5 could answer"));
+        assert!(heard(Kind::Board, "25±0.5\n").1.contains("there is no question to which 25±0.5 is the answer"));
     }
 
     #[test]

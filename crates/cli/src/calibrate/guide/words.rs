@@ -1,4 +1,4 @@
-//! The guide's words: the checklist, and how to take each recording.
+//! The guide's texts: the checklist, and how to take each recording.
 
 use std::fmt;
 use std::path::Path;
@@ -66,11 +66,11 @@ fn write_next(f: &mut fmt::Formatter<'_>, step: &Step, folder: &Path) -> fmt::Re
     writeln!(f, "Then: fingervision calibrate --folder {}{answer}", folder.display())
 }
 
-/// A question that may stay open, and what its answer is good for.
+/// An optional question, and the use of its answer.
 fn question(kind: Kind) -> &'static str {
     match kind {
         Kind::View => {
-            "what a ruler on the gel shows from the image's left border to its right one: --view-mm 30 (checks the board's step)"
+            "the width of the gel between the image's left and right border, by a ruler: --view-mm 30 (checks the board's step)"
         }
         Kind::Gel => {
             "the gel's width, height, thickness: --gel-mm 30,30,10 (for depth by elasticity, contact and force)"
@@ -92,8 +92,8 @@ fn how_to(kind: Kind) -> String {
              the image at both ends of its way. Slide it along the image's x axis by equal steps of 0.5 mm, always from the same\n\
              side, and take an image at rest after each: {BOARD_IMAGES} images. Another step or direction: --step-mm, --direction."
         ),
-        Kind::Distance => "The slide does not tell a near camera from a long lens. Measure from the lens (its middle) to the gel's surface, in\n\
-             mm, and say how far that may be off."
+        Kind::Distance => "The slide does not distinguish a near camera from a long lens. Measure from the lens (its middle) to the gel's surface, in\n\
+             mm, and add the standard deviation of the measurement."
             .into(),
         Kind::View | Kind::Gel => question(kind).into(),
         Kind::Press => "Press a small flat stamp, some mm wide, straight into the gel and stop at known depths, on a stage or with shims: the first\n\

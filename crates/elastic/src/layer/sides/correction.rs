@@ -1,4 +1,4 @@
-//! What the sides change, ready to be applied.
+//! The effect of the sides, prepared for use.
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -14,12 +14,13 @@ use crate::layer::Layer;
 /// Rows of a matrix whose products are summed at once.
 const ROWS: usize = 8;
 
-/// From forces on the nodes of a block's coarse surface to their displacements, less what the grid of cells carries.
+/// From forces on the nodes of a block's coarse surface to their displacements, minus the part computed on the grid of
+/// cells.
 #[derive(Debug)]
 pub(super) struct Correction {
     pub(super) nodes: [usize; 2],
     pub(super) cell_mm: [f64; 2],
-    /// What is left to the grid of cells.
+    /// The part computed on the grid of cells.
     pub(super) near: Near,
     parts: Vec<Part>,
     simd: Level,
@@ -30,14 +31,14 @@ pub(super) struct Correction {
 struct Part {
     /// For each unknown, the values of the field that it stands for: place in the nodal vector, factor.
     fields: Vec<[(usize, f32); 4]>,
-    /// Symmetric, times the shear modulus, 1/mm; rows and columns filled up with zeros.
+    /// Symmetric, times the shear modulus, 1/mm; rows and columns padded with zeros.
     matrix: Vec<f32>,
     size: usize,
 }
 
-/// Room for one parity's forces and displacements.
+/// Scratch memory for one parity's forces and displacements.
 #[derive(Debug, Clone)]
-pub(super) struct Room([Vec<f32>; 2]);
+pub(super) struct Scratch([Vec<f32>; 2]);
 
 impl Correction {
     pub(super) fn new(block: &GelBlock, layer: &Layer) -> Self {
@@ -49,16 +50,16 @@ impl Correction {
         Self { nodes: mesh.nodes(), cell_mm: [mesh.cell_mm[0], mesh.cell_mm[1]], near, parts, simd: Level::new() }
     }
 
-    pub(super) fn room(&self) -> Room {
+    pub(super) fn scratch(&self) -> Scratch {
         let largest = self.parts.iter().map(|part| part.size).max().unwrap_or(0);
-        Room([(); 2].map(|()| vec![0.0; largest]))
+        Scratch([(); 2].map(|()| vec![0.0; largest]))
     }
 
     /// Displacements times the shear modulus, of all nodes row by row, `(x, y, z)` each.
-    pub(super) fn displacement_into(&self, forces: &[f32], displacement: &mut [f32], room: &mut Room) {
+    pub(super) fn displacement_into(&self, forces: &[f32], displacement: &mut [f32], scratch: &mut Scratch) {
         displacement.fill(0.0);
         for part in &self.parts {
-            dispatch!(self.simd, _ => part.add(forces, displacement, room));
+            dispatch!(self.simd, _ => part.add(forces, displacement, scratch));
         }
     }
 }
@@ -85,7 +86,7 @@ impl Part {
     }
 
     #[inline(always)]
-    fn add(&self, forces: &[f32], displacement: &mut [f32], Room([from, to]): &mut Room) {
+    fn add(&self, forces: &[f32], displacement: &mut [f32], Scratch([from, to]): &mut Scratch) {
         let size = self.size;
         let (from, to) = (&mut from[..size], &mut to[..size]);
         from.fill(0.0);
@@ -94,7 +95,7 @@ impl Part {
             *from = field.iter().map(|&(place, factor)| factor * forces[place]).sum();
         }
         let rows = self.matrix.chunks_exact(ROWS * size).zip(from.chunks_exact(ROWS));
-        // What touches a gel leaves most of it free.
+        // A contact leaves most of the gel free.
         for (rows, from) in rows.filter(|(_, from)| from.iter().any(|&force| force != 0.0)) {
             let row: [&[f32]; ROWS] = std::array::from_fn(|n| &rows[n * size..][..size]);
             for column in 0..size {

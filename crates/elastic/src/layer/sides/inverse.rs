@@ -1,11 +1,11 @@
 //! The inverse of a symmetric, positive definite matrix.
 //!
-//! Gauss–Jordan elimination with a block of pivots at a time, on the lower triangle alone: half of n³ multiplications.
-//! Pivots need no order, since what is left after each is again positive definite.
+//! Gauss–Jordan elimination with a block of pivots at a time, on the lower triangle only: half of n³ multiplications. No
+//! pivoting is needed, since the rest after each step is again positive definite.
 
 use fearless_simd::{Level, dispatch};
 
-/// Pivots eliminated at once.
+/// Pivots eliminated together.
 const BLOCK: usize = 8;
 
 /// Replaces a matrix of `size` rows, whose lower triangle is read, by its inverse.

@@ -1,9 +1,9 @@
-//! Between a grid of cells and the coarse nodes.
+//! Interpolation between a grid of cells and the coarse nodes.
 
 use super::correction::Correction;
 use crate::SurfaceGrid;
 
-/// Which nodes a cell lies between, and how far it is from the first as a share of the way.
+/// The two nodes next to a cell, and its distance from the first as a fraction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Place {
     node: usize,
@@ -40,7 +40,7 @@ impl Lattice {
         Self { columns, rows, width, area_mm2: grid.cell_area_mm2() as f32, line: vec![[0.0; 3]; width] }
     }
 
-    /// Divides the force on each cell among the nodes around it.
+    /// Distributes the force on each cell to the nodes around it.
     pub(super) fn forces_into(&mut self, traction: &[[f32; 3]], forces: &mut [f32]) {
         let (forces, _) = forces.as_chunks_mut::<3>();
         forces.fill([0.0; 3]);
@@ -60,7 +60,7 @@ impl Lattice {
         }
     }
 
-    /// Adds to each cell what lies between its nodes.
+    /// Adds to each cell the interpolated value of its nodes.
     pub(super) fn add_displacement(&mut self, nodes: &[f32], displacement: &mut [[f32; 3]]) {
         let (nodes, _) = nodes.as_chunks::<3>();
         for (row, displacement) in self.rows.iter().zip(displacement.chunks_exact_mut(self.columns.len())) {

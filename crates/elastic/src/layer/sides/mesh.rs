@@ -3,7 +3,7 @@
 use crate::fem::{Material, Stiffness, stiffness};
 use crate::{GelBlock, Law};
 
-/// Elements through the thickness where the block is not wide.
+/// Elements through the thickness if the block is not wide.
 const LAYERS: f64 = 8.0;
 /// Most elements along a side.
 const MOST: usize = 24;
@@ -21,7 +21,7 @@ pub(super) struct CoarseMesh {
 }
 
 impl CoarseMesh {
-    /// Elements that are about cubes, an eighth of the thickness wide, or more where the block is wide.
+    /// Elements that are nearly cubes, an eighth of the thickness wide, or more if the block is wide.
     pub(super) fn new(block: &GelBlock) -> Self {
         let GelBlock { size_mm: [width, height], thickness_mm, poissons_ratio, .. } = *block;
         let edge = (thickness_mm / LAYERS).max(width.max(height) / MOST as f64);

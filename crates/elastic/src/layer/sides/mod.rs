@@ -1,23 +1,25 @@
-//! What the free sides of a block change.
+//! The effect of the free sides of a block.
 //!
-//! A layer without end is a convolution, a block is not. What a block's surface does under traction is taken as
+//! An infinite layer is a convolution, a block is not. The displacement of a block's surface under traction is computed
+//! as
 //!
 //! ```text
 //! u = C_near t + Bᵀ (G − G_∞ + C_far) B t
 //! ```
 //!
-//! with `C_near + C_far` the compliance of the layer, `G` the compliance of the block's surface in a coarse
-//! mesh of finite elements (small strain, mean dilatation, [Nagtegaal1974], up to 24×24×8), `G_∞` that of the **same
-//! mesh continued without end**, and `B` what brings tractions to the coarse nodes: each cell's force is divided
-//! bilinearly among the four nodes around it; displacements are interpolated by the transpose. Where the sides are not
-//! near, the errors of one mesh are the same in both and cancel; the difference is smooth and a coarse mesh can hold
-//! it. The sum is symmetric by construction.
+//! with `C_near + C_far` the compliance of the layer, `G` the compliance of the block's surface in a coarse mesh of
+//! finite elements (small strain, mean dilatation, [Nagtegaal1974], up to 24×24×8), `G_∞` that of the **same mesh
+//! continued without end**, and `B` the transfer of tractions to the coarse nodes: each cell's force is distributed
+//! bilinearly to the four nodes around it; displacements are interpolated by the transpose. Far from the sides, the
+//! errors of the mesh are the same in both and cancel; the difference is smooth and can be represented on a coarse mesh.
+//! The sum is symmetric by construction.
 //!
-//! The layer's influence is divided smoothly by distance (`near`). What is near lives on the grid of cells, by Fourier
-//! transform; what is far is smooth as well and rides with the sides for nothing. So the transform needs little padding.
+//! The layer's influence is split smoothly by distance (`near`). The near part is computed on the grid of cells, by
+//! Fourier transform; the far part is smooth as well and is included in the correction of the sides without additional
+//! cost. So the transform needs little padding.
 //!
-//! A block has two mirror planes. Fields split into four parities about them (`parity`), each a problem on a quarter of
-//! the block, eliminated level by level from the base to the surface (`quarter`). The mesh without end is a chain of
+//! A block has two mirror planes. Fields are split into four parities about them (`parity`), each a problem on a quarter
+//! of the block, eliminated level by level from the base to the surface (`quarter`). The mesh without end is a chain of
 //! 3×3 matrices for each wave, by the theorem of Floquet and Bloch (`waves`).
 //!
 //! Assumed are linear elasticity, small strain and equal bricks. Against elements half as wide, on 30×25×10 mm at

@@ -1,18 +1,18 @@
-//! What of a layer's influence the grid of cells carries, and what the coarse nodes can.
+//! Splits a layer's influence into the part for the grid of cells and the part for the coarse nodes.
 
 use std::f64::consts::FRAC_PI_2;
 
 use super::mesh::CoarseMesh;
 
-/// Distances, in elements, up to which the cells carry all and from which on the nodes do.
+/// Distances, in elements, up to which the cells compute all and from which on the nodes do.
 const FADE: [f64; 2] = [2.0, 8.0];
 
-/// A share of the influence that fades with the distance along x and along y: from 1 to 0 by the square of a cosine.
+/// A share of the influence that decreases with the distance along x and along y: from 1 to 0 by the square of a cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Near {
-    /// Distance along an axis up to which all is left, mm.
+    /// Distance along an axis up to which the share is 1, mm.
     whole_mm: f64,
-    /// Distance along an axis from which on nothing is left, mm.
+    /// Distance along an axis from which on the share is 0, mm.
     pub(super) reach_mm: f64,
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fearless_simd::{Level, dispatch};
 use rustfft::num_complex::Complex32;
 
-use super::correction::{Correction, Room};
+use super::correction::{Correction, Scratch};
 use super::lattice::Lattice;
 use crate::GelBlock;
 use crate::layer::operator::Symbols;
@@ -13,12 +13,12 @@ use crate::layer::symbol::Symbol;
 use crate::layer::transform::Transform;
 use crate::layer::{Layer, LayerError, SurfaceGrid};
 
-/// From tractions on the cells of a block's surface to the displacements of their centres, free sides included.
+/// From tractions on the cells of a block's surface to the displacements of their centres, including the free sides.
 ///
-/// What a layer without end does, as [`crate::LayerOperator`] has it, and what the sides change, by finite elements on a
-/// coarse mesh. Tractions are **in units of the shear modulus**, so that a gel of unknown
-/// stiffness has an operator, too. The grid lies about the centre of the surface and should cover it and no more: beyond
-/// a side the correction goes on constantly and means nothing.
+/// The sum of an infinite layer, as in [`crate::LayerOperator`], and the effect of the sides, by finite elements on a
+/// coarse mesh. Tractions are **in units of the shear modulus**, so that a gel of unknown stiffness has an operator, too.
+/// The grid is centred on the surface and should cover exactly that: beyond a side the correction is continued as a
+/// constant and has no meaning.
 ///
 /// Small strain. The coarse cell next to a side (an eighth of the thickness wide, or a 24th of the block's longer side
 /// if that is more) is not resolved. Single precision inside. Made once per block and grid, most of it once per block
@@ -35,7 +35,7 @@ pub struct BlockOperator {
     spectra: [Vec<Complex32>; 3],
     forces: Vec<f32>,
     moved: Vec<f32>,
-    room: Room,
+    scratch: Scratch,
     simd: Level,
 }
 
@@ -47,7 +47,7 @@ impl BlockOperator {
     /// [`LayerError`] if the block or the grid is impossible or the cells are wider than half the thickness.
     pub fn new(block: &GelBlock, grid: SurfaceGrid) -> Result<Self, LayerError> {
         let layer = Layer::of_unit_modulus(block)?;
-        // A grid that cannot be is told before the work.
+        // An impossible grid is reported before the work.
         grid.validate()?;
         Self::assemble(layer, grid, Arc::new(Correction::new(block, &layer)))
     }
@@ -76,7 +76,7 @@ impl BlockOperator {
             transform,
             forces: nodal(),
             moved: nodal(),
-            room: correction.room(),
+            scratch: correction.scratch(),
             correction,
             simd: Level::new(),
         })
@@ -93,20 +93,20 @@ impl BlockOperator {
     ///
     /// # Panics
     ///
-    /// If a field has not one entry a cell.
+    /// If a field does not have one entry per cell.
     pub fn displacement_into(&mut self, traction: &[[f32; 3]], displacement_mm: &mut [[f32; 3]]) {
         self.convolve(Kernel::Compliance, traction, displacement_mm);
         self.lattice.forces_into(traction, &mut self.forces);
-        self.correction.displacement_into(&self.forces, &mut self.moved, &mut self.room);
+        self.correction.displacement_into(&self.forces, &mut self.moved, &mut self.scratch);
         self.lattice.add_displacement(&self.moved, displacement_mm);
     }
 
-    /// The traction, in units of the shear modulus, that a layer without end would need for a displacement, cut off at
-    /// the grid's border: an approximate inverse, symmetric and positive definite, for conjugate gradients.
+    /// The traction, in units of the shear modulus, that an infinite layer would need for a displacement, cut off at the
+    /// grid's border: an approximate inverse, symmetric and positive definite, for conjugate gradients.
     ///
     /// # Panics
     ///
-    /// If a field has not one entry a cell.
+    /// If a field does not have one entry per cell.
     pub fn precondition_into(&mut self, displacement_mm: &[[f32; 3]], traction: &mut [[f32; 3]]) {
         self.convolve(Kernel::Stiffness, displacement_mm, traction);
     }

@@ -1,6 +1,6 @@
 //! The compliance of the surface of a block in its coarse mesh, one parity at a time.
 //!
-//! With one parity a quarter of the block is enough. Its levels of nodes are coupled to their neighbours alone, so they
+//! With one parity a quarter of the block is enough. Its levels of nodes are coupled only to their neighbours, so they
 //! are eliminated from the base up: with `A` the stiffness of a layer of elements within its upper level, `D` within its
 //! lower, `U` between them, `S ← A + D − U S⁻¹ Uᵀ`, and the last time without `D`. The surface's compliance is `S⁻¹`.
 
@@ -15,11 +15,11 @@ struct Layer {
     upper: Vec<f64>,
     /// Within the upper and the lower level together.
     both: Vec<f64>,
-    /// For each row, where it is not zero and its values: from the lower level to the upper.
+    /// For each row, the places of its non-zero entries and their values: from the lower level to the upper.
     coupling: Vec<Vec<(usize, f64)>>,
 }
 
-/// What the coarse nodes carry, `G − G_∞ + C_far`, in the basis of a parity's fields of norm 1: symmetric, times the
+/// The part for the coarse nodes, `G − G_∞ + C_far`, in the basis of a parity's fields of norm 1: symmetric, times the
 /// shear modulus, 1/mm.
 pub(super) fn difference(mesh: &CoarseMesh, endless: &EndlessMesh, parity: Parity) -> Vec<f64> {
     let unknowns = parity.unknowns(mesh.half());
@@ -28,9 +28,9 @@ pub(super) fn difference(mesh: &CoarseMesh, endless: &EndlessMesh, parity: Parit
     for (row, a) in unknowns.iter().enumerate() {
         let place = a.node.map(usize::cast_signed);
         for (column, b) in unknowns[..=row].iter().enumerate() {
-            // A quarter of the block stores a quarter of the energy.
+            // A quarter of the block contains a quarter of the energy.
             let block = 0.25 * (a.images * b.images).sqrt() * matrix[row * size + column];
-            // By symmetry each image of a is moved alike.
+            // By symmetry each image of a has the same displacement.
             let endless: f64 = parity
                 .field(b)
                 .iter()

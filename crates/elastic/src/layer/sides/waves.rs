@@ -1,4 +1,4 @@
-//! The coarse mesh continued without end: what a force at one node of its surface does at another.
+//! The coarse mesh continued without end: displacement at one node of its surface by a force at another.
 //!
 //! A wave of nodal displacements `u_level e^{i θ·place}`, with `place` counted in elements, meets nodal forces
 //! `Σ K e^{i θ·(place_b − place_a)} u`: 3×3 matrices between neighbouring levels of nodes. In a mesh with mirror planes
@@ -14,7 +14,7 @@ use crate::layer::Layer;
 use crate::layer::half_space::Influence;
 use crate::layer::operator::influence_of;
 
-/// The period is longer than the block by this many thicknesses: the nearest image is not felt.
+/// The period is longer than the block by this many thicknesses: the nearest image has no effect.
 const PERIOD: f64 = 9.0;
 
 type Matrix = [[f64; 3]; 3];
@@ -53,10 +53,10 @@ impl EndlessMesh {
         Self { columns, table }
     }
 
-    /// Takes away the part of a layer's influence that is not near, for the coarse nodes to carry.
+    /// Subtracts the near part of a layer's influence, so that the rest is the part for the coarse nodes.
     pub(super) fn leave_far(&mut self, mesh: &CoarseMesh, layer: &Layer, near: Near) {
         let [dx, dy, _] = mesh.cell_mm;
-        // As good as a point, and no offset is on the prolongation of its sides.
+        // Practically a point, and no offset is on the prolongation of its sides.
         let point_mm = 0.1 * dx.min(dy);
         let [width, height] = [0, 1].map(|axis| mesh.cell_mm[axis] * mesh.cells[axis] as f64);
         let influence = influence_of(layer, point_mm, width.hypot(height));

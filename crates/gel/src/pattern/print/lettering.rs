@@ -66,7 +66,7 @@ pub(super) fn width_mm(text: &str, height_mm: f64) -> f64 {
     (text.chars().count() as f64 * ADVANCE - (ADVANCE - 4.0)).max(0.0) * height_mm / HEIGHT
 }
 
-/// Writes a text from `(x, y)` on its baseline, mm, y down. Characters that it lacks are left blank.
+/// Writes a text from `(x, y)` on its baseline, mm, y down. Unknown characters are left blank.
 pub(super) fn write(text: &str, [x, y]: [f64; 2], height_mm: f64, strokes: &mut Vec<Stroke>) {
     let unit = height_mm / HEIGHT;
     for (k, character) in text.chars().enumerate() {

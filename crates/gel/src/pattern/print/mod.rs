@@ -1,8 +1,8 @@
 //! A pattern on paper at true scale: PDF, SVG and PNG.
 //!
-//! Around the pattern stand crop marks, a scale bar of 10 mm to check the printer with, and a caption of everything
-//! that is needed to make the same pattern again. Nothing in a file depends on time, machine or typefaces: the same
-//! pattern gives the same bytes.
+//! Around the pattern are crop marks, a scale bar of 10 mm to check the printer with, and a caption with everything
+//! needed to make the same pattern again. Nothing in a file depends on time, machine or typefaces: the same pattern gives
+//! the same bytes.
 
 mod lettering;
 mod page;
@@ -38,7 +38,7 @@ impl Print {
         Ok(Self { page: Page::around(pattern_mm, artwork, &facts), cell_mm })
     }
 
-    /// The same in the middle of a sheet of paper, which lies where the pattern is too wide for it upright.
+    /// The same in the middle of a sheet of paper, in landscape if the pattern is too wide for portrait.
     ///
     /// # Errors
     ///
@@ -72,12 +72,12 @@ impl Print {
         &self.page.caption
     }
 
-    /// The page as PDF. It asks not to be scaled by the print dialogue.
+    /// The page as PDF. Print dialogues are asked not to scale it.
     ///
-    /// Colour cells are one image, several samples a cell and not to be interpolated. Rectangles would be the obvious
-    /// choice, but a PDF paints every device pixel that a shape touches, so each cell would grow by up to a pixel over
-    /// its neighbours, and screens show seams. An image's samples part the device pixels between them. Several samples
-    /// a cell keep a driver that smooths images nevertheless to the outermost hundredths of a mm.
+    /// Colour cells are one image, with several samples per cell and without interpolation. Rectangles would be the
+    /// obvious choice, but a PDF paints every device pixel that a shape touches, so each cell would grow by up to a pixel
+    /// over its neighbours, and screens show seams. With an image, every device pixel belongs to one sample. With several
+    /// samples per cell, a driver that smooths images nevertheless changes only the outermost hundredths of a mm.
     #[must_use]
     pub fn pdf(&self) -> Vec<u8> {
         pdf::write(&self.page)
@@ -89,17 +89,17 @@ impl Print {
         svg::write(&self.page)
     }
 
-    /// The page as PNG with so many px per m, which the file states. Where px do not part cells evenly, a px is the mean
-    /// of what it covers.
+    /// The page as PNG with this many px per m, which the file states. If cells are not whole px, a px is the mean of
+    /// what it covers.
     ///
     /// # Errors
     ///
-    /// [`PatternError::TooManyPixels`] for a picture that hardly any program opens.
+    /// [`PatternError::TooManyPixels`] for a picture that is too large for most programs.
     pub fn png(&self, px_per_m: u32) -> Result<Vec<u8>, PatternError> {
         png::write(&self.page, px_per_m)
     }
 
-    /// Whether every colour cell is a whole number of px wide. Discs have no such thing.
+    /// Whether every colour cell is a whole number of px wide. False for discs.
     #[must_use]
     pub fn is_even(&self, px_per_m: u32) -> bool {
         let Some(cell_mm) = self.cell_mm else { return true };
@@ -108,8 +108,8 @@ impl Print {
         px > 0.5 && (px - px.round()).abs() * cells < 1e-3
     }
 
-    /// The resolution nearest to this one at which [`Print::is_even`], px per m; none for cells that no common one
-    /// suits.
+    /// The resolution nearest to this one at which [`Print::is_even`], px per m; none if no common resolution suits the
+    /// cells.
     #[must_use]
     pub fn even_px_per_m(&self, px_per_m: u32) -> Option<u32> {
         let Some(cell_mm) = self.cell_mm else { return Some(px_per_m) };
@@ -122,7 +122,7 @@ impl Print {
     }
 }
 
-/// What goes onto a page, wherever it is put there.
+/// The content of a page, before it is placed.
 struct Parts {
     pattern_mm: [f64; 2],
     artwork: Artwork,
@@ -168,7 +168,7 @@ impl Parts {
     }
 }
 
-/// A length in mm to a tenth of a micrometre, without zeros at its end.
+/// A length in mm to a tenth of a micrometre, without trailing zeros.
 fn length(mm: f64) -> String {
     let text = format!("{mm:.4}");
     text.trim_end_matches('0').trim_end_matches('.').into()

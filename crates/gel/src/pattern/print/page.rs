@@ -1,4 +1,4 @@
-//! What stands on the page: the pattern, and around it crop marks, a scale bar and a caption. All in mm from the upper
+//! The content of the page: the pattern, and around it crop marks, a scale bar and a caption. All in mm from the upper
 //! left corner, y down.
 
 use fingervision_image::Image;
@@ -11,16 +11,16 @@ use crate::pattern::error::PatternError;
 
 /// From the page's border to the pattern, mm.
 const MARGIN_MM: f64 = 10.0;
-/// Least width between the margins, mm: room for the caption.
+/// Least width between the margins, mm: needed for the caption.
 const LEAST_WIDTH_MM: f64 = 30.0;
-/// From a sheet's border to a pattern that is centred on it, mm: most printers leave out the outermost 5 mm, and crop marks
-/// lie between.
+/// From a sheet's border to a pattern that is centred on it, mm: most printers cannot print the outermost 5 mm, and crop
+/// marks lie between.
 const SHEET_MARGIN_MM: f64 = 12.0;
 /// From the pattern to a crop mark, and the mark's end, mm.
 const CROP_MARK_MM: [f64; 2] = [2.0, 7.0];
 /// Width of crop marks and of the scale bar's ticks, mm.
 const LINE_MM: f64 = 0.1;
-/// Length of the scale bar, mm; a tick stands every mm.
+/// Length of the scale bar, mm, with a tick every mm.
 const SCALE_BAR_MM: usize = 10;
 /// From the pattern down to the scale bar, mm.
 const SCALE_BAR_BELOW_MM: f64 = 11.0;
@@ -62,11 +62,11 @@ impl Page {
         Self { size_mm, origin_mm, pattern_mm, artwork, strokes, caption: facts.join(", ") }
     }
 
-    /// The pattern in the middle of a sheet, upright or, where only that will do, lying.
+    /// The pattern in the middle of a sheet, in portrait or, if it fits only so, in landscape.
     ///
     /// # Errors
     ///
-    /// [`PatternError::Paper`] if neither will.
+    /// [`PatternError::Paper`] if it fits neither way.
     pub(super) fn on_paper(
         paper: Paper,
         pattern_mm: [f64; 2],
@@ -88,14 +88,15 @@ impl Page {
     }
 }
 
-/// Width and height of the largest pattern in the middle of a sheet, whole mm: below it, bar and caption take their room.
+/// Width and height of the largest pattern in the middle of a sheet, whole mm, with bar and caption below it.
 fn room([width, height]: [f64; 2], facts: &[String]) -> [f64; 2] {
     let lines = wrapped(facts, width - 2.0 * SHEET_MARGIN_MM).len() as f64;
     let below = SCALE_BAR_BELOW_MM + LINE_HEIGHT_MM * (lines + 2.0) + 0.5 * SHEET_MARGIN_MM;
     [(width - 2.0 * SHEET_MARGIN_MM).floor(), (height - 2.0 * below.max(SHEET_MARGIN_MM)).floor()]
 }
 
-/// Crop marks, scale bar and caption, these two between a left and a right end, and where the caption's last line stands.
+/// Crop marks, scale bar and caption, the latter two between a left and a right end, and the position of the caption's
+/// last line.
 fn surroundings(
     origin_mm: [f64; 2],
     pattern_mm: [f64; 2],
@@ -145,7 +146,7 @@ fn scale_bar([x, y]: [f64; 2], strokes: &mut Vec<Stroke>) {
     lettering::write(&format!("{SCALE_BAR_MM} mm"), [end + 1.5, y], LETTER_MM, strokes);
 }
 
-/// The facts in lines that fit a width, mm, apart by a comma.
+/// The facts in lines that fit a width, mm, separated by commas.
 fn wrapped(facts: &[String], width_mm: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for fact in facts {

@@ -10,13 +10,13 @@ use super::page::{Artwork, Page};
 /// Points per mm: a point is 1/72 inch.
 const PT_PER_MM: f64 = 72.0 / 25.4;
 
-/// A sample of the cells' image is at most so wide, mm: about 1200 to the inch.
+/// A sample of the cells' image is at most this wide, mm: about 1200 to the inch.
 const SAMPLE_MM: f64 = 0.0212;
 
 /// Most samples along a side.
 const MOST_SAMPLES: usize = 8192;
 
-/// A circle of radius 1 as four curves: how far their control points lie from their ends.
+/// A circle of radius 1 as four curves: distance of their control points from their ends.
 const CURVATURE: f64 = 0.552_284_749_8;
 
 /// How hard to compress, 0 to 10.

@@ -19,7 +19,7 @@ pub(super) fn write(page: &Page, px_per_m: u32) -> Result<Vec<u8>, PatternError>
     }
     let [width, height] = counts.map(|count| count as usize);
     let mut picture = Image::filled(width, height, [255; 3]);
-    // Everything moves by part of a px, so that the pattern begins on a border between two.
+    // Everything is shifted by a fraction of a px, so that the pattern begins on a border between two.
     let origin = page.origin_mm.map(|mm| (mm * px_per_mm).round());
     draw_artwork(page, px_per_mm, origin.map(|px| px as usize), &mut picture);
     let moved = [0, 1].map(|axis| origin[axis] - page.origin_mm[axis] * px_per_mm);
@@ -70,7 +70,7 @@ fn ground(discs: &[Disc], pattern_mm: [f64; 2], px_per_mm: f64) -> Ground {
     ground
 }
 
-/// How much of a px one part of the pattern covers along an axis.
+/// Coverage of a px by one part of the pattern along an axis.
 #[derive(Debug, Clone, Copy)]
 struct Share {
     px: usize,
@@ -79,11 +79,11 @@ struct Share {
     weight: f64,
 }
 
-/// What is left of a share by rounding, dimensionless.
+/// Remainder of a share by rounding, dimensionless.
 const ROUNDING: f64 = 1e-6;
 
 impl Share {
-    /// The shares of so many cells in the px that they cover, px by px.
+    /// The shares of this many cells in the px that they cover, px by px.
     fn of_all(cells: usize, cells_per_px: f64) -> Vec<Vec<Self>> {
         let px = (cells as f64 / cells_per_px - ROUNDING).ceil() as usize;
         let of_px = |px: usize| {
@@ -95,7 +95,7 @@ impl Share {
         (0..px).map(of_px).collect()
     }
 
-    /// The shares of parts that are px themselves, the last one perhaps not whole.
+    /// The shares of parts that are px themselves, the last one perhaps partial.
     fn of_px(length: f64) -> Vec<Vec<Self>> {
         let px = (length - ROUNDING).ceil() as usize;
         (0..px).map(|px| vec![Self { px, part: px, weight: (length - px as f64).min(1.0) }]).collect()
@@ -126,11 +126,11 @@ fn paint(
     }
 }
 
-/// Darkens what a stroke covers: a px by how deep its centre lies inside the border.
+/// Darkens the px under a stroke, by the distance of their centre from its border.
 fn draw_stroke(stroke: &Stroke, px_per_mm: f64, moved: [f64; 2], picture: &mut Image<[u8; 3]>) {
-    // Thinner than a px a line would fade.
+    // A line thinner than a px would fade.
     let half_width = (0.5 * stroke.width_mm * px_per_mm).max(0.5);
-    // Px have their centres on whole numbers, lengths begin at the first one's border.
+    // Px have their centres at whole numbers, lengths begin at the border of the first one.
     let place = |mm: [f64; 2]| [0, 1].map(|axis| mm[axis] * px_per_mm + moved[axis] - 0.5);
     for ends in stroke.points_mm.windows(2) {
         let (a, b) = (place(ends[0]), place(ends[1]));

@@ -6,40 +6,40 @@ use super::patches::PATCH_PX;
 /// Part of the patches that may be poor in an even texture.
 const MOST_POOR: f64 = 0.05;
 
-/// How a tracker lets neighbouring patches help each other: what is needed to predict its noise.
+/// The coupling of neighbouring patches in a tracker: what is needed to predict its noise.
 ///
-/// Nodes stand `stride_px` apart. What the pixels around one say of its displacement has the variance `n²`, the bound of
-/// a patch of one stride. The flow's gradient may change by `s = curvature_px` from node to node, px per stride; a wave
-/// of the flow with wavenumber q, rad per stride, then costs `q⁴/s²`, and of the noise in it the share
-/// `1/(1 + q⁴ n²/s²)` is believed. Summed over all waves that the nodes can carry,
+/// Nodes are `stride_px` apart. The displacement of a node from the pixels around it alone has the variance `n²`, the
+/// bound of a patch of one stride. The flow's gradient may change by `s = curvature_px` from node to node, px per stride;
+/// a wave of the flow with wavenumber q, rad per stride, then costs `q⁴/s²`, and of the noise in it the share `1/(1 + q⁴
+/// n²/s²)` remains. Summed over all waves that the nodes can represent,
 ///
 /// ```text
 /// σ² = n s / 8π · (atan S + S/(1 + S²)),   S = 4π n / s
 /// ```
 ///
-/// Rich texture (n ≪ s) leaves σ = n, poor texture σ = √(n s)/4: four times the noise in the image, twice the noise in
-/// the flow.
+/// Rich texture (n ≪ s) gives σ = n, poor texture σ = √(n s)/4: four times the noise in the image gives twice the noise
+/// in the flow.
 ///
-/// Where only one in r rows is matched, the tracker believes its texture to be √r times poorer. It loses less: images
-/// are sampled with cubic B-splines, which average a row with its neighbours by ⅙, ⅔, ⅙, so that on smooth texture the
-/// variance grows by 10/9 for r = 2 and by r/2 beyond.
+/// If only one in r rows is matched, the tracker assumes a texture that is √r times poorer. The actual loss is smaller:
+/// images are sampled with cubic B-splines, which average a row with its neighbours by ⅙, ⅔, ⅙, so that on smooth texture
+/// the variance grows by 10/9 for r = 2 and by r/2 beyond.
 ///
-/// This is regularised correlation (Hild and Roux 2012) on an even texture; nothing in it is fitted. It leaves out that the bond
-/// between nodes gives way where the flow is rough, and what a tracker gets wrong without noise.
+/// This is regularised correlation (Hild and Roux 2012) on an even texture; nothing in it is fitted. It does not include
+/// that the coupling of nodes weakens where the flow is rough, and errors of a tracker that are not caused by noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
     /// Distance between neighbouring nodes, px.
     pub stride_px: f64,
     /// Expected change of the flow's gradient from a node to its neighbour, px per stride.
     pub curvature_px: f64,
-    /// Only one in so many rows is matched.
+    /// Only one in this many rows is matched.
     pub row_step: usize,
 }
 
 impl Coupling {
     /// Predicted standard deviation of a tracker's flow to the right and downwards, px.
     ///
-    /// None where more than one patch in twenty is poor: with gaps in the texture the waves are not independent.
+    /// None if more than one patch in twenty is poor: with gaps in the texture the waves are not independent.
     #[must_use]
     pub fn deviation_px(&self, score: &Trackability) -> Option<[f64; 2]> {
         if score.poor > MOST_POOR {

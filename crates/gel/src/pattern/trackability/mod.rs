@@ -1,4 +1,4 @@
-//! How well a pattern can be tracked, before it is printed.
+//! The accuracy with which a pattern can be tracked, predicted before it is printed.
 //!
 //! An estimator that matches a patch of the reference with a patch of the current image cannot find its displacement
 //! better than the Cramér–Rao bound allows (Kay 1993, §3; [Pan2008]). With
@@ -8,12 +8,12 @@
 //! cov(u, v) ≥ 2 σ² G⁻¹,   G = Σ ∇I ∇Iᵀ
 //! ```
 //!
-//! where the sum runs over the patch's pixels and channels, and I is the image without noise: the pattern as this camera
-//! sees it, with every pixel's exact coverage and the optics' blur. Fine cells have many edges but blur into grey, coarse
-//! ones are sharp but have few: in between lies the best.
+//! where the sum runs over the patch's pixels and channels, and I is the image without noise: the pattern in this
+//! camera's image, with every pixel's exact coverage and the optics' blur. Fine cells have many edges but blur into grey,
+//! coarse ones are sharp but have few edges: the best size is in between.
 //!
-//! The bound is that of an estimator that is already near. Where a pattern repeats, as a grid of dots does, one part can
-//! be taken for another; of that it says nothing.
+//! The bound is that of an estimator that is already close to the solution. Where a pattern repeats, such as a grid of
+//! dots, one part can be confused with another; the bound does not include this.
 //!
 //! [Pan2008]: https://doi.org/10.1364/OE.16.007037
 
@@ -30,39 +30,38 @@ use patches::{PATCH_PX, Patch};
 pub use coupling::Coupling;
 pub use view::View;
 
-/// Places across and down the image at which the pattern is looked at.
+/// Sampled places across and down the image.
 const PLACES: usize = 3;
 
 /// Patches across and down at every place.
 const PATCHES: usize = 4;
 
-/// A patch is poor if its displacement along its worst direction is no better known than this, px.
+/// A patch is poor if the standard deviation of its displacement along its worst direction exceeds this, px.
 const POOR_PX: f64 = 0.1;
 
 /// Variance that rounding to whole grey levels adds.
 const ROUNDING_VARIANCE: f64 = 1.0 / 12.0;
 
-/// What a camera makes of a pattern, over patches all over the image.
+/// Statistics of a pattern in a camera's image, over patches all over the image.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Trackability {
     /// Width and height of a patch, px.
     pub patch_px: usize,
-    /// Number of patches looked at.
+    /// Number of patches.
     pub patches: usize,
     /// Root mean square of the image's gradient over all channels together, grey levels per px.
     pub gradient_levels_per_px: f64,
-    /// Least standard deviation of the displacement of a patch on its own, to the right and downwards, px: the median.
+    /// Least standard deviation of the displacement of a single patch, to the right and downwards, px: the median.
     pub deviation_px: [f64; 2],
     /// The same on the gel's surface, mm.
     pub deviation_mm: [f64; 2],
-    /// As `deviation_px`, of a patch with the mean structure of all, px: what a tracker starts from that lets patches
-    /// help each other.
+    /// As `deviation_px`, of a patch with the mean structure of all, px: the start for a tracker with coupled patches.
     pub pooled_deviation_px: [f64; 2],
     /// Part of the patches whose displacement is not known to 0.1 px in every direction, 0 to 1.
     pub poor: f64,
 }
 
-/// Looks at a pattern on the undeformed gel.
+/// Statistics for a pattern on the undeformed gel.
 ///
 /// # Errors
 ///

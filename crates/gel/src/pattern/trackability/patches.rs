@@ -1,4 +1,4 @@
-//! A patch of the image and what it says about its displacement.
+//! A patch of the image and the bound of its displacement.
 
 use fingervision_image::{Image, LUMA_WEIGHTS};
 
@@ -53,14 +53,14 @@ impl Patch {
         if determinant > 1e-12 * (xx + yy).powi(2) { [yy / determinant, xx / determinant] } else { [f64::INFINITY; 2] }
     }
 
-    /// What the worst direction has of it.
+    /// The variance along the worst direction.
     pub(super) fn least_eigenvalue(&self) -> f64 {
         let [xx, xy, yy] = self.structure;
         0.5 * (xx + yy) - (0.25 * (xx - yy).powi(2) + xy * xy).sqrt()
     }
 }
 
-/// The channels that are matched; a single one is followed by nothing.
+/// The channels that are matched.
 fn channels(rgb: [f32; 3], colour: bool) -> [f64; 3] {
     let rgb = rgb.map(f64::from);
     if colour {

@@ -1,4 +1,4 @@
-//! The pattern as the camera sees it, without noise, and its gradient.
+//! The pattern in the camera's image, without noise, and its gradient.
 
 use fingervision_image::Image;
 
@@ -8,10 +8,10 @@ use crate::Texture;
 use crate::blur::{Blur, SUB_PIXELS};
 use crate::coverage::mean_colours;
 
-/// Half the step of the difference quotient that stands for the gradient, px: exact to 0.2 % for waves of 6 px.
+/// Half the step of the finite difference for the gradient, px: exact to 0.2 % for waves of 6 px.
 const HALF_STEP_PX: f64 = 0.1;
 
-/// Patches side by side at places all over the image, those on the gel.
+/// Adjacent patches at places all over the image, those on the gel.
 pub(super) fn patches(texture: &Texture, view: &View, places: usize, across: usize) -> Vec<Patch> {
     let blur = Blur::new(view.blur_px);
     let side = across * PATCH_PX;
@@ -30,7 +30,8 @@ pub(super) fn patches(texture: &Texture, view: &View, places: usize, across: usi
     patches
 }
 
-/// Derivatives to the right and downwards of a square of the image, grey levels per px; none if it reaches beyond the
+/// Derivatives to the right and downwards of a square of the image, grey levels per px; none if it extends beyond the
+/// gel.
 /// gel.
 fn gradients(
     texture: &Texture,

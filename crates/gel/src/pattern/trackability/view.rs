@@ -2,7 +2,7 @@ use fingervision_optics::{Camera, CameraParams, Distortion};
 
 use crate::PatternError;
 
-/// How a camera sees a gel.
+/// A camera and a gel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
     /// The camera.
@@ -11,7 +11,7 @@ pub struct View {
     pub size_px: [usize; 2],
     /// Width and height of the gel's surface, mm.
     pub gel_mm: [f64; 2],
-    /// Standard deviation of the Gaussian by which the optics blur, px.
+    /// Standard deviation of the Gaussian blur of the optics, px.
     pub blur_px: f64,
     /// Standard deviation of the noise on each channel before it is rounded to 8 bits, grey levels.
     pub noise_levels: f64,

@@ -153,7 +153,7 @@ fn a_surface_behind_the_camera_is_not_seen() {
 }
 
 #[test]
-fn what_is_no_surface_is_refused() {
+fn an_invalid_surface_is_refused() {
     let mut renderer = renderer(&params(8, 8));
     let state = surface(4, |_, _| [0.0; 3]);
     let mut torn = state.clone();

@@ -1,7 +1,7 @@
 //! A solved press as bytes: little endian, with a checksum, so that damage is noticed.
 //!
 //! Magic, SHA-256 of the rest, then the number of frames and for each frame the grid lines, the displacement of every
-//! node, what the nodes in contact carry, and the totals. Every number keeps all its bits.
+//! node, the values of the nodes in contact, and the totals. Every number keeps all its bits.
 
 use fingervision_elastic::SurfaceState;
 use sha2::{Digest, Sha256};
@@ -23,7 +23,7 @@ pub(super) fn to_bytes(states: &[SurfaceState]) -> Vec<u8> {
     bytes
 }
 
-/// What an entry holds; absent if it is damaged or of another format.
+/// The content of an entry; absent if it is damaged or of another format.
 pub(super) fn from_bytes(bytes: &[u8]) -> Option<Vec<SurfaceState>> {
     let (checksum, content) = bytes.strip_prefix(MAGIC)?.split_at_checked(CHECKSUM_LEN)?;
     if Sha256::digest(content).as_slice() != checksum {

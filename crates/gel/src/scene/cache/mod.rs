@@ -1,8 +1,8 @@
-//! Solved presses on the disk, found again by what was solved.
+//! A cache of solved presses on the disk.
 //!
-//! An entry's name is a digest of all that decides the solution: gel, material, contact, indenter, mesh, every pose and
-//! the solver itself. A scene that changes only what is seen (camera, pattern, light) finds its press again. Entries are
-//! written whole or not at all, and checked when they are read: a damaged one counts as absent.
+//! An entry's name is a digest of everything that determines the solution: gel, material, contact, indenter, mesh, every
+//! pose and the solver itself. A scene that differs only in camera, pattern or light uses the same entry. Entries are
+//! written completely or not at all, and checked when they are read: a damaged one counts as absent.
 
 mod entry;
 
@@ -17,24 +17,24 @@ use fingervision_elastic::SurfaceState;
 use sha2::{Digest, Sha256};
 use tempfile::NamedTempFile;
 
-/// Names the folder of the cache; without it the platform's place for caches is taken.
+/// Environment variable with the folder of the cache; without it the platform's folder for caches is used.
 const VARIABLE: &str = "FINGERVISION_CACHE";
 const EXTENSION: &str = "press";
-/// Beyond this the oldest entries make room, bytes: some 400 fine presses.
+/// Above this size the oldest entries are removed, bytes: some 400 fine presses.
 const MOST_BYTES: u64 = 2 << 30;
 
 /// Where solved presses are kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PressCache {
-    /// Absent: nothing is kept.
+    /// Absent: no cache.
     folder: Option<PathBuf>,
 }
 
-/// What is wrong with the cache. A press can be solved all the same.
+/// An error of the cache. A press can be solved nevertheless.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CacheError {
-    /// An entry is not what was written.
+    /// An entry is damaged.
     #[error("{} in the cache of solved presses is damaged", path.display())]
     Damaged {
         /// The entry.
@@ -45,12 +45,12 @@ pub enum CacheError {
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's message.
         error: io::Error,
     },
 }
 
-/// How much a cache holds.
+/// The size of a cache.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct CacheSize {
     /// Solved presses.
@@ -59,12 +59,12 @@ pub struct CacheSize {
     pub bytes: u64,
 }
 
-/// Names a press by all that decides its solution.
+/// The digest of everything that determines a press's solution.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct PressKey(String);
 
 impl PressKey {
-    /// The key of a press whose solution is decided by these texts and files, in this order.
+    /// The key of a press whose solution is determined by these texts and files, in this order.
     pub(super) fn of<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> Self {
         let mut digest = Sha256::new();
         for part in parts {
@@ -84,14 +84,14 @@ impl PressCache {
     /// No cache: every press is solved.
     pub const OFF: Self = Self { folder: None };
 
-    /// A cache in this folder, which is made when the first press is stored.
+    /// A cache in this folder, which is created when the first press is stored.
     #[must_use]
     pub fn at(folder: impl Into<PathBuf>) -> Self {
         Self { folder: Some(folder.into()) }
     }
 
-    /// The cache that the environment names in `FINGERVISION_CACHE`, else the one in the platform's place for caches;
-    /// [`PressCache::OFF`] where there is no such place.
+    /// The cache in the folder given by `FINGERVISION_CACHE`, otherwise in the platform's folder for caches;
+    /// [`PressCache::OFF`] if there is none.
     #[must_use]
     pub fn standard() -> Self {
         let named = std::env::var_os(VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from);
@@ -104,7 +104,7 @@ impl PressCache {
         self.folder.as_deref()
     }
 
-    /// How much it holds; nothing if it cannot be read.
+    /// Its size; zero if it cannot be read.
     #[must_use]
     pub fn size(&self) -> CacheSize {
         let files = self.folder().map(files).unwrap_or_default();
@@ -125,7 +125,7 @@ impl PressCache {
         }
     }
 
-    /// Keeps the surfaces of a press and lets the oldest entries go where there are too many.
+    /// Stores the surfaces of a press and removes the oldest entries if there are too many.
     ///
     /// # Errors
     ///
@@ -155,7 +155,7 @@ struct File {
     written: SystemTime,
 }
 
-/// The entries in a folder; those that vanish meanwhile are left out.
+/// The entries in a folder; those removed meanwhile are skipped.
 fn files(folder: &Path) -> Vec<File> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let paths = entries.map(|entry| entry.path()).filter(|path| path.extension() == Some(OsStr::new(EXTENSION)));
@@ -166,7 +166,7 @@ fn files(folder: &Path) -> Vec<File> {
     paths.filter_map(file).collect()
 }
 
-/// Removes the oldest entries until the rest takes at most so many bytes.
+/// Removes the oldest entries until the rest takes at most this many bytes.
 fn make_room(folder: &Path, most_bytes: u64) {
     let mut files = files(folder);
     files.sort_by_key(|file| file.written);
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_entry_is_told_from_an_absent_one() {
+    fn a_damaged_entry_differs_from_an_absent_one() {
         let folder = tempfile::tempdir().unwrap();
         let cache = PressCache::at(folder.path());
         cache.store(&key("a"), &[bump(0.5)]).unwrap();

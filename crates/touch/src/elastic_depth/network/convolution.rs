@@ -10,14 +10,14 @@ const LANES: usize = 16;
 /// Cells of a row computed together: they share the weights that they read, and their sums fill the registers of AVX2.
 pub(super) const CELLS: usize = 6;
 
-/// What becomes of a layer's sum.
+/// What is done with a layer's sum.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Then<'a> {
+pub(super) enum Activation<'a> {
     /// Nothing.
     Keep,
     /// Negative values become zero.
     Rectify,
-    /// Negative values become zero, and what went in is added: the layer learns a change.
+    /// Negative values become zero, and the input is added: the layer learns a change.
     RectifyAndAdd,
     /// A plane of half the resolution is added, each of its cells to 2×2, then negative values become zero.
     AddGrownAndRectify(&'a Plane),
@@ -54,13 +54,13 @@ impl Convolution {
     }
 
     /// Applies the layer. `to` has a cell for every `stride`-th of `from`.
-    pub(super) fn apply(&self, level: Level, from: &Plane, to: &mut Plane, then: Then<'_>) {
+    pub(super) fn apply(&self, level: Level, from: &Plane, to: &mut Plane, then: Activation<'_>) {
         debug_assert_eq!((from.channels, to.channels), (self.inputs, self.outputs), "channels of the layer");
         dispatch!(level, simd => self.run(simd, from, to, then));
     }
 
     #[simd]
-    fn run<S: Simd>(&self, simd: S, from: &Plane, to: &mut Plane, then: Then<'_>) {
+    fn run<S: Simd>(&self, simd: S, from: &Plane, to: &mut Plane, then: Activation<'_>) {
         let per_block = self.side * self.side * self.inputs * LANES;
         for row in 0..to.rows {
             for (block, weights) in self.weights.chunks_exact(per_block).enumerate() {
@@ -68,19 +68,19 @@ impl Convolution {
                 let count = LANES.min(self.outputs - first);
                 let bias: &[f32; LANES] = self.bias[first..].first_chunk().expect("biases fill whole blocks");
                 for column in (0..to.columns).step_by(CELLS) {
-                    // The last group of a row overlaps the one before it.
+                    // The last group of a row overlaps the previous one.
                     let column = column.min(to.columns - CELLS);
                     let sums = self.sum(simd, weights, bias, from, (column, row));
                     for (cell, sums) in (column..).zip(&sums) {
                         let channels = |cell: usize| cell * self.outputs + first..cell * self.outputs + first + count;
                         let to = &mut to.row_mut(row)[channels(cell)];
                         match then {
-                            Then::Keep => to.copy_from_slice(&sums[..count]),
-                            Then::Rectify => write(to, sums, &[0.0; LANES], |sum, _| sum.max(0.0)),
-                            Then::RectifyAndAdd => {
+                            Activation::Keep => to.copy_from_slice(&sums[..count]),
+                            Activation::Rectify => write(to, sums, &[0.0; LANES], |sum, _| sum.max(0.0)),
+                            Activation::RectifyAndAdd => {
                                 write(to, sums, &from.row(row)[channels(cell)], |sum, before| sum.max(0.0) + before);
                             }
-                            Then::AddGrownAndRectify(coarse) => {
+                            Activation::AddGrownAndRectify(coarse) => {
                                 let coarse = &coarse.row(row / 2)[channels(cell / 2)];
                                 write(to, sums, coarse, |sum, coarse| (sum + coarse).max(0.0));
                             }
@@ -125,7 +125,7 @@ impl Convolution {
     }
 }
 
-/// Numbers that make a layer's shape.
+/// The shape of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Shape {
     pub(super) inputs: usize,
@@ -141,7 +141,7 @@ impl Shape {
     }
 }
 
-/// Writes what `combine` makes of each sum and what is beside it.
+/// Writes what `combine` returns for each sum and the value next to it.
 #[inline(always)]
 fn write(to: &mut [f32], sums: &[f32; LANES], beside: &[f32], combine: impl Fn(f32, f32) -> f32) {
     for ((to, &sum), &beside) in to.iter_mut().zip(sums).zip(beside) {

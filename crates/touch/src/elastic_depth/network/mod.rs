@@ -1,31 +1,31 @@
-//! What was learned from simulated presses: where the gel is touched, and how deep it is there.
+//! The network trained on simulated presses: estimates where the gel is touched, and how deep.
 //!
-//! A convolutional network in the shape of a U ([Ronneberger2015]): it looks at the apparent motion of the surface and at the
-//! rays along which it is seen, in mm, at three resolutions, and tells depth, contact and the error to expect of the depth at
-//! every cell. It was trained on presses of random bodies, gels and cameras by our own simulator alone (`learn/`), none of them a
-//! ready-made scene.
+//! A convolutional network of the U-Net type ([Ronneberger2015]). Its inputs are the apparent motion of the surface and
+//! the slopes of the rays, in mm, at three resolutions; its outputs are depth, contact and the expected error of the
+//! depth at every cell. It was trained only on presses of random bodies, gels and cameras by our own simulator
+//! (`learn/`), none of them a ready-made scene.
 //!
-//! The order of sums is fixed, but products are fused into them where the processor can: one machine gives the same bits
-//! again, instruction sets differ in the last ones.
+//! The order of sums is fixed, but multiply and add are fused where the processor supports it: one machine always gives
+//! the same bits, instruction sets differ in the last ones.
 
 mod convolution;
+mod global_context;
 #[cfg(test)]
 mod golden;
 mod plane;
+mod symmetry;
 #[cfg(test)]
 mod tests;
-mod way;
 #[cfg(test)]
 mod weights_tests;
-mod whole;
 
 use fearless_simd::Level;
 use fingervision_elastic::GelBlock;
 
-use convolution::{Convolution, Shape, Then};
+use convolution::{Activation, Convolution, Shape};
+use global_context::GlobalContext;
 use plane::Plane;
-pub(super) use way::Way;
-use whole::Whole;
+pub(super) use symmetry::Symmetry;
 
 /// Weights and biases, as `learn/export.py` writes them: three numbers of channels as little-endian u32, then f32.
 const WEIGHTS: &[u8] = include_bytes!("../../../weights/contact.bin");
@@ -33,7 +33,7 @@ const WEIGHTS: &[u8] = include_bytes!("../../../weights/contact.bin");
 pub(super) const INPUTS: usize = 5;
 /// Inputs that are the same for all cells: Poisson's ratio and thickness.
 pub(super) const CONSTANTS: usize = 2;
-/// Side of the gel that all others are scaled to, mm.
+/// Side of the gel that all gels are scaled to, mm.
 pub(super) const SIZE_MM: f64 = 30.0;
 
 /// The inputs that are the same for all cells, for a gel scaled to a side of [`SIZE_MM`].
@@ -41,8 +41,8 @@ pub(super) fn constants(poissons_ratio: f64, thickness_mm: f64) -> [f32; CONSTAN
     [(poissons_ratio - 0.42) * 8.0, (thickness_mm - 10.0) / 3.0].map(|value| value as f32)
 }
 
-/// The gels and cameras whose presses were learned from, in words: what `Sensor::is_learned_from` judges by.
-pub const LEARNED_FROM: &str = "nearly square gels 0.2 to 0.5 of their side thick, of Poisson's ratio 0.29 to 0.5, seen from 0.4 to \
+/// The training range of gel and camera in words: what `Sensor::is_in_training_range` tests.
+pub const TRAINING_RANGE: &str = "nearly square gels 0.2 to 0.5 of their side thick, of Poisson's ratio 0.29 to 0.5, seen from 0.4 to \
                                1.4 of their side";
 
 /// A gel before a camera, scaled to a longer side of [`SIZE_MM`].
@@ -57,7 +57,7 @@ pub(super) struct Sensor {
 }
 
 impl Sensor {
-    /// That of a gel so far away, mm: elasticity knows no scale.
+    /// A gel at this distance, mm, scaled: elasticity has no length scale.
     pub(super) fn new(gel: &GelBlock, distance_mm: f64) -> Self {
         let [width_mm, height_mm] = gel.size_mm;
         let scale = SIZE_MM / width_mm.max(height_mm);
@@ -69,22 +69,22 @@ impl Sensor {
         }
     }
 
-    /// Whether what was learned says anything of such a gel.
-    pub(super) fn is_told_of(&self) -> bool {
+    /// Whether the network can be used for such a gel.
+    pub(super) fn network_applies(&self) -> bool {
         (0.29..=0.5).contains(&self.poissons_ratio) && (6.0..=15.0).contains(&self.thickness_mm)
     }
 
-    /// Whether presses of such a gel, square and from about so far, were among those learned from.
-    pub(super) fn is_learned_from(&self) -> bool {
-        self.is_told_of() && self.shorter_mm >= 0.9 * SIZE_MM && (12.0..=42.0).contains(&self.distance_mm)
+    /// Whether gel and distance are inside the training range.
+    pub(super) fn is_in_training_range(&self) -> bool {
+        self.network_applies() && self.shorter_mm >= 0.9 * SIZE_MM && (12.0..=42.0).contains(&self.distance_mm)
     }
 }
 
-/// Depth, the logarithm of the odds of contact and that of the error expected of the depth.
+/// Depth, the logarithm of the odds of contact, and the logarithm of the expected error of the depth.
 pub(super) const OUTPUTS: usize = 3;
 /// Sides of the grid must be multiples of this, and at least [`LEAST_SIDE`].
 pub(super) const MULTIPLE: usize = 8;
-/// The least side of a grid, cells: at the coarsest resolution what a layer takes together.
+/// The least side of a grid, cells: at the coarsest resolution the number of cells a layer computes together.
 pub(super) const LEAST_SIDE: usize = convolution::CELLS * MULTIPLE;
 
 /// Most channels of a layer: what a file of weights may ask for.
@@ -109,14 +109,14 @@ struct Layers {
     enter: [Convolution; 2],
     down: [Convolution; 2],
     deep: [Convolution; 3],
-    whole: Whole,
+    whole: GlobalContext,
     up: [Convolution; 3],
     leave: [Convolution; 3],
     output: Convolution,
 }
 
 impl ContactNetwork {
-    /// Room for a grid of cells, both sides multiples of [`MULTIPLE`] and at least [`LEAST_SIDE`].
+    /// Buffers for a grid of cells, both sides multiples of [`MULTIPLE`] and at least [`LEAST_SIDE`].
     pub(super) fn new((columns, rows): (usize, usize)) -> Self {
         let (channels, layers) = Layers::read(WEIGHTS).expect("the weights that are built in are whole");
         let [fine, middle, coarse] = channels;
@@ -135,8 +135,8 @@ impl ContactNetwork {
         }
     }
 
-    /// Depth, mm, the logarithm of the odds of contact and that of the depth's expected error, mm, for every cell, from what
-    /// `input` gives for a cell `(column, row)`.
+    /// Depth, mm, the logarithm of the odds of contact and that of the depth's expected error, mm, for every cell;
+    /// `input` gives the inputs of a cell `(column, row)`.
     pub(super) fn run(
         &mut self,
         constants: [f32; CONSTANTS],
@@ -172,7 +172,7 @@ impl ContactNetwork {
     }
 
     fn forward(&mut self) {
-        use Then::{AddGrownAndRectify, Keep, Rectify, RectifyAndAdd};
+        use Activation::{AddGrownAndRectify, Keep, Rectify, RectifyAndAdd};
         let (level, layers) = (self.level, &mut self.layers);
         let [fine, fine_kept] = &mut self.fine;
         let [middle, middle_kept] = &mut self.middle;
@@ -215,7 +215,7 @@ impl Layers {
                 file.layer(coarse, coarse, 3, 1)?,
                 file.layer(coarse, coarse, 3, 1)?,
             ],
-            whole: Whole::new(coarse, file.take(Whole::len(coarse))?),
+            whole: GlobalContext::new(coarse, file.take(GlobalContext::len(coarse))?),
             up: [
                 file.layer(coarse, middle, 1, 1)?,
                 file.layer(middle, middle, 3, 1)?,
@@ -228,7 +228,7 @@ impl Layers {
     }
 }
 
-/// What is left of a file of weights.
+/// The unread part of a weights file.
 struct Reader<'a>(&'a [f32]);
 
 impl<'a> Reader<'a> {

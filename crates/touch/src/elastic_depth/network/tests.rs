@@ -1,8 +1,8 @@
 //! Tests of the network.
 
-use super::convolution::{Convolution, Shape, Then};
+use super::convolution::{Activation, Convolution, Shape};
+use super::global_context::GlobalContext;
 use super::plane::Plane;
-use super::whole::Whole;
 use super::*;
 
 /// Numbers without a pattern, from −1 to 1.
@@ -21,7 +21,7 @@ fn filled(size: (usize, usize), channels: usize) -> Plane {
     plane
 }
 
-/// A layer as its definition says, one sum at a time.
+/// A layer computed by its definition, one sum at a time.
 fn slow(shape: Shape, values: &[f32], from: &Plane, (column, row): (usize, usize), output: usize) -> f64 {
     let Shape { inputs, outputs, side, stride } = shape;
     let mut sum = f64::from(values[outputs * inputs * side * side + output]);
@@ -45,7 +45,7 @@ fn a_layer_is_the_sum_of_its_definition() {
         let values: Vec<_> = (0..shape.len()).map(scatter).collect();
         let from = filled((18, 16), inputs);
         let mut to = Plane::new((18 / stride, 16 / stride), outputs);
-        Convolution::new(shape, &values).apply(Level::new(), &from, &mut to, Then::Keep);
+        Convolution::new(shape, &values).apply(Level::new(), &from, &mut to, Activation::Keep);
         for (row, column, output) in [(0, 0, 0), (1, 2, outputs - 1), (to.rows - 1, to.columns - 1, outputs / 2)] {
             let expected = slow(shape, &values, &from, (column, row), output);
             let found = f64::from(to.row(row)[column * outputs + output]);
@@ -59,7 +59,7 @@ fn a_layer_that_adds_keeps_what_went_in() {
     let shape = Shape { inputs: 16, outputs: 16, side: 3, stride: 1 };
     let from = filled((8, 8), 16);
     let mut to = Plane::new((8, 8), 16);
-    Convolution::new(shape, &vec![0.0; shape.len()]).apply(Level::new(), &from, &mut to, Then::RectifyAndAdd);
+    Convolution::new(shape, &vec![0.0; shape.len()]).apply(Level::new(), &from, &mut to, Activation::RectifyAndAdd);
     assert_eq!(to.row(3), from.row(3));
 }
 
@@ -69,7 +69,7 @@ fn a_coarser_plane_is_added_to_two_by_two_cells() {
     let (from, coarse) = (filled((8, 8), 16), filled((4, 4), 16));
     let mut to = Plane::new((8, 8), 16);
     let layer = Convolution::new(shape, &vec![0.0; shape.len()]);
-    layer.apply(Level::new(), &from, &mut to, Then::AddGrownAndRectify(&coarse));
+    layer.apply(Level::new(), &from, &mut to, Activation::AddGrownAndRectify(&coarse));
     for (row, column) in [(0, 0), (3, 6), (7, 7)] {
         let grown = coarse.row(row / 2)[column / 2 * 16..][..16].iter().map(|value| value.max(0.0));
         assert!(to.row(row)[column * 16..][..16].iter().copied().eq(grown), "row {row}, column {column}");
@@ -77,11 +77,11 @@ fn a_coarser_plane_is_added_to_two_by_two_cells() {
 }
 
 #[test]
-fn every_cell_is_told_of_the_mean_over_all() {
-    let values: Vec<_> = (0..Whole::len(16)).map(scatter).collect();
+fn every_cell_network_applies_the_mean_over_all() {
+    let values: Vec<_> = (0..GlobalContext::len(16)).map(scatter).collect();
     let before = filled((9, 7), 16);
     let mut after = before.clone();
-    Whole::new(16, &values).apply(&mut after);
+    GlobalContext::new(16, &values).apply(&mut after);
     let mean = |channel: usize| {
         let cells = (0..7).flat_map(|row| before.row(row).iter().skip(channel).step_by(16));
         cells.map(|&value| f64::from(value)).sum::<f64>() / 63.0
@@ -96,11 +96,11 @@ fn every_cell_is_told_of_the_mean_over_all() {
 
 #[test]
 fn a_way_back_leads_to_the_same_cell() {
-    assert_eq!(Way::all((72, 64)).len(), 4);
-    let ways = Way::all((72, 72));
-    assert_eq!(ways.len(), 8);
-    for way in ways {
-        // A motion that grows from the middle looks the same in every way.
+    assert_eq!(Symmetry::all((72, 64)).len(), 4);
+    let symmetries = Symmetry::all((72, 72));
+    assert_eq!(symmetries.len(), 8);
+    for way in symmetries {
+        // A motion that grows from the middle looks the same under every symmetry.
         let middle = |place: (usize, usize)| [place.0 as f32 - 35.5, place.1 as f32 - 35.5];
         for place in [(0, 0), (71, 3), (20, 50)] {
             let [x, y] = middle(way.place((72, 72), place));

@@ -1,10 +1,10 @@
-//! What every cell is told of the gel as a whole.
+//! A layer that adds the mean over the whole gel to every cell.
 
 use super::plane::Plane;
 
-/// Adds to every cell what a matrix makes of the mean over all cells, then makes negative values zero.
+/// Adds a linear function of the mean over all cells to every cell, then sets negative values to zero.
 #[derive(Debug, Clone)]
-pub(super) struct Whole {
+pub(super) struct GlobalContext {
     /// `[output][input]`.
     weights: Vec<f32>,
     bias: Vec<f32>,
@@ -12,8 +12,8 @@ pub(super) struct Whole {
     change: Vec<f32>,
 }
 
-impl Whole {
-    /// Weights and biases of a matrix from so many channels to as many.
+impl GlobalContext {
+    /// Number of weights and biases of a matrix from this many channels to as many.
     pub(super) fn len(channels: usize) -> usize {
         channels * (channels + 1)
     }

@@ -1,26 +1,26 @@
-//! The ways to look at a gel: as it is, in mirrors and turned by quarters.
+//! The symmetries of the gel: mirror images and quarter turns.
 //!
-//! What presses a gel does not depend on where left is, and the network only nearly learned that. The mean of what it tells
-//! in all ways errs less than what it tells in one.
+//! The result must not depend on the orientation of the gel, but the network learned that only approximately. The mean of
+//! its estimates over all symmetries has a smaller error than a single one.
 
 use super::INPUTS;
 
-/// A mirror, a quarter turn or both of a grid of cells.
+/// A mirror image, a quarter turn or both, of a grid of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::elastic_depth) struct Way {
-    /// Left and right change places,
+pub(in crate::elastic_depth) struct Symmetry {
+    /// Left and right are exchanged,
     across: bool,
-    /// above and below do,
+    /// above and below are,
     down: bool,
-    /// and then columns and rows do.
+    /// and then columns and rows are.
     transposed: bool,
 }
 
-impl Way {
-    /// As it is.
+impl Symmetry {
+    /// The identity.
     pub(in crate::elastic_depth) const PLAIN: Self = Self { across: false, down: false, transposed: false };
 
-    /// All ways that keep the size of a grid: eight for a square, else four.
+    /// All symmetries that keep the size of a grid: eight for a square, else four.
     pub(in crate::elastic_depth) fn all((columns, rows): (usize, usize)) -> Vec<Self> {
         let mirrors = |transposed: bool| {
             [(false, false), (true, false), (false, true), (true, true)].map(|(across, down)| Self {
@@ -29,14 +29,14 @@ impl Way {
                 transposed,
             })
         };
-        let mut ways = mirrors(false).to_vec();
+        let mut symmetries = mirrors(false).to_vec();
         if columns == rows {
-            ways.extend(mirrors(true));
+            symmetries.extend(mirrors(true));
         }
-        ways
+        symmetries
     }
 
-    /// The cell of a grid that is seen at a place.
+    /// The cell of the grid that appears at a place of the transformed grid.
     pub(in crate::elastic_depth) fn place(
         self,
         (columns, rows): (usize, usize),
@@ -46,7 +46,7 @@ impl Way {
         (if self.across { columns - 1 - column } else { column }, if self.down { rows - 1 - row } else { row })
     }
 
-    /// The inputs of a cell as they are seen.
+    /// The inputs of a cell, transformed.
     pub(in crate::elastic_depth) fn inputs(self, [x, y, slope_x, slope_y, spread]: [f32; INPUTS]) -> [f32; INPUTS] {
         let turned = |is_mirrored: bool, value: f32| if is_mirrored { -value } else { value };
         let [x, slope_x] = [x, slope_x].map(|value| turned(self.across, value));
