@@ -48,7 +48,7 @@ pub enum Start<'a> {
     Flow(&'a FlowField),
 }
 
-/// Estimates flow between pictures of one size. It owns its scratch: an estimate allocates nothing.
+/// Estimates flow between pictures of one size. It owns its scratch memory: an estimate allocates nothing.
 #[derive(Debug, Clone)]
 pub struct FlowEstimator {
     width: usize,

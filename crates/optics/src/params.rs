@@ -73,7 +73,7 @@ pub struct CameraError {
 }
 
 impl CameraParams {
-    /// Checks each value on its own.
+    /// Checks each value alone.
     pub(crate) fn check_values(&self) -> Result<(), CameraError> {
         let focal = self.focal_length_px;
         let is_length = |value: f64| value.is_finite() && value > 0.0;

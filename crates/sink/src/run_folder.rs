@@ -34,7 +34,7 @@ const RUN: FolderKind = FolderKind {
     folders: &["evaluation"],
 };
 
-/// What a finished run consists of.
+/// The contents of a finished run.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct RunSummary {

@@ -9,7 +9,7 @@ use super::Slide;
 use super::error::{BoardError, LEAST_IMAGES};
 use super::steps::{check_slide, median, usual_step};
 
-/// Nodes of the grid either way, as published.
+/// Nodes of the grid along each axis, as published.
 pub const GRID: usize = 100;
 /// Texture must cover this part of an image, and this part of the texture must be found again.
 const LEAST_TEXTURED: f32 = 0.2;

@@ -9,7 +9,7 @@ use super::Residuals;
 use super::corner_error::{CornerError, LEAST_CORNERS, LEAST_POSES};
 use super::unknowns::{Unknowns, camera_params, row_by_unknowns};
 
-/// Focal length, principal point and distortion stand first, then six numbers for each pose.
+/// Focal length, principal point and distortion come first, then six numbers for each pose.
 const LENS: usize = 7;
 const POSE: usize = 6;
 /// Indices of lens and pose among the unknowns of a camera.

@@ -10,7 +10,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 use fingervision_image::Image;
 
-/// A reference picture made ready for matching.
+/// A reference picture prepared for matching.
 #[derive(Debug, Clone)]
 pub(crate) struct Template {
     pub(crate) grid: PatchGrid,

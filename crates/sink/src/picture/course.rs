@@ -3,7 +3,7 @@
 use fingervision_plot::{Rgb, TimePlot, TimePlots, Trend};
 use fingervision_touch::{Flag, Reading};
 
-/// Told apart by every kind of sight. Okabe and Ito, "Color Universal Design", 2008.
+/// Distinguishable with any kind of colour vision. Okabe and Ito, "Color Universal Design", 2008.
 const BLUE: Rgb = [0, 114, 178];
 const ORANGE: Rgb = [213, 94, 0];
 /// Least value at the top of each plot: noise must not look like touch.

@@ -34,7 +34,7 @@ pub(super) struct Drag {
 }
 
 impl Drag {
-    /// None yet, on a surface of so many cells; `operator` is the gel's compliance on the grid of `coarse`.
+    /// No motion yet, on a surface of this many cells; `operator` is the gel's compliance on the grid of `coarse`.
     pub(super) fn new(cells: usize, coarse: CoarseGrid, operator: BlockOperator, limits: Limits) -> Self {
         Self {
             limits,

@@ -16,7 +16,7 @@ const WINDOW: usize = 12;
 const STEP: usize = 6;
 /// Only every so many cells are tested, along both axes.
 const SPARSE: usize = 2;
-/// Cells that a face has at least.
+/// Least number of cells of a face.
 const LEAST_CELLS: usize = 60;
 
 /// What counts as a face, in mm.

@@ -5,7 +5,7 @@ use fingervision_image::Image;
 
 use super::thresholds::THRESHOLDS;
 
-/// Everything that elasticity tells about one frame.
+/// Everything that elasticity determines for one frame.
 #[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct ElasticFields {

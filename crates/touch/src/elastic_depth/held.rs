@@ -11,7 +11,7 @@ use super::surface::{Seen, Surface};
 use super::thresholds::THRESHOLDS;
 use super::traction::{Limits, Tractions};
 
-/// Holds the gel where it is touched.
+/// Prescribes the displacement of the gel in contact.
 #[derive(Debug)]
 pub(super) struct HeldGel {
     coarse: CoarseGrid,

@@ -51,8 +51,8 @@ use crate::TrackError;
 
 /// Cells along the gel's longer side.
 const CELLS: usize = 120;
-/// Motion well away from contact that may stay unexplained, root mean square, as a part of the largest depth: more, and the gel
-/// is not the one that was described.
+/// Motion well away from contact that may stay unexplained, root mean square, as a part of the largest depth: above it
+/// the gel is not the one described.
 pub const MOST_UNEXPLAINED: f64 = THRESHOLDS.most_unexplained;
 
 /// Termination of the solver for tractions in exact mode.

@@ -17,7 +17,7 @@ use fingervision_flow::Estimate;
 
 use super::thresholds::THRESHOLDS;
 
-/// Every so many pixels either way are looked at.
+/// Distance between samples along both axes, px.
 pub(super) const STEP: usize = 8;
 
 /// What the first image showed.
@@ -66,7 +66,7 @@ impl FirstMotion {
         }
         let half_height = 0.5 * estimate.flow.size().1 as f32;
         let scale = self.scale_of_face(largest, THRESHOLDS.least_aside * half_height)?;
-        // The surroundings must not say the opposite.
+        // The surroundings must not show the opposite.
         let is_denied = far_px.abs() > limit_px && (scale > 0.0) != (far_px > 0.0);
         let says = if scale > 0.0 { FirstImage::AtRest } else { FirstImage::Pressed };
         (!is_denied).then_some(says)

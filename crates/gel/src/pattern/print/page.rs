@@ -28,7 +28,7 @@ const SCALE_BAR_BELOW_MM: f64 = 11.0;
 const LETTER_MM: f64 = 1.4;
 const LINE_HEIGHT_MM: f64 = 2.6;
 
-/// What fills the pattern.
+/// The content of the pattern's area.
 #[derive(Debug, Clone)]
 pub(super) enum Artwork {
     /// Square cells of one colour each.

@@ -90,7 +90,7 @@ pub(super) const LEAST_SIDE: usize = convolution::CELLS * MULTIPLE;
 /// Most channels of a layer: what a file of weights may ask for.
 const MOST_CHANNELS: usize = 4096;
 
-/// The network with room for one grid.
+/// The network with buffers for one grid.
 #[derive(Debug, Clone)]
 pub(super) struct ContactNetwork {
     level: Level,
