@@ -3,24 +3,23 @@
 use crate::FlowField;
 use fingervision_image::Image;
 
-/// A flow and what it is worth. Made once and written for every frame.
+/// A flow with its deviation and validity. Made once and overwritten for every frame.
 #[derive(Debug, Clone)]
 pub struct Estimate {
-    /// Displacement of every reference pixel, px. Where it is not valid it is what the surroundings suggest.
+    /// Displacement of every reference pixel, px. Where it is not valid it is interpolated from the surroundings.
     pub flow: FlowField,
     /// Predicted standard deviation of the displacement (both components together), px; infinite where the patch
     /// failed or the point has left the image.
     pub deviation: Image<f32>,
-    /// 1 where the flow is a measurement, else 0.
+    /// 1 where the flow is a valid measurement, else 0.
     pub valid: Image<u8>,
     /// Part of the textured patches that match, 0 to 1; 0 where no patch has texture. Patches that left the image do not
     /// count unless they are the majority.
     pub matched: f32,
-    /// Root mean square of what the matching patches leave unexplained, grey levels a channel; not a number where none
-    /// matches.
+    /// Root mean square residual of the matching patches, grey levels per channel; not a number if none matches.
     pub residual_levels: f32,
-    /// Part of its variance that half of the textured patches leave unexplained at least, 0 to 1: what noise, blur or
-    /// another picture put into most of the image. What a contact hides does not count.
+    /// The median over the textured patches of the unexplained part of the variance, 0 to 1: caused by noise, blur or
+    /// another picture over most of the image. What a contact occludes does not count.
     pub unexplained: f32,
 }
 

@@ -59,7 +59,7 @@ struct Seen {
 }
 
 impl CameraParams {
-    /// Checks that every value is possible and that the camera stands on its side of the surface.
+    /// Checks that every value is possible and that the camera is on its side of the surface.
     ///
     /// # Errors
     ///

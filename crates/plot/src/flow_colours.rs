@@ -12,7 +12,7 @@ use fingervision_image::Image;
 
 use crate::colour::{INVALID_COLOUR, Rgb};
 
-/// Flow that is shown at least at full colour or length, px: noise shall not look like touch.
+/// Least flow with full colour or length, px: noise must not look like touch.
 pub const LEAST_FLOW_PX: f32 = 0.1;
 
 /// Radius of the circle in `OKLab`, dimensionless.

@@ -14,7 +14,7 @@ use crate::ticks::{plain, ticks};
 /// Lines that measure or point.
 pub const RULE: Rgb = [60, 64, 67];
 
-/// The colour wheel and what it means; returns where its text starts.
+/// The colour wheel and its meaning; returns where its text starts.
 pub fn draw_wheel_key(canvas: &mut Canvas, panel: Panel, radius_px: f32) -> f32 {
     let Area { x, y, .. } = panel.legend;
     let diameter = 112.0;

@@ -11,7 +11,7 @@ pub const MARGIN: f32 = 40.0;
 pub const GAP: f32 = 40.0;
 /// Width of a panel and its legend, px.
 pub const COLUMN: f32 = (WIDTH - 2.0 * MARGIN - 2.0 * GAP) / 3.0;
-/// A tall image is shown narrower than its column, px.
+/// A tall image is scaled to fit its column, px.
 pub const MAX_PANEL_HEIGHT: f32 = 600.0;
 /// Where the first row of panels begins, px.
 pub const PANEL_TOP: f32 = 152.0;

@@ -10,7 +10,7 @@ const FRAME: Rgb = [200; 3];
 /// From one line of text to the next, px.
 const LINE: f32 = 24.0;
 
-/// Where a panel stands.
+/// The position of a panel.
 #[derive(Debug, Clone, Copy)]
 pub struct Panel {
     /// Where its image lies.
@@ -26,7 +26,7 @@ impl Panel {
     pub fn put(self, canvas: &mut Canvas, heading: &str, image: &Image<Rgb>) {
         canvas.text(heading, (self.image.x, self.image.y - 14.0), HEADING);
         let Area { x, y, width, height } = self.image;
-        // A thin frame: a still field is as white as the page.
+        // A thin frame: a field without motion is as white as the page.
         canvas.rectangle(Area { x: x - 1.0, y: y - 1.0, width: width + 2.0, height: height + 2.0 }, FRAME);
         canvas.copy(image, x as usize, y as usize);
     }

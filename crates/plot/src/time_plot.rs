@@ -17,9 +17,9 @@ const FOOT: f32 = 52.0;
 /// Lines that share a pair of axes.
 #[derive(Debug)]
 pub struct TimePlot<'a> {
-    /// What is drawn, with its unit.
+    /// The quantity, with its unit.
     pub heading: &'static str,
-    /// The number at the upper edge at least.
+    /// Least number at the upper edge.
     pub least_top: f32,
     /// Name, colour and numbers; a plot of one line needs no name.
     pub lines: Vec<(&'static str, Rgb, &'a [Step])>,

@@ -6,11 +6,11 @@ use fingervision_image::Pixels;
 /// One frame of a simulated press.
 #[derive(Debug, Clone, Copy)]
 pub struct SimulatedFrame<'a> {
-    /// How deep the indenter is pressed in, mm.
+    /// Indentation depth of the indenter, mm.
     pub depth_mm: f64,
-    /// What the camera sees; absent where only the truth is wanted.
+    /// The camera image; absent if only the truth is wanted.
     pub pixels: Option<&'a Pixels>,
-    /// What that shows.
+    /// Its truth.
     pub truth: &'a Truth,
     /// Force of the indenter on the gel, N.
     pub force_n: [f64; 3],

@@ -3,7 +3,7 @@
 use fingervision_gel::Scene;
 use fingervision_touch::{ImageSection, Profile};
 
-/// The simulated sensor as the tracker knows it: camera and gel.
+/// The profile of the simulated sensor: camera and gel.
 #[must_use]
 pub fn simulated_profile(scene: &Scene) -> Profile {
     let name = format!("simulated: {}", scene.name);

@@ -12,10 +12,10 @@ pub enum Field {
     Density,
     /// Depth, mm, positive pressed in: `depth.npy`, float32 `[frame][row][column]`.
     Depth,
-    /// 1 where an elastic depth holds, and contact and displacement with it: `depth_valid.npy`, uint8
-    /// `[frame][row][column]`. Where it is kept, `valid.npy` is about flow and density alone.
+    /// 1 where an elastic depth is valid, and contact and displacement with it: `depth_valid.npy`, uint8
+    /// `[frame][row][column]`. If it is written, `valid.npy` refers only to flow and density.
     DepthValid,
-    /// Expected error of an elastic depth, mm, infinite where it does not hold: `depth_deviation.npy`, float32
+    /// Expected error of an elastic depth, mm, infinite where it is not valid: `depth_deviation.npy`, float32
     /// `[frame][row][column]`.
     DepthDeviation,
     /// 1 where the gel touches something: `contact.npy`, uint8 `[frame][row][column]`.
@@ -43,7 +43,7 @@ impl Field {
         Self::Deviation,
     ];
 
-    /// The field's name; its file has the ending `.npy`.
+    /// The field's name; its file has the extension `.npy`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -59,7 +59,7 @@ impl Field {
         }
     }
 
-    /// Whether readings with these fields carry it.
+    /// Whether readings with these fields contain it.
     #[must_use]
     pub fn is_in(self, reading: &Reading) -> bool {
         match self {

@@ -4,13 +4,13 @@ use half::f16;
 
 use crate::Field;
 
-/// How numbers with a fraction are written.
+/// The format of floating-point numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Precision {
-    /// 4 bytes, as the tracker has them.
+    /// 4 bytes, the tracker's own precision.
     #[default]
     Float32,
-    /// 2 bytes with 11 significant bits: off by up to 1 part in 2048, so 0.004 px for a flow of 8 to 16 px.
+    /// 2 bytes with 11 significant bits: an error of up to 1 part in 2048, so 0.004 px for a flow of 8 to 16 px.
     Float16,
 }
 
@@ -25,16 +25,16 @@ impl Precision {
     }
 }
 
-/// What a run keeps and where it may write.
+/// Which fields a run keeps, and whether it may overwrite.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunOptions {
     /// Columns and rows of every field, px.
     pub size: (usize, usize),
     /// Columns and rows of the grid of tractions, if [`Field::Traction`] is kept.
     pub traction_size: Option<(usize, usize)>,
-    /// How numbers with a fraction are written.
+    /// The format of floating-point numbers.
     pub precision: Precision,
-    /// The fields to keep; `valid.npy` (uint8, 1 where the fields hold) is always kept.
+    /// The fields to keep; `valid.npy` (uint8, 1 where the fields are valid) is always kept.
     pub fields: Vec<Field>,
     /// Whether a previous run in the folder may be replaced.
     pub overwrite: bool,

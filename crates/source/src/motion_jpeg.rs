@@ -22,9 +22,9 @@ impl Decoder for MotionJpeg {
     }
 }
 
-/// A picture that leaves out its Huffman tables, as many USB cameras send it, with a request for the standard ones.
+/// A picture without Huffman tables, as many USB cameras send it, with a request for the standard ones.
 ///
-/// The decoder knows them, but uses them only behind the marker that the AVI format asks for and cameras forget.
+/// The decoder has them, but uses them only after the marker that the AVI format requires and cameras omit.
 fn with_standard_tables(sample: &[u8]) -> Option<Vec<u8>> {
     const START: [u8; 2] = [0xff, 0xd8];
     const AVI_MARKER: [u8; 18] = *b"\xff\xe0\0\x10AVI1\0\0\0\0\0\0\0\0\0\0";

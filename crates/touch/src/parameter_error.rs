@@ -6,9 +6,9 @@
 pub struct ParameterError {
     /// The parameter, by its name in its table of the profile.
     pub key: &'static str,
-    /// What it was given.
+    /// Its value.
     pub value: f64,
-    /// What it may be, with its unit.
+    /// The allowed values, with their unit.
     pub allowed: &'static str,
 }
 

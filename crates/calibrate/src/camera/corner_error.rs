@@ -2,9 +2,9 @@
 
 use thiserror::Error;
 
-/// Fewer poses do not tell all of a lens.
+/// Fewer poses do not determine a lens.
 pub(super) const LEAST_POSES: usize = 3;
-/// Fewer corners do not tell a pose and bear witness.
+/// Fewer corners do not determine a pose with redundancy.
 pub(super) const LEAST_CORNERS: usize = 6;
 /// The first line of a file of corners.
 pub(super) const HEADER: &str = "image,x_mm,y_mm,u_px,v_px";

@@ -2,7 +2,7 @@ use fingervision_flow::FlowError;
 use fingervision_image::ImageError;
 use thiserror::Error;
 
-/// Fewer images show too few steps to tell a wrong one from the others.
+/// With fewer images a wrong step cannot be distinguished from the others.
 pub const LEAST_IMAGES: usize = 6;
 
 /// Why a recording of a board does not determine a camera.

@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use fingervision_touch::TrackError;
 
-/// The table that a person writes beside the images.
+/// The table that the user writes beside the images.
 pub(super) const DEPTH_FILE: &str = "depth.csv";
 
 /// Why a depth law cannot be fitted.

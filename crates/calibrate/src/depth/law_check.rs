@@ -6,18 +6,18 @@ use fingervision_touch::{DepthLaw, Profile};
 
 use super::{DepthFit, DepthFitError, FittedLaw};
 
-/// A press whose feature follows its depth less than this does not show that depth, dimensionless. Simulated presses have
-/// 0.8 and more, sliding faces included.
+/// If the correlation of feature and depth of a press is less than this, the press does not show that depth,
+/// dimensionless. Simulated presses have 0.8 and more, sliding faces included.
 const LEAST_CORRELATION: f64 = 0.6;
-/// Error on presses left out over the deepest depth. A law that knows nothing has 0.6.
+/// Error on presses that were left out over the deepest depth. A law without any information has 0.6.
 const MOST_ERROR: f64 = 0.5;
 /// Gains over that of perspective alone: simulated sensors have 0.5 to 2.
 const GAINS: [f64; 2] = [0.05, 20.0];
-/// Slopes where no camera says what to expect, mm: half the distance to the camera by perspective alone.
+/// Slopes allowed without a camera, mm: half the distance to the camera by perspective alone.
 const SLOPES_MM: [f64; 2] = [0.1, 1000.0];
 
 impl DepthFit {
-    /// Refuses a law of this fit that no sensor has, or that does not give the depths of the presses.
+    /// Refuses a law of this fit that no sensor can have, or that does not reproduce the depths of the presses.
     ///
     /// # Errors
     ///
@@ -27,7 +27,7 @@ impl DepthFit {
             let correlation = press.line.correlation;
             return Err(DepthFitError::Unordered { press: press.curve.name.clone(), correlation });
         }
-        // What the line through the origin is over what perspective alone would make of the same presses.
+        // The slope of the line through the origin over that by perspective alone for the same presses.
         let gain = self.perspective.map(|perspective| perspective.slope);
         if let Some(gain) = gain.filter(|gain| !(GAINS[0]..=GAINS[1]).contains(gain)) {
             let expected_mm = profile.camera.map_or(f64::NAN, |camera| 0.5 * camera.translation_mm[2]);

@@ -5,7 +5,7 @@ use super::nodes::UNKNOWNS;
 /// Entries of a symmetric matrix over a node's unknowns.
 pub(crate) const PACKED: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
 
-/// Place of entry `(i, j)` of a symmetric matrix in packed storage.
+/// Index of entry `(i, j)` of a symmetric matrix in packed storage.
 pub(crate) const fn packed(i: usize, j: usize) -> usize {
     let (low, high) = if i < j { (i, j) } else { (j, i) };
     high * (high + 1) / 2 + low

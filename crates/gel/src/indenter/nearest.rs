@@ -1,6 +1,6 @@
 //! How a point lies to a face.
 
-/// The way from the nearest point of a face to a point outside.
+/// The vector from the nearest point of a face to a point outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Nearest {
     pub(super) distance_mm: f64,

@@ -1,12 +1,12 @@
 //! A point of the surface before the camera.
 
-/// A point of the surface as the camera sees it.
+/// A point of the surface relative to the camera.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Node {
-    /// From the camera's centre, mm: along x, along y and down, against z. So what the camera looks at has a positive
-    /// last value.
+    /// From the camera's centre, mm: along x, along y and down, against z. So points in front of the camera have a
+    /// positive last value.
     pub(crate) place: [f64; 3],
-    /// Where it appears, px; NaN where the camera does not see it.
+    /// Its pixel, px; NaN where the camera does not see it.
     pub(crate) px: [f64; 2],
     /// Gain of the light.
     pub(crate) gain: f64,

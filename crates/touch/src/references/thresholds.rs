@@ -10,9 +10,9 @@ pub(super) struct Thresholds {
     pub(super) least_moving: usize,
     /// Part of the moving samples' motion that must point to or from the centre of perspective.
     pub(super) certain: f32,
-    /// Least mean motion far from contact, px: the mean of so many samples is known to a few thousandths.
+    /// Least mean motion far from contact, px: the mean of this many samples is accurate to a few thousandths.
     pub(super) least_far_px: f32,
-    /// The same as a part of the largest motion: simulated presses err to the other side by less than half of it.
+    /// The same as a part of the largest motion: in simulated presses the error to the other side is less than half of it.
     pub(super) least_far: f32,
     /// Samples that move by this part of the largest motion belong to the face.
     pub(super) face: f32,
@@ -21,9 +21,10 @@ pub(super) struct Thresholds {
     pub(super) least_aside: f32,
     /// Least cosine between the face's shift and the line to the centre of perspective.
     pub(super) least_aligned: f32,
-    /// Shift of the face over what its magnification makes of its distance from the centre: 1 by perspective alone.
+    /// Shift of the face over the shift predicted from its magnification and its distance from the centre: 1 by perspective
+    /// alone.
     pub(super) shift_by_scale: [f32; 2],
-    /// Root mean square that shift and magnification may leave of the face's motion, as a part of the largest.
+    /// Root mean square residual of the face's motion after shift and magnification, as a part of the largest motion.
     pub(super) most_unexplained: f32,
     /// Change between two frames below which the gel is still, px.
     pub(super) still_px: f32,
