@@ -5,7 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use fingervision_gel::Scene;
-use fingervision_sink::{ArrayWriter, FolderKind, FolderLock, Rows, SinkError, write_file, write_pixels};
+use fingervision_sink::{
+    ArrayWriter, FORCE_COLUMNS, FolderKind, FolderLock, Rows, SinkError, TORQUE_COLUMN, write_file, write_pixels,
+};
 
 use crate::frame::SimulatedFrame;
 use crate::profile::simulated_profile;
@@ -33,7 +35,7 @@ const SIMULATION: FolderKind = FolderKind {
 };
 
 /// The columns of `truth/force.csv`, in order.
-const FORCE_COLUMNS: [&str; 6] = ["frame", "depth_mm", "force_x_n", "force_y_n", "force_z_n", "torque_z_nmm"];
+const COLUMNS: [&str; 6] = ["frame", "depth_mm", FORCE_COLUMNS[0], FORCE_COLUMNS[1], FORCE_COLUMNS[2], TORQUE_COLUMN];
 
 /// A folder that takes a simulated press frame by frame, in constant memory.
 ///
@@ -98,7 +100,7 @@ impl SimulationFolder {
             displacement: ArrayWriter::create(&truth.join("displacement.npy"), width, height)?,
             contact: ArrayWriter::create(&truth.join("contact.npy"), width, height)?,
             visible: ArrayWriter::create(&truth.join("visible.npy"), width, height)?,
-            forces: Rows::create(&truth.join("force.csv"), &FORCE_COLUMNS)?,
+            forces: Rows::create(&truth.join("force.csv"), &COLUMNS)?,
             lock,
         })
     }

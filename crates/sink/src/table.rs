@@ -8,6 +8,11 @@ use fingervision_touch::Reading;
 use crate::SinkError;
 use crate::rows::Rows;
 
+/// The columns of the force on the gel, `(x, y, z)`, N, in every table.
+pub const FORCE_COLUMNS: [&str; 3] = ["force_x_n", "force_y_n", "force_z_n"];
+/// The column of the torque on the gel about z, N mm, in every table.
+pub const TORQUE_COLUMN: &str = "torque_z_nmm";
+
 /// The columns of the table, in order.
 pub const COLUMNS: [&str; 13] = [
     "sequence",
@@ -17,12 +22,12 @@ pub const COLUMNS: [&str; 13] = [
     "photometric_error",
     "max_depth_mm",
     "contact_area_mm2",
-    "force_x_n",
-    "force_y_n",
-    "force_z_n",
+    FORCE_COLUMNS[0],
+    FORCE_COLUMNS[1],
+    FORCE_COLUMNS[2],
     "latency_ms",
     "flags",
-    "torque_z_nmm",
+    TORQUE_COLUMN,
 ];
 
 /// A table with a row for each reading; an absent value is an empty cell.

@@ -4,14 +4,13 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
+use fingervision_sink::{FORCE_COLUMNS, TORQUE_COLUMN};
+
 use super::RunError;
 
 /// The force on the gel in every frame, `(x, y, z)`, N, and the torque about z, N mm; absent where a cell is empty or not
 /// finite, or where there is no such column.
 pub(super) type Forces = Vec<[Option<f64>; 4]>;
-
-const FORCE: [&str; 3] = ["force_x_n", "force_y_n", "force_z_n"];
-const TORQUE: &str = "torque_z_nmm";
 
 /// The forces in a table's rows; none if there is no such file.
 pub(super) fn read_forces(path: &Path) -> Result<Option<Forces>, RunError> {
@@ -23,8 +22,8 @@ pub(super) fn read_forces(path: &Path) -> Result<Option<Forces>, RunError> {
     let mut lines = text.lines().map(|line| line.trim_end_matches('\r').split(',').map(str::trim));
     let columns: Vec<&str> = lines.next().into_iter().flatten().collect();
     let place = |name: &str| columns.iter().position(|column| *column == name);
-    let mut places = [None, None, None, place(TORQUE)];
-    for (at, name) in places.iter_mut().zip(FORCE) {
+    let mut places = [None, None, None, place(TORQUE_COLUMN)];
+    for (at, name) in places.iter_mut().zip(FORCE_COLUMNS) {
         *at = Some(place(name).ok_or_else(|| fault(0, format!("there is no column {name}")))?);
     }
     let frame_place = place("frame");
