@@ -4,13 +4,8 @@ use fingervision_evaluate::recordings::{PressEvidence, Punyo, Recordings};
 use std::path::Path;
 use std::sync::LazyLock;
 
-static RECORDINGS: LazyLock<Option<Recordings>> = LazyLock::new(|| {
-    let recordings = Recordings::find(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
-    if recordings.is_none() {
-        eprintln!("skipped: there is no folder of recordings");
-    }
-    recordings
-});
+static RECORDINGS: LazyLock<Option<Recordings>> =
+    LazyLock::new(|| Recordings::find(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")));
 
 /// What the tracked press shows; made once for all tests.
 static EVIDENCE: LazyLock<Option<PressEvidence>> = LazyLock::new(|| {
@@ -18,23 +13,31 @@ static EVIDENCE: LazyLock<Option<PressEvidence>> = LazyLock::new(|| {
     Some(PressEvidence::measure(&punyo).expect("150 frames that can be tracked"))
 });
 
+/// What a test needs; every test that does not have it says that it is skipped.
+fn or_skipped<T>(needed: &'static LazyLock<Option<T>>) -> Option<&'static T> {
+    if needed.is_none() {
+        eprintln!("skipped: there is no folder of recordings");
+    }
+    needed.as_ref()
+}
+
 #[test]
 fn nothing_moves_at_rest_and_there_and_back_is_nowhere() {
-    let Some(recordings) = RECORDINGS.as_ref() else { return };
+    let Some(recordings) = or_skipped(&RECORDINGS) else { return };
     let table = Punyo::open(recordings).unwrap().measure_pairs().unwrap();
     assert_eq!(table.short().count(), 0, "\n{table}");
 }
 
 #[test]
 fn tracked_flow_stays_at_rest() {
-    let Some(evidence) = EVIDENCE.as_ref() else { return };
+    let Some(evidence) = or_skipped(&EVIDENCE) else { return };
     let at_rest = evidence.flow_at_rest_px();
     assert!(at_rest <= 0.012, "{at_rest} px");
 }
 
 #[test]
 fn the_press_is_followed_throughout() {
-    let Some(evidence) = EVIDENCE.as_ref() else { return };
+    let Some(evidence) = or_skipped(&EVIDENCE) else { return };
     assert_eq!(evidence.flagged, 0);
     // The rim of the contact is rougher than patches can follow, and says so.
     assert!(evidence.least_valid >= 0.95, "{} of the membrane is valid", evidence.least_valid);
@@ -45,7 +48,7 @@ fn the_press_is_followed_throughout() {
 /// contact: the one centre lies in the inner half of the other's.
 #[test]
 fn the_contact_is_where_the_depth_camera_sees_it() {
-    let Some(evidence) = EVIDENCE.as_ref() else { return };
+    let Some(evidence) = or_skipped(&EVIDENCE) else { return };
     let (distance, radius) = (evidence.centre_distance_px, evidence.contact_radius_px);
     assert!(distance <= 0.5 * radius, "{distance} px apart, contact of radius {radius} px");
 }
@@ -53,20 +56,20 @@ fn the_contact_is_where_the_depth_camera_sees_it() {
 /// The membrane still creeps when the recording ends: `OpenCV`'s inverse search leaves 0.043 px there.
 #[test]
 fn little_flow_is_left_after_the_press() {
-    let Some(evidence) = EVIDENCE.as_ref() else { return };
+    let Some(evidence) = or_skipped(&EVIDENCE) else { return };
     let left = evidence.flow_left_px();
     assert!(left <= 0.043, "{left} px");
 }
 
 #[test]
 fn the_flow_grows_with_the_force() {
-    let Some(evidence) = EVIDENCE.as_ref() else { return };
+    let Some(evidence) = or_skipped(&EVIDENCE) else { return };
     let [tracked, _] = evidence.force_correlation;
     assert!(tracked >= 0.993, "correlation {tracked}");
 }
 
 #[test]
 fn what_is_valid_agrees_with_a_search_from_nowhere() {
-    let Some(evidence) = EVIDENCE.as_ref() else { return };
+    let Some(evidence) = or_skipped(&EVIDENCE) else { return };
     assert!(evidence.apart <= 0.001, "{} of the membrane is valid but more than 1 px off", evidence.apart);
 }

@@ -11,6 +11,9 @@ use tiff::{ColorType, TiffError};
 
 /// The most memory that the pixels of one image may take, bytes.
 const MAX_BYTES: u64 = 1 << 30;
+/// The most bytes of pixels that a byte of a file can hold: deflate packs 1032 bytes into one, of which each is eight pixels
+/// of three bytes where a pixel takes one bit.
+const MOST_GROWTH: u64 = 1 << 15;
 /// TIFF's code for floating-point samples.
 const FLOATING_POINT: u16 = 3;
 
@@ -50,7 +53,7 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Pixels, PictureFault> {
         Some(ImageFormat::Tiff) if is_float_tiff(bytes) => decode_float_tiff(bytes)?,
         Some(ImageFormat::Png | ImageFormat::Tiff | ImageFormat::Bmp) => {
             let mut decoder = reader.into_decoder()?;
-            check_size(&decoder)?;
+            check_size(&decoder, bytes.len())?;
             let orientation = decoder.orientation()?;
             (DynamicImage::from_decoder(decoder)?, orientation)
         }
@@ -61,12 +64,16 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Pixels, PictureFault> {
 }
 
 /// Refuses sizes that only a damaged file requests, before memory is allocated.
-fn check_size(decoder: &impl ImageDecoder) -> Result<(), PictureFault> {
+fn check_size(decoder: &impl ImageDecoder, file_len: usize) -> Result<(), PictureFault> {
     let (width, height) = decoder.dimensions();
-    if decoder.total_bytes() <= MAX_BYTES {
-        return Ok(());
+    if decoder.total_bytes() > MAX_BYTES {
+        return Err(PictureFault::Damaged(format!("an image of {width}x{height} px is too large")));
     }
-    Err(PictureFault::Damaged(format!("an image of {width}x{height} px is too large")))
+    if decoder.total_bytes() > MOST_GROWTH.saturating_mul(file_len as u64) {
+        let reason = format!("an image of {width}x{height} px does not fit into a file of {file_len} bytes");
+        return Err(PictureFault::Damaged(reason));
+    }
+    Ok(())
 }
 
 /// Pixels with the depth of `image`; transparency is dropped.

@@ -199,7 +199,8 @@ fn a_camera_too_far_for_perspective_takes_no_depth_from_it() {
     let mut inverse = press.inverse(ElasticMode::Exact);
     let depths = &inverse.solve(&press.flow, &press.deviation, &press.valid).depth_mm;
     let deepest = depths.values().iter().copied().fold(0.0, f32::max);
-    assert!((0.5..3.0).contains(&deepest), "{deepest} mm");
+    // Measured: 1.504 mm, of which 1.5 mm are true.
+    assert!((deepest - 1.5).abs() < 0.05, "{deepest} mm");
 }
 
 /// Mean absolute difference of two maps.

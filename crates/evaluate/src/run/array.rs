@@ -1,7 +1,7 @@
 //! Reads a `.npy` file of frames, one frame after another: memory does not grow with the recording.
 
 use std::fs::File;
-use std::io::{BufReader, ErrorKind, Read};
+use std::io::{BufReader, ErrorKind, Read, Seek};
 use std::path::{Path, PathBuf};
 
 use half::f16;
@@ -75,6 +75,9 @@ impl<T: Value> FrameArray<T> {
             opened => opened.map_err(RunError::reading(path))?,
         };
         let file_len = file.metadata().map_err(RunError::reading(path))?.len();
+        if header_len(&file).map_err(RunError::reading(path))? > file_len {
+            return Err(fault(path, "its header is longer than the file".into(), "write it with numpy.save"));
+        }
         let mut file = Counted { reader: BufReader::new(file), count: 0 };
         let header = NpyHeader::from_reader(&mut file)
             .map_err(|error| fault(path, format!("this is no array: {error}"), "write it with numpy.save"))?;
@@ -152,6 +155,17 @@ fn shape(path: &Path, header: &NpyHeader, channels: usize) -> Result<(u64, (usiz
 
 fn fault(path: &Path, reason: String, hint: &str) -> RunError {
     RunError::Array { file: path.to_owned(), reason, hint: hint.into() }
+}
+
+/// The length that a header states, bytes, before memory is taken for it: 16 bits in version 1 of the format, else 32 bits.
+fn header_len(mut file: &File) -> std::io::Result<u64> {
+    let mut start = Vec::new();
+    file.take(12).read_to_end(&mut start)?;
+    file.rewind()?;
+    Ok(match start[..] {
+        [_, _, _, _, _, _, version, _, a, b, c, d] if version > 1 => u64::from(u32::from_le_bytes([a, b, c, d])),
+        _ => 0,
+    })
 }
 
 /// Counts the bytes that were read.

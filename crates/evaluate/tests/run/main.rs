@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
 
 mod faults;
+mod fuzz;
 mod made_up;
 mod numbers;
 mod reading;

@@ -8,8 +8,8 @@ use fingervision_source::{Options, open};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, Rgba};
 use tiff::encoder::{TiffEncoder, colortype};
 
-use crate::MOST_BYTES;
-
+/// The most memory that one of these small files may take, bytes: what the TIFF decoder allows itself.
+const MOST_BYTES: u64 = 256 << 20;
 const SIZE: (u32, u32) = (19, 13);
 
 fn level(x: u32, y: u32) -> u8 {
@@ -107,4 +107,18 @@ fn checksums_of_a_whole_file_stay() {
     let mut repaired = whole.clone();
     with_checksums(&mut repaired);
     assert_eq!(repaired, whole);
+}
+
+#[test]
+fn a_small_file_that_announces_a_huge_image_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bytes = file(&colour(), ImageFormat::Bmp);
+    // Width and height in the header.
+    bytes[18..22].copy_from_slice(&17_000_i32.to_le_bytes());
+    bytes[22..26].copy_from_slice(&17_000_i32.to_le_bytes());
+    for name in ["0.bmp", "1.bmp"] {
+        fs::write(folder.path().join(name), &bytes).unwrap();
+    }
+    let error = open(folder.path(), &Options::default()).err().unwrap().to_string();
+    assert!(error.contains("17000x17000 px does not fit into a file of"), "{error}");
 }

@@ -4,6 +4,3 @@
 
 mod images;
 mod videos;
-
-/// The most memory that one file may take, bytes: a picture of 1 GiB, in a decoder and out of it.
-const MOST_BYTES: u64 = 5 << 29;

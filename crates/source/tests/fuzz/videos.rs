@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use fingervision_fuzz::{Form, Parser};
 use fingervision_source::{Options, open};
 
-use crate::MOST_BYTES;
+/// The most memory that one file may take, bytes: the largest pictures that H.264 knows, and what they refer to.
+const MOST_BYTES: u64 = 3 << 29;
 
 fn clip(name: &str) -> Vec<u8> {
     fs::read(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("testdata").join(name)).unwrap()
