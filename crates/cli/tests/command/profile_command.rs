@@ -89,7 +89,7 @@ fn a_fault_makes_a_check_fail() {
         bench.run("profile check wrong.toml")
     };
     wrong("[30.0, 30.0]", "[30000.0, 30000.0]")
-        .expect_failure("gel.size_mm = [30000.0, 30000.0] is impossible", "divide by 1000 what is in µm");
+        .expect_failure("gel.size_mm = [30000.0, 30000.0] is impossible", "divide a value in µm by 1000");
     wrong("# youngs_modulus_mpa = 0.6", "youngs_modulus_mpa = 600.0")
         .expect_failure("gel.youngs_modulus_mpa = 600 MPa", "write 0.6 if this is in kPa");
     wrong("[0.0, 0.0, 25.0]", "[300.0, 0.0, 25.0]").expect_failure("does not see the gel", "translation_mm");
