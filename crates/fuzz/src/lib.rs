@@ -14,10 +14,12 @@
 //! Without these variables a parser gets the number of inputs that its test states, from number 0 with seed 1. A long
 //! run sets `FINGERVISION_FUZZ_INPUTS`, the number of inputs of every parser.
 
+mod form;
 mod mutator;
 mod parser;
 mod random;
 mod settings;
 mod watchdog;
 
-pub use parser::{Form, Parser};
+pub use form::Form;
+pub use parser::Parser;

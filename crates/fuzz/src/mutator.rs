@@ -1,6 +1,6 @@
 //! One input: a valid file after a few random changes.
 
-use crate::Form;
+use crate::form::Form;
 use crate::random::Random;
 use std::ops::Range;
 

@@ -4,6 +4,7 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
+use crate::form::Form;
 use crate::mutator::mutation;
 use crate::random::Random;
 use crate::settings::Settings;
@@ -11,15 +12,6 @@ use crate::watchdog::Watchdog;
 
 /// How many failures are collected before a run ends.
 const MOST_FAILURES: usize = 10;
-
-/// What a file consists of: how it is mutated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// Numbers as bytes.
-    Binary,
-    /// Lines and words; some mutations leave it no UTF-8.
-    Text,
-}
 
 /// A parser and what it is tested with.
 #[derive(Debug, Clone)]
