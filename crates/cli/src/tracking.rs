@@ -142,7 +142,7 @@ impl Run {
         self.profile.elastic.is_outside_training(&camera, &gel).then(|| {
             let ([width, height], [_, _, distance]) = (gel.size_mm, camera.position_mm());
             format!(
-                "the sensor is outside the network's training range: it was trained on {TRAINING_RANGE}; this one is {width} by {height} by {} mm, of {}, seen from {distance:.1} mm: \
+                "the sensor is outside the network's training range: it was trained on {TRAINING_RANGE}; this one is {width} by {height} by {:.1} mm with a Poisson's ratio of {:.3}, seen from {distance:.1} mm: \
                  expect larger errors",
                 gel.thickness_mm, gel.poissons_ratio
             )

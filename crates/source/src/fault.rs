@@ -35,7 +35,7 @@ impl Fault {
 
 /// Runs foreign decoding code; a panic in there becomes an error.
 ///
-/// The H.264 decoder is new and gets files from anywhere. No damaged file is known to make it panic, but a panic must not
+/// The H.264 decoder is new and gets files from anywhere. Some damaged files make it panic, and a panic must not
 /// end a robot's process. After a panic the decoder is in an unknown state and must not be used again: a source that
 /// continues after an error does so with a new decoder.
 pub(crate) fn guarded<T>(decode: impl FnOnce() -> T) -> Result<T, String> {

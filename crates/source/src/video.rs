@@ -34,6 +34,8 @@ pub(crate) struct VideoSource {
     to_show: Vec<u64>,
     /// How many samples have been decoded.
     decoded: usize,
+    /// The sequence number after that of the last frame handed out.
+    shown_to: u64,
     /// Decoded frames that are shown later, by sequence number.
     waiting: BTreeMap<u64, Frame>,
     /// Comes after the frames that wait.
@@ -67,6 +69,7 @@ impl VideoSource {
             first: None,
             to_show,
             decoded: 0,
+            shown_to: 0,
             waiting: BTreeMap::new(),
             failure: None,
             behind_failure: None,
@@ -92,6 +95,7 @@ impl VideoSource {
         }
         if let Some((sequence, frame)) = self.waiting.pop_first() {
             while self.to_show.pop_if(|next| *next <= sequence).is_some() {}
+            self.shown_to = sequence + 1;
             return Ok(Some(frame));
         }
         self.finish()
@@ -125,6 +129,10 @@ impl VideoSource {
         self.read(sample, sequence)?;
         let pixels = self.decoder.decode(&self.sample).map_err(|reason| self.fault(sequence, reason))?;
         let Some(Shown { sequence, time_s }) = sample.shown else { return Ok(()) };
+        if sequence < self.shown_to {
+            // Behind a frame that could not be decoded, damaged times may lead back: its turn is over.
+            return Ok(());
+        }
         let pixels = self.track.turn.apply(pixels);
         let found = FrameFormat::from(&pixels);
         let expected = *self.format.get_or_insert(found);

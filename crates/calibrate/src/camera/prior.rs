@@ -136,7 +136,7 @@ mod tests {
         for text in ["distance_mm", "distance_mm=25", "distance_mm=25±x", "k1=1±inf"] {
             assert!(Prior::parse(text).unwrap_err().starts_with("it takes NAME=VALUE"), "{text}");
         }
-        assert!(Prior::parse("distance=25±1").unwrap_err().contains("there is rotation_x_rad"));
+        assert!(Prior::parse("distance=25±1").unwrap_err().contains("known are rotation_x_rad"));
         assert!(Prior::parse("distance_mm=-25±1").unwrap_err().contains("above 0"));
         assert!(Prior::parse("k1=0±0").unwrap_err().contains("above 0"));
     }

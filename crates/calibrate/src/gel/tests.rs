@@ -109,7 +109,7 @@ fn undetermined_values_are_fixed_while_the_rest_is_fitted() {
     // A wide contact leaves little around it: Poisson's ratio and thickness change that in the same way.
     let wide = [press(5.0, [0.0, 0.0])];
     let report = fit_to(&wide, start, ALL, true).unwrap();
-    assert!(report.estimates[..2].iter().all(|estimate| estimate.remark.contains("alike")), "{report}");
+    assert!(report.estimates[..2].iter().all(|estimate| estimate.remark.contains("in the same way")), "{report}");
     let forces_alone = Unknowns { youngs_modulus: true, ..Unknowns::NONE };
     let held = fit_to(&wide, start, forces_alone, true).unwrap();
     assert!(held.estimates[0].remark.contains("fixed"), "{held}");

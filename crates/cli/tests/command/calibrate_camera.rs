@@ -139,7 +139,12 @@ fn a_slide_that_is_not_the_one_that_is_told_is_named() {
     wrong.expect_failure("the board moves 0.49", "check --step-mm");
     assert_eq!(fs::read_to_string(bench.path("sensor.toml")).unwrap(), profile);
     fs::remove_file(bench.path("sensor.toml")).unwrap();
-    refused(&bench, "--prior distance_mm=50±1 --prior focal_length_px=133±2", "not 0.5 mm", "another camera's");
+    refused(
+        &bench,
+        "--prior distance_mm=50±1 --prior focal_length_px=133±2",
+        "not 0.5 mm",
+        "belongs to another camera",
+    );
 }
 
 #[test]

@@ -207,5 +207,5 @@ fn a_profile_of_another_image_is_refused() {
     bench
         .run("calibrate depth press --profile bare.toml --method perspective")
         .expect_failure("the profile has no [camera]", "--method line or origin");
-    bench.run("calibrate depth press --profile none.toml").expect_failure("none.toml: no such file", "begin one");
+    bench.run("calibrate depth press --profile none.toml").expect_failure("none.toml: no such file", "start one");
 }

@@ -47,7 +47,7 @@ fn a_truncated_image_ends_the_run_with_the_frames_before_it() {
     let folder = bench.press(4);
     let whole = fs::read(folder.join("0002.png")).unwrap();
     fs::write(folder.join("0002.png"), &whole[..whole.len() / 2]).unwrap();
-    bench.run("track press --out run").expect_failure("0002.png: frame 2: ", "frames before it are whole");
+    bench.run("track press --out run").expect_failure("0002.png: frame 2: ", "frames before it are complete");
     bench.expect_run_of(2);
 }
 
@@ -64,7 +64,8 @@ fn a_truncated_first_image_begins_no_run() {
 fn a_truncated_video_ends_the_run_with_the_frames_before_it() {
     let clips = concat!(env!("CARGO_MANIFEST_DIR"), "/../source/testdata");
     let bench = Workbench::new();
-    for (name, hint) in [("colour.avi", "frames before it are whole"), ("fragments.mov", "frames before it are whole")]
+    for (name, hint) in
+        [("colour.avi", "frames before it are complete"), ("fragments.mov", "frames before it are complete")]
     {
         let whole = fs::read(format!("{clips}/{name}")).unwrap();
         fs::write(bench.path(name), &whole[..whole.len() * 2 / 3]).unwrap();
@@ -108,7 +109,7 @@ fn a_file_that_is_no_image_is_named() {
     let bench = Workbench::new();
     bench.press(4);
     bench.write("press/0001.png", "not an image at all");
-    bench.run("track press --out run").expect_failure("0001.png: frame 1: ", "frames before it are whole");
+    bench.run("track press --out run").expect_failure("0001.png: frame 1: ", "frames before it are complete");
     bench.expect_run_of(1);
     bench.write("notes.txt", "not a recording");
     bench.run("track notes.txt --out run2").expect_failure("notes.txt: this kind of file is not read", "are read");

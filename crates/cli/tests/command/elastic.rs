@@ -68,7 +68,7 @@ fn a_field_that_cannot_be_had_is_named() {
     track("--profile sensor.toml --fields traction").expect_failure("no gel.youngs_modulus_mpa", "--set gel.youngs");
     track("--fields displacement").expect_failure("no elastic depth", "give the profile [camera] and [gel]");
     track("--profile sensor.toml --set depth.method=density --fields contact")
-        .expect_failure("contact was asked for", "leave contact out of --fields");
+        .expect_failure("contact was requested", "leave contact out of --fields");
     track("--profile sensor.toml --set depth.method=density --fields depth").expect_failure("no depth line", "fit one");
     bench.write("bare.toml", "[depth]\nmethod = 'elastic'");
     track("--profile bare.toml").expect_failure("needs [camera]", "calibrate camera");

@@ -11,7 +11,7 @@ fn a_setting_that_changes_nothing_is_refused_before_any_work() {
     let bench = Workbench::new();
     bench.press(2);
     for (assignment, why, hint) in [
-        ("flow.finest_level=1", "flow.preset = \"affine\" ends at full size", "flow.preset=medium"),
+        ("flow.finest_level=1", "flow.preset = \"affine\" always ends at full size", "flow.preset=medium"),
         ("references.push_error=8", "references.policy = \"anchored\" does not use it", "references.policy=stack"),
         ("elastic.mode=live", "there is no elastic depth: the profile has no [camera]", "describe [camera]"),
     ] {

@@ -130,7 +130,7 @@ impl Ended {
     /// Checks that the command did its work.
     pub(crate) fn expect_done(self) -> Self {
         assert_eq!(self.code, Some(0), "{self:?}");
-        assert!(!self.errors.contains("error"), "{self:?}");
+        assert!(!self.errors.lines().any(|line| line.starts_with("error")), "{self:?}");
         self
     }
 
