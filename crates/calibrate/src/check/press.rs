@@ -9,16 +9,12 @@ use super::exposure::Exposure;
 use super::fault::{Fault, RecordingCheck, What};
 use super::rest::RestImage;
 use super::samples::{Samples, unsharp};
-use crate::depth::{DepthFitError, PressFolder, check_depths};
+use crate::depth::{DepthFitError, LEAST_CORRELATION, PressFolder, check_depths, correlation};
 
 /// A press whose largest motion is below this, px, contains little information about depth.
 const LEAST_MOTION_PX: f64 = 0.5;
 /// If more than this part of the images is lost, the curve has gaps.
 const LARGEST_LOST: f64 = 0.1;
-/// Correlation of the largest motion with depth below which the images are not in the order of the depths.
-const LEAST_CORRELATION: f64 = 0.7;
-/// With fewer images a correlation is not significant.
-const LEAST_COUNTED: usize = 4;
 /// The border is this part of the image's smaller side.
 const BORDER: f64 = 0.05;
 /// A press whose motion at the border is this part of its largest does not end within the image.
@@ -194,13 +190,4 @@ impl Check for PressCheck {
             ..self.exposure.figures()
         }
     }
-}
-
-/// Correlation of the two columns; none where there are too few rows or a column does not change.
-fn correlation(rows: &[[f64; 2]]) -> Option<f64> {
-    let count = rows.len() as f64;
-    let mean = [0, 1].map(|column| rows.iter().map(|row| row[column]).sum::<f64>() / count);
-    let sum = |a: usize, b: usize| rows.iter().map(|row| (row[a] - mean[a]) * (row[b] - mean[b])).sum::<f64>();
-    let scale = (sum(0, 0) * sum(1, 1)).sqrt();
-    (rows.len() >= LEAST_COUNTED && scale > 0.0).then(|| sum(0, 1) / scale)
 }

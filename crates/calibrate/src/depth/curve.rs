@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::DepthFitError;
 use super::limits::check_depths;
 use super::maximum::{Maximum, MaximumFinder};
+use super::order::{LEAST_CORRELATION, correlation, largest_motion_px};
 
 /// Largest predicted deviation of a pixel that is used for [`Maximum::Robust`], px, if the profile is stricter. Under a
 /// deep sliding face most pixels exceed the usual limit, though most errors are a third of the prediction; a median
@@ -62,6 +63,8 @@ pub struct PressRecorder {
     /// Depth per unit of the feature by perspective alone, mm, and memory for the product of both.
     perspective: Option<[Image<f32>; 2]>,
     points: Vec<PressPoint>,
+    /// Depth, mm, and largest motion, px, of the tracked frames.
+    motions: Vec<[f64; 2]>,
     frames: usize,
     lost: usize,
     was_pressed: bool,
@@ -103,6 +106,7 @@ impl PressRecorder {
             perspective: slopes.map(|slopes| [Image::filled(size.0, size.1, 0.0), slopes]),
             tracker,
             points: Vec::new(),
+            motions: Vec::new(),
             frames: 0,
             lost: 0,
             was_pressed: false,
@@ -134,6 +138,7 @@ impl PressRecorder {
         {
             self.deepest = (depth_mm, place);
         }
+        self.motions.push([depth_mm, largest_motion_px(reading)]);
         self.points.push(PressPoint { frame: number, depth_mm, feature, perspective_mm });
         Ok(())
     }
@@ -143,7 +148,8 @@ impl PressRecorder {
     /// # Errors
     ///
     /// [`DepthFitError::Count`] if depths are left over, [`DepthFitError::PressedAtStart`] if the first image shows a
-    /// pressed gel, [`DepthFitError::Lost`] if more than half of the images were lost.
+    /// pressed gel, [`DepthFitError::Lost`] if more than half of the images were lost, [`DepthFitError::Unordered`] if motion does
+    /// not grow with depth.
     pub fn finish(self) -> Result<PressCurve, DepthFitError> {
         if self.frames != self.depths_mm.len() {
             return Err(self.miscounted(self.frames as u64));
@@ -154,6 +160,9 @@ impl PressRecorder {
         }
         if 2 * lost > frames {
             return Err(DepthFitError::Lost { press, lost, frames });
+        }
+        if let Some(correlation) = correlation(&self.motions).filter(|found| *found < LEAST_CORRELATION) {
+            return Err(DepthFitError::Unordered { press, correlation });
         }
         let place = Place::of(self.deepest.1, self.tracker.size());
         Ok(PressCurve { name: press, place, points: self.points, lost })

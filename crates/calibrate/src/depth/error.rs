@@ -113,11 +113,11 @@ pub enum DepthFitError {
         least_mm: f64,
     },
     /// The images do not follow the depths.
-    #[error("{press}: the density feature does not follow the depth: their correlation is {correlation:.2}")]
+    #[error("{press}: the motion in the images does not follow the depth: their correlation is {correlation:.2}")]
     Unordered {
         /// The press.
         press: String,
-        /// Of feature and depth, dimensionless.
+        /// Of motion and depth, dimensionless.
         correlation: f64,
     },
     /// A slope that no sensor has.

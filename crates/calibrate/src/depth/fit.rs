@@ -11,6 +11,8 @@ const LARGEST_FACTOR: f64 = 1.5;
 /// A pooled correlation that is lower by this than the least one of a single press does not belong to a common line
 /// either.
 const LARGEST_DROP: f64 = 0.05;
+/// Presses whose feature follows their depth less than this are named in a warning, dimensionless.
+const USUAL_CORRELATION: f64 = 0.6;
 
 /// A form of the law from the density feature to depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -187,7 +189,16 @@ fn slope_factor(presses: &[PressFit]) -> f64 {
 
 fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<String> {
     let by_slope = |a: &&PressFit, b: &&PressFit| a.line.slope.total_cmp(&b.line.slope);
-    let mut warnings = Vec::new();
+    let poor = presses.iter().filter(|press| press.line.correlation < USUAL_CORRELATION);
+    let mut warnings: Vec<String> = poor
+        .map(|press| {
+            format!(
+                "{}: its density feature hardly follows its depth (r = {:.2}): leave it out if its contact is as small as 1 mm, \
+                 and check the order of its images",
+                press.curve.name, press.line.correlation
+            )
+        })
+        .collect();
     if let (Some(flat), Some(steep)) = (presses.iter().min_by(by_slope), presses.iter().max_by(by_slope))
         && slope_factor > LARGEST_FACTOR
     {
@@ -253,6 +264,17 @@ mod tests {
     fn a_single_press_has_no_error_on_others() {
         let fit = DepthFit::new(vec![curve("a", 12.0, 0.0, 10.0)]).unwrap();
         assert!(fit.laws.iter().all(|law| law.left_out_error_mm.is_none()));
+    }
+
+    #[test]
+    fn a_press_too_small_for_the_pattern_is_named_and_does_not_stop_the_others() {
+        let mut small = curve("small", 12.0, 0.0, 10.0);
+        let features = [0.0, 0.06, 0.01, 0.06, 0.02, 0.06, 0.02, 0.06, 0.03, 0.05, 0.05];
+        small.points.iter_mut().zip(features).for_each(|(point, feature)| point.feature = feature);
+        let fit = DepthFit::new(vec![curve("a", 12.0, 0.0, 10.0), curve("b", 12.0, 0.0, 10.0), small]).unwrap();
+        assert!(fit.warnings[0].starts_with("small: its density feature hardly follows"), "{:?}", fit.warnings);
+        let law = fit.law(Method::Origin).unwrap();
+        fit.check(law, &fingervision_touch::Profile::default()).unwrap();
     }
 
     #[test]

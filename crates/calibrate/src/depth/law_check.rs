@@ -1,14 +1,11 @@
 //! What a law that is fitted to presses can be.
 //!
-//! A table in another order still gives a line. These limits are wide: they stop what no sensor is.
+//! A table in another unit still gives a line. These limits are wide: they stop what no sensor is.
 
 use fingervision_touch::{DepthLaw, Profile};
 
 use super::{DepthFit, DepthFitError, FittedLaw};
 
-/// If the correlation of feature and depth of a press is less than this, the press does not show that depth,
-/// dimensionless. Simulated presses have 0.8 and more, sliding faces included.
-const LEAST_CORRELATION: f64 = 0.6;
 /// Error on presses that were left out over the deepest depth. A law without any information has 0.6.
 const MOST_ERROR: f64 = 0.5;
 /// Gains over that of perspective alone: simulated sensors have 0.5 to 2.
@@ -21,12 +18,8 @@ impl DepthFit {
     ///
     /// # Errors
     ///
-    /// [`DepthFitError::Unordered`], [`DepthFitError::Impossible`] or [`DepthFitError::Useless`].
+    /// [`DepthFitError::Impossible`] or [`DepthFitError::Useless`].
     pub fn check(&self, law: &FittedLaw, profile: &Profile) -> Result<(), DepthFitError> {
-        if let Some(press) = self.presses.iter().find(|press| press.line.correlation < LEAST_CORRELATION) {
-            let correlation = press.line.correlation;
-            return Err(DepthFitError::Unordered { press: press.curve.name.clone(), correlation });
-        }
         // The slope of the line through the origin over that by perspective alone for the same presses.
         let gain = self.perspective.map(|perspective| perspective.slope);
         if let Some(gain) = gain.filter(|gain| !(GAINS[0]..=GAINS[1]).contains(gain)) {
