@@ -1,9 +1,8 @@
 //! Readings out: arrays, a table and pictures.
 //!
 //! A [`Sink`] receives every reading of a run. [`RunFolder`] streams them into files that can be read at any moment;
-//! [`Preview`] keeps the strongest frame and draws it as one picture, [`Overlay`] makes a video of all. [`Comparison`]
-//! shows estimated fields beside true ones. `SimulationFolder` (feature `simulate`) takes a simulated press with its
-//! truth. The parts of these pictures, [`flow_colours`] and [`heat_map`], can be used separately.
+//! [`Preview`] keeps the strongest frame and draws it as one picture, [`Overlay`] makes a video of all. The parts of these
+//! pictures are in `fingervision-plot`; `fingervision-simulation` writes a simulated press with its truth.
 
 mod arrays;
 mod avi;

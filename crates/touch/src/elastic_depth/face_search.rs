@@ -46,7 +46,9 @@ pub(super) fn mark(surface: &Surface, limits: &FaceLimits, touches: &mut [bool],
     let mut best: Option<(f64, StuckFace)> = None;
     for (column, row) in windows(surface.grid) {
         collect(surface, (column, row), &mut scratch.cells);
-        let Some(face) = rigid::fit(surface, &scratch.cells, limits.tolerance, &mut scratch.scratch) else { continue };
+        let Some(face) = rigid::fit(surface, &scratch.cells, limits.tolerance, &mut scratch.distances) else {
+            continue;
+        };
         if face.residual_mm > limits.tolerance {
             continue;
         }
@@ -70,7 +72,7 @@ pub(super) fn mark(surface: &Surface, limits: &FaceLimits, touches: &mut [bool],
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scratch {
     cells: Vec<usize>,
-    scratch: Vec<f64>,
+    distances: Vec<f64>,
     marks: Vec<bool>,
 }
 
@@ -78,7 +80,7 @@ impl Scratch {
     pub(super) fn new(cells: usize) -> Self {
         Self {
             cells: Vec::with_capacity(WINDOW * WINDOW),
-            scratch: Vec::with_capacity(WINDOW * WINDOW),
+            distances: Vec::with_capacity(WINDOW * WINDOW),
             marks: vec![false; cells],
         }
     }
