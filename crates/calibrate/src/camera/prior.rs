@@ -107,7 +107,7 @@ impl Prior {
         let (name, number) = text.split_once('=').ok_or_else(form)?;
         let names = || Unknown::ALL.map(Unknown::name).join(", ");
         let unknown = Unknown::ALL.into_iter().find(|unknown| unknown.name() == name.trim());
-        let unknown = unknown.ok_or_else(|| format!("there is no unknown {}; known are {}", name.trim(), names()))?;
+        let unknown = unknown.ok_or_else(|| format!("no parameter is named {}; known are {}", name.trim(), names()))?;
         let number = number.replace("+-", "±");
         let (value, deviation) = number.split_once('±').ok_or_else(form)?;
         let parse = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite()).ok_or_else(form);

@@ -9,7 +9,7 @@ use super::exposure::Exposure;
 use super::fault::{Fault, RecordingCheck, What};
 use super::rest::RestImage;
 use super::samples::{Samples, unsharp};
-use crate::depth::{DepthFitError, LEAST_CORRELATION, PressFolder, check_depths, correlation};
+use crate::depth::{DepthFitError, LEAST_CORRELATION, PressFolder, check_depths, disorder};
 
 /// A press whose largest motion is below this, px, contains little information about depth.
 const LEAST_MOTION_PX: f64 = 0.5;
@@ -96,11 +96,11 @@ impl PressCheck {
 
     /// Tests whether the images move more the deeper they are.
     fn order_fault(&self) -> Option<Fault> {
-        let correlation = correlation(&self.motions)?;
+        let correlation = disorder(&self.motions)?;
         let measured = format!("motion does not grow with depth: their correlation is {correlation:.2}");
         let remedy = "number the images in the order in which they were taken, and give each row of depth.csv the depth of its own image";
         let allowed = format!("at least {LEAST_CORRELATION}");
-        (correlation < LEAST_CORRELATION).then(|| Fault::new(What::Order, measured, allowed, remedy))
+        Some(Fault::new(What::Order, measured, allowed, remedy))
     }
 
     fn count_fault(&self) -> Option<Fault> {

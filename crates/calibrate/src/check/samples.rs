@@ -36,7 +36,7 @@ impl Samples {
         Self { deviation_px: median(deviations), flows: flows.collect(), size: (width, height) }
     }
 
-    /// Whether there is no measurement.
+    /// Whether no sample is valid.
     pub(super) fn is_empty(&self) -> bool {
         self.flows.is_empty()
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::DepthFitError;
 use super::limits::check_depths;
 use super::maximum::{Maximum, MaximumFinder};
-use super::order::{LEAST_CORRELATION, correlation, largest_motion_px};
+use super::order::{disorder, largest_motion_px};
 
 /// Largest predicted deviation of a pixel that is used for [`Maximum::Robust`], px, if the profile is stricter. Under a
 /// deep sliding face most pixels exceed the usual limit, though most errors are a third of the prediction; a median
@@ -118,7 +118,7 @@ impl PressRecorder {
     ///
     /// # Errors
     ///
-    /// [`DepthFitError::Track`] if it cannot be tracked, [`DepthFitError::Count`] if there is no depth for it.
+    /// [`DepthFitError::Track`] if the image cannot be tracked, [`DepthFitError::Count`] if the depths have no row for it.
     pub fn push(&mut self, frame: &Frame) -> Result<(), DepthFitError> {
         let Some(&depth_mm) = self.depths_mm.get(self.frames) else {
             return Err(self.miscounted(self.frames as u64 + 1));
@@ -161,7 +161,7 @@ impl PressRecorder {
         if 2 * lost > frames {
             return Err(DepthFitError::Lost { press, lost, frames });
         }
-        if let Some(correlation) = correlation(&self.motions).filter(|found| *found < LEAST_CORRELATION) {
+        if let Some(correlation) = disorder(&self.motions) {
             return Err(DepthFitError::Unordered { press, correlation });
         }
         let place = Place::of(self.deepest.1, self.tracker.size());

@@ -30,7 +30,7 @@ pub enum DepthFitError {
         /// Of the profile's camera, px.
         principal_point_px: [f64; 2],
     },
-    /// There is no table of depths.
+    /// The table of depths is missing.
     #[error("{}: it has no depths: neither {DEPTH_FILE} nor truth/force.csv", folder.display())]
     NoDepths {
         /// The press.

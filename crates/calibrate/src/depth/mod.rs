@@ -26,6 +26,6 @@ pub use error::DepthFitError;
 pub use fit::{DepthFit, FittedLaw, Method, PressFit};
 pub(crate) use limits::check_depths;
 pub use maximum::{Maximum, MaximumFinder};
-pub(crate) use order::{LEAST_CORRELATION, correlation};
+pub(crate) use order::{LEAST_CORRELATION, disorder};
 pub use regression::{LineFit, OriginFit, fit_line, fit_through_origin};
 pub use table::PressFolder;

@@ -2,6 +2,8 @@
 
 use fingervision_touch::Reading;
 
+use super::regression::fit_line;
+
 /// Correlation of motion and depth that a press has at least, dimensionless.
 pub(crate) const LEAST_CORRELATION: f64 = 0.7;
 /// Fewer frames show no order.
@@ -22,11 +24,9 @@ pub(crate) fn largest_motion_px(reading: &Reading) -> f64 {
     largest.into()
 }
 
-/// Correlation of the two columns, depth and motion; none where there are too few rows or a column does not change.
-pub(crate) fn correlation(rows: &[[f64; 2]]) -> Option<f64> {
-    let count = rows.len() as f64;
-    let mean = [0, 1].map(|column| rows.iter().map(|row| row[column]).sum::<f64>() / count);
-    let sum = |a: usize, b: usize| rows.iter().map(|row| (row[a] - mean[a]) * (row[b] - mean[b])).sum::<f64>();
-    let scale = (sum(0, 0) * sum(1, 1)).sqrt();
-    (rows.len() >= LEAST_COUNTED && scale > 0.0).then(|| sum(0, 1) / scale)
+/// The correlation of depth, mm, and largest motion, px, of a press's frames if it is that of images in another order; none
+/// where there are too few frames, or depth or motion does not change.
+pub(crate) fn disorder(motions: &[[f64; 2]]) -> Option<f64> {
+    let line = fit_line(motions).filter(|line| line.count >= LEAST_COUNTED)?;
+    (line.correlation < LEAST_CORRELATION).then_some(line.correlation)
 }

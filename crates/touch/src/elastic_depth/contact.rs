@@ -114,9 +114,9 @@ impl ContactFinder {
         self.depth_mm.fill(0.0);
     }
 
-    /// Finds contact and its depth from the surface's motion, with the known displacement by shear subtracted.
+    /// Finds contact and its depth from the surface's motion, with the known displacement by shear subtracted. Needs
+    /// [`Self::take_noise`] of the same frame.
     pub(super) fn find(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
-        self.take_noise(surface);
         if self.network.is_some() {
             self.look(surface, drag);
             self.take_contact(surface);
@@ -147,20 +147,15 @@ impl ContactFinder {
         self.hold_to_face(surface);
     }
 
-    /// Motion up to which the gel is at rest in this frame, mm.
-    pub(super) fn still_mm(&mut self, surface: &Surface) -> f64 {
-        let deviation_mm = surface.typical_deviation_mm(&mut self.scratch);
-        (THRESHOLDS.still_px * surface.mm_per_px).max(THRESHOLDS.still_over_deviation * deviation_mm)
-    }
-
-    /// Stores how accurate a frame's flow is.
-    fn take_noise(&mut self, surface: &Surface) {
+    /// Stores how accurate a frame's flow is; returns the motion up to which the gel is at rest in it, mm.
+    pub(super) fn take_noise(&mut self, surface: &Surface) -> f64 {
         let deviation_mm = surface.typical_deviation_mm(&mut self.scratch);
         self.noise_mm = self.least_noise_mm.max(THRESHOLDS.noise_over_deviation * deviation_mm);
         let covered_mm = THRESHOLDS.training_deviation_px * surface.mm_per_px;
         self.is_flow_uncertain = deviation_mm > THRESHOLDS.most_over_training * covered_mm;
         let beyond_mm = (deviation_mm.powi(2) - covered_mm.powi(2)).max(0.0).sqrt();
         self.flow_deviation_mm = (surface.typical_leverage() * beyond_mm) as f32;
+        (THRESHOLDS.still_px * surface.mm_per_px).max(THRESHOLDS.still_over_deviation * deviation_mm)
     }
 
     /// Assigns the depth of a stuck face to the cells that move with it.

@@ -97,8 +97,8 @@ impl HeldGel {
             count += 1.0;
         }
         let (left, all) = ((left - error).max(0.0), all - error);
-        let telling_mm = THRESHOLDS.least_motion_px * mm_per_px;
-        (all > count * telling_mm * telling_mm).then(|| (left / count).sqrt() / deepest_mm.max(telling_mm))
+        let least_mm = THRESHOLDS.least_motion_px * mm_per_px;
+        (all > count * least_mm * least_mm).then(|| (left / count).sqrt() / deepest_mm.max(least_mm))
     }
 
     /// Strain in contact at a depth; nothing slides where there is a stuck face.

@@ -137,7 +137,7 @@ impl ElasticDepth {
     /// If the fields are not of the size that was given.
     pub fn solve(&mut self, flow: &FlowField, deviation: &Image<f32>, valid: &Image<u8>) -> &ElasticFields {
         self.surface.look(flow, deviation, valid);
-        let still_mm = self.contact.still_mm(&self.surface);
+        let still_mm = self.contact.take_noise(&self.surface);
         if self.surface.largest_apparent_mm() < still_mm {
             self.rest(still_mm);
             return &self.fields;
