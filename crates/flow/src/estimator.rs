@@ -1,6 +1,7 @@
 //! The flow estimator: one object per picture size, used for every frame.
 
 use crate::affine::patches::{self, AffinePatches, AffineReference};
+use crate::recovery::Recovery;
 use crate::round_trip::{invert_into, round_trip_error_into};
 use crate::search::{self, InverseSearch, SearchReference};
 use crate::{Estimate, FlowError, FlowField, FlowParams, Picture, Preset};
@@ -56,6 +57,7 @@ pub struct FlowEstimator {
     params: FlowParams,
     search: InverseSearch,
     affine: AffinePatches,
+    recovery: Recovery,
     found: FlowField,
     way_back: Option<Box<WayBack>>,
 }
@@ -104,6 +106,7 @@ impl FlowEstimator {
             params: *params,
             search: InverseSearch::new(width, height, params.search(), simd),
             affine: AffinePatches::new(width, height, params, simd),
+            recovery: Recovery::new(width, height),
             found: FlowField::zero(width, height),
             way_back: None,
         };
@@ -151,6 +154,8 @@ impl FlowEstimator {
             (Preset::Affine, Start::Flow(flow)) => {
                 self.affine.start(flow);
                 self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
+                let references = (&reference.search, &reference.affine);
+                self.recovery.run(references, current, flow, &mut self.search, &mut self.affine);
                 self.affine.write(&reference.affine, out);
             }
             (Preset::Affine, Start::Search(guess)) => {

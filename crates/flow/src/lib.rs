@@ -46,6 +46,7 @@ mod field;
 mod instruction_sets;
 mod params;
 mod picture;
+mod recovery;
 mod round_trip;
 mod search;
 

@@ -53,6 +53,14 @@ impl PatchGrid {
         (STRIDE * (self.columns + 1)).next_multiple_of(LANES)
     }
 
+    /// The nodes at most `distance` columns and rows away from a node, itself included.
+    pub(crate) fn around(self, node: usize, distance: usize) -> impl Iterator<Item = usize> {
+        let (i, j) = (node % self.columns, node / self.columns);
+        let span = |place: usize, count: usize| place.saturating_sub(distance)..(place + distance + 1).min(count);
+        let (columns, rows) = (span(i, self.columns), span(j, self.rows));
+        rows.flat_map(move |row| columns.clone().map(move |column| row * self.columns + column))
+    }
+
     /// Image coordinate of node `i` along either axis, px.
     pub(crate) fn centre(i: usize) -> f32 {
         (STRIDE * i + MARGIN) as f32 - 0.5

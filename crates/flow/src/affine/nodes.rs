@@ -7,6 +7,7 @@
 use super::grid::{MARGIN, PatchGrid, STRIDE};
 use crate::FlowField;
 use crate::search::coarse_neighbours;
+use crate::search::local::CellMotion;
 
 /// Unknowns of a node.
 pub(crate) const UNKNOWNS: usize = 6;
@@ -47,6 +48,16 @@ impl NodeField {
                 u[i] += d[first][i] + gx * d[0][i] + gy * d[3][i];
                 ux[i] += d[first + 1][i] + gx * d[1][i] + gy * d[4][i];
                 uy[i] += d[first + 2][i] + gx * d[2][i] + gy * d[5][i];
+            }
+        }
+    }
+
+    /// Sets the motion at a node.
+    pub(crate) fn place(&mut self, node: usize, CellMotion { displacement, gradient }: CellMotion) {
+        for component in 0..2 {
+            self.planes[3 * component][node] = displacement[component];
+            for (k, slope) in gradient[component].into_iter().enumerate() {
+                self.planes[3 * component + 1 + k][node] = slope * STRIDE as f32;
             }
         }
     }

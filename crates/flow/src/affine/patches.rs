@@ -7,6 +7,7 @@ use super::nodes::NodeField;
 use super::refinement::{Current, Refinement};
 use super::template::Template;
 use super::texel::Texel;
+use crate::search::local::CellMotion;
 use crate::{Estimate, FlowField, FlowParams, Picture};
 use fearless_simd::{Level, dispatch};
 
@@ -54,6 +55,9 @@ struct LevelState {
 
 /// Most additional steps at full size of a frame.
 const MORE_STEPS: usize = 4;
+
+/// How often patches that were searched again and still fail are tried from their neighbours.
+const SECOND_TRIALS: usize = 2;
 
 /// Least width and height of a level that holds patches, px.
 const LEAST_SIZE: usize = 16;
@@ -157,6 +161,36 @@ impl AffinePatches {
     pub(crate) fn settle(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
         self.follow(reference, current, 1, 1);
         for _ in 1..steps {
+            let LevelState { refinement, field, .. } = &mut self.levels[0];
+            field.heal(refinement.trust(), &mut self.rings);
+            refinement.trust_all();
+            self.finish_full(reference, current, 1);
+        }
+    }
+
+    /// Whether each patch has texture, is in the image, and failed.
+    pub(crate) fn is_lost<'a>(&'a self, reference: &'a AffineReference) -> impl Fn(usize) -> bool + 'a {
+        let limit = self.params.validity.max_deviation_px.powi(2);
+        let refinement = &self.levels[0].refinement;
+        let own = &reference.full.own_variance;
+        move |node| own[node] <= limit && refinement.is_inside[node] && refinement.trust()[node] <= 0.0
+    }
+
+    /// Moves patches to where they were found, and takes steps at full size with all of them. Those that fail then get the
+    /// value that their neighbours suggest, and are tried once more.
+    pub(crate) fn resettle(
+        &mut self,
+        reference: &AffineReference,
+        current: &Picture,
+        found: impl Iterator<Item = (usize, CellMotion)>,
+    ) {
+        let LevelState { refinement, field, .. } = &mut self.levels[0];
+        for (node, motion) in found {
+            field.place(node, motion);
+        }
+        refinement.trust_all();
+        self.finish_full(reference, current, 1);
+        for _ in 0..SECOND_TRIALS {
             let LevelState { refinement, field, .. } = &mut self.levels[0];
             field.heal(refinement.trust(), &mut self.rings);
             refinement.trust_all();

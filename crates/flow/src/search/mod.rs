@@ -4,6 +4,7 @@
 //! a dense field and the field refined; then the next finer level starts from it. [Kroeger2016], [Brox2004].
 
 mod densify;
+pub(crate) mod local;
 mod patches;
 mod resize;
 mod variational;
@@ -163,7 +164,7 @@ impl InverseSearch {
         Self { params, simd, levels: (finest..=coarsest).map(level).collect(), enlarged: enlarged.collect() }
     }
 
-    fn finest_level(&self, picture: &Picture) -> usize {
+    pub(crate) fn finest_level(&self, picture: &Picture) -> usize {
         self.params.finest_level.min(coarsest_level(picture.size().0, picture.size().1))
     }
 

@@ -210,6 +210,31 @@ pub(crate) fn search<S: Simd>(
     best
 }
 
+/// Compares a patch with all places whose distance from a start is a whole number of px, up to `reach` along each axis, and
+/// returns the one that matches best; the start if none is in the image.
+#[simd]
+pub(crate) fn best_place<S: Simd>(
+    simd: S,
+    template: &PatchTemplate,
+    current: &Image<f32>,
+    (i, j): (usize, usize),
+    start: (f32, f32),
+    reach: i32,
+) -> (f32, f32) {
+    let corner = template.layout.corner(i, j);
+    let mut best = (start, f32::INFINITY);
+    for down in -reach..=reach {
+        for right in -reach..=reach {
+            let place = (start.0 + right as f32, start.1 + down as f32);
+            let error = compare(simd, template, current, corner, place).map_or(f32::INFINITY, |sums| sums.error());
+            if error < best.1 {
+                best = (place, error);
+            }
+        }
+    }
+    best.0
+}
+
 /// Searches a patch again if one of the starts matches better than the result so far.
 #[simd]
 pub(crate) fn reconsider<S: Simd>(

@@ -1,0 +1,326 @@
+//! Searches again for the parts of the picture that were lost.
+//!
+//! The patches that cover a lost cell are searched on every level, from the coarsest to the finest. Each starts from the
+//! best of: the matches of the nearest patches on the next coarser level, the guess, its neighbours' matches and, on one
+//! level, the best place within reach. No dense
+//! field is formed in between, so that a motion edge stays sharp ([Hu2016]). The effort grows with the number of lost
+//! cells, not with the picture.
+
+use super::patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules, best_place, reconsider, search};
+use super::{InverseSearch, SearchLevel, SearchReference};
+use crate::{FlowField, Picture};
+use fearless_simd::{Simd, dispatch};
+use fingervision_image::Image;
+
+/// The level on which every place in reach is compared, and the reach, px there: 40 px at full size. A random pattern looks
+/// like itself in one place only, and Gauss–Newton steps find it from a px or two away.
+const EVERYWHERE: (usize, i32) = (2, 10);
+
+/// Distance of matches, px, within which they belong to one motion.
+const SAME_MOTION_PX: f32 = 1.5;
+
+/// Distance from a cell's centre, in cells, within which matches are taken to describe the motion there.
+const REACH: f32 = 1.25;
+
+/// Least number of matches that agree.
+const LEAST_MATCHES: usize = 4;
+
+/// Square cells over a picture, some of which are lost.
+#[derive(Debug, Clone)]
+pub(crate) struct Cells {
+    pub(crate) size_px: usize,
+    columns: usize,
+    rows: usize,
+    is_lost: Vec<bool>,
+    /// Number of lost cells above and to the left, with a first row and column of zeros.
+    counts: Vec<u32>,
+}
+
+/// The motion in a cell: displacement at its centre, px, and its gradient, dimensionless.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CellMotion {
+    pub(crate) displacement: [f32; 2],
+    /// `[∂u/∂x, ∂u/∂y]` and the same of v.
+    pub(crate) gradient: [[f32; 2]; 2],
+}
+
+impl Cells {
+    /// Cells of this size, none lost.
+    pub(crate) fn new(size_px: usize, columns: usize, rows: usize) -> Self {
+        let counts = vec![0; (columns + 1) * (rows + 1)];
+        Self { size_px, columns, rows, is_lost: vec![false; columns * rows], counts }
+    }
+
+    /// Row by row, which cells are lost.
+    pub(crate) fn is_lost(&self) -> &[bool] {
+        &self.is_lost
+    }
+
+    /// Sets which cells are lost.
+    pub(crate) fn mark(&mut self, is_lost: impl Fn(usize) -> bool) {
+        for (cell, lost) in self.is_lost.iter_mut().enumerate() {
+            *lost = is_lost(cell);
+        }
+        let width = self.columns + 1;
+        for j in 0..self.rows {
+            for i in 0..self.columns {
+                let at = (j + 1) * width + i + 1;
+                let own = u32::from(self.is_lost[j * self.columns + i]);
+                self.counts[at] = own + self.counts[at - 1] + self.counts[at - width] - self.counts[at - width - 1];
+            }
+        }
+    }
+
+    /// Whether a square of the picture, grown by a cell on every side, holds a lost cell.
+    fn are_near(&self, left: usize, top: usize, size: usize) -> bool {
+        let span = |start: usize, cells: usize| {
+            let first = (start / self.size_px).saturating_sub(1).min(cells);
+            (first, ((start + size).div_ceil(self.size_px) + 1).min(cells))
+        };
+        let ((left, right), (top, bottom)) = (span(left, self.columns), span(top, self.rows));
+        let at = |column: usize, row: usize| self.counts[row * (self.columns + 1) + column];
+        at(right, bottom) + at(left, top) > at(left, bottom) + at(right, top)
+    }
+}
+
+impl InverseSearch {
+    /// Searches the patches at the lost cells; read the result with [`InverseSearch::motion_at`]. `guess` is a flow of full
+    /// size near the one before the motion.
+    pub(crate) fn search_lost(
+        &mut self,
+        reference: &SearchReference,
+        current: &Picture,
+        lost: &Cells,
+        guess: &FlowField,
+    ) {
+        let finest = self.finest_level(current);
+        let simd = self.simd;
+        let rules = SearchRules { iterations: self.params.iterations, tolerance: self.params.tolerance_px };
+        for k in (0..self.levels.len()).rev() {
+            let (fine, coarse) = self.levels.split_at_mut(k + 1);
+            let area = Area { lost, guess, level: finest + k };
+            let (template, image) = (&reference.templates[k], current.grey.level(finest + k));
+            let level = &mut fine[k];
+            dispatch!(simd, simd => level.run_lost(simd, template, image, &area, coarse.first(), rules));
+        }
+    }
+
+    /// The motion at a point of the reference by the last search of lost cells, if its patches agree on one.
+    ///
+    /// It is that of the largest group of matches within reach that agree, weighed by how well they match.
+    pub(crate) fn motion_at(&self, finest: usize, (x, y): (f32, f32), cell_px: usize) -> Option<CellMotion> {
+        let level = &self.levels[0];
+        let scale = (1u32 << finest) as f32;
+        let reach = (REACH * cell_px as f32).max(PATCH as f32 * scale) / scale;
+        let (x, y) = ((x + 0.5) / scale - 0.5, (y + 0.5) / scale - 0.5);
+        let near = || level.layout.near(x, y, reach).map(|patch| (patch, &level.matches[patch.2]));
+        let found = || near().filter(|(_, found)| found.is_found());
+        let apart = |a: &Match, b: &Match| (a.u - b.u).abs().max((a.v - b.v).abs());
+        // Votes: how much agreement with how little residual.
+        let votes = |centre: &Match| -> f32 {
+            let agree = found().filter(|(_, other)| apart(centre, other) < SAME_MOTION_PX);
+            agree.map(|(_, other)| 1.0 / (1.0 + other.error)).sum()
+        };
+        let (_, best) = found().max_by(|(_, a), (_, b)| votes(a).total_cmp(&votes(b)))?;
+        let group = || found().filter(|(_, other)| apart(best, other) < SAME_MOTION_PX);
+        if group().count() < LEAST_MATCHES {
+            return None;
+        }
+        let mut fit = Plane::default();
+        for ((px, py, _), found) in group() {
+            fit.add([px - x, py - y], [found.u, found.v], 1.0 / (1.0 + found.error));
+        }
+        let CellMotion { displacement, gradient } = fit.solve();
+        Some(CellMotion { displacement: displacement.map(|d| d * scale), gradient })
+    }
+}
+
+/// Where a level is searched.
+struct Area<'a> {
+    lost: &'a Cells,
+    guess: &'a FlowField,
+    level: usize,
+}
+
+impl Area<'_> {
+    /// The guess at a place on the level.
+    fn guess_at(&self, x: usize, y: usize) -> (f32, f32) {
+        let scale = 1.0 / (1u32 << self.level) as f32;
+        let half = (1usize << self.level) / 2;
+        let (x, y) = ((x << self.level) + half, (y << self.level) + half);
+        let at = |plane: &Image<f32>| scale * plane.at(x.min(plane.size().0 - 1), y.min(plane.size().1 - 1));
+        (at(&self.guess.u), at(&self.guess.v))
+    }
+}
+
+impl SearchLevel {
+    /// Searches the patches near lost cells in reading order, then, in reverse order, again those for which the right or
+    /// lower neighbour's displacement is better. All others take the guess.
+    #[inline(always)]
+    fn run_lost<S: Simd>(
+        &mut self,
+        simd: S,
+        template: &PatchTemplate,
+        current: &Image<f32>,
+        area: &Area<'_>,
+        coarse: Option<&Self>,
+        rules: SearchRules,
+    ) {
+        let columns = self.layout.columns;
+        let is_near = |corner: (usize, usize)| {
+            area.lost.are_near(corner.0 << area.level, corner.1 << area.level, PATCH << area.level)
+        };
+        for j in 0..self.layout.rows {
+            for i in 0..columns {
+                let corner = self.layout.corner(i, j);
+                let node = j * columns + i;
+                let guess = area.guess_at(corner.0 + PATCH / 2, corner.1 + PATCH / 2);
+                if !is_near(corner) {
+                    self.matches[node] = Match { u: guess.0, v: guess.1, error: f32::INFINITY };
+                    continue;
+                }
+                let mut starts = [guess; 8];
+                if let Some(coarse) = coarse {
+                    for (start, node) in starts[1..5].iter_mut().zip(coarse.layout.four_around(corner)) {
+                        let found = coarse.matches[node];
+                        *start = (2.0 * found.u, 2.0 * found.v);
+                    }
+                }
+                for (start, beside) in
+                    starts[5..7].iter_mut().zip([(i > 0).then(|| node - 1), node.checked_sub(columns)])
+                {
+                    if let Some(beside) = beside {
+                        *start = (self.matches[beside].u, self.matches[beside].v);
+                    }
+                }
+                // Neighbours share what every second patch finds.
+                if area.level == EVERYWHERE.0 && (i + j) % 2 == 0 {
+                    starts[7] = best_place(simd, template, current, (i, j), guess, EVERYWHERE.1);
+                }
+                self.matches[node] = search(simd, template, current, (i, j), &starts, rules);
+            }
+        }
+        for node in (0..self.layout.len()).rev() {
+            let (i, j) = (node % columns, node / columns);
+            if !is_near(self.layout.corner(i, j)) {
+                continue;
+            }
+            let start = |node: usize| (self.matches[node].u, self.matches[node].v);
+            let beside = if i + 1 < columns { start(node + 1) } else { start(node) };
+            let below = if j + 1 < self.layout.rows { start(node + columns) } else { start(node) };
+            let found = reconsider(simd, template, current, (i, j), &self.matches[node], [beside, below], rules);
+            self.matches[node] = found;
+        }
+    }
+}
+
+impl PatchLayout {
+    /// The four patches of this level whose centres are nearest to that of a patch on the next finer level.
+    fn four_around(&self, (left, top): (usize, usize)) -> [usize; 4] {
+        let pair = |corner: usize, count: usize| {
+            let place = (corner / 2).saturating_sub(PATCH / 4);
+            let first = (place / self.stride).min(count - 1);
+            [first, (first + 1).min(count - 1)]
+        };
+        let ([left, right], [top, bottom]) = (pair(left, self.columns), pair(top, self.rows));
+        let at = |column: usize, row: usize| row * self.columns + column;
+        [at(left, top), at(right, top), at(left, bottom), at(right, bottom)]
+    }
+
+    /// Centre and number of the patches whose centre is at most `reach` px away from a place along both axes.
+    fn near(&self, x: f32, y: f32, reach: f32) -> impl Iterator<Item = (f32, f32, usize)> + '_ {
+        let range = |place: f32, count: usize| {
+            let corner = |centre: f32| (centre - 0.5 * (PATCH - 1) as f32).max(0.0) / self.stride as f32;
+            corner(place - reach) as usize..((corner(place + reach) as usize) + 2).min(count)
+        };
+        let (columns, rows) = (range(x, self.columns), range(y, self.rows));
+        rows.flat_map(move |j| columns.clone().map(move |i| (i, j))).filter_map(move |(i, j)| {
+            let (left, top) = self.corner(i, j);
+            let half = 0.5 * (PATCH - 1) as f32;
+            let (px, py) = (left as f32 + half, top as f32 + half);
+            ((px - x).abs() <= reach && (py - y).abs() <= reach).then_some((px, py, j * self.columns + i))
+        })
+    }
+}
+
+/// Sums of a weighted least-squares fit of a plane to displacements.
+#[derive(Debug, Default)]
+struct Plane {
+    weight: f32,
+    first: [f32; 2],
+    second: [f32; 3],
+    value: [f32; 2],
+    moment: [[f32; 2]; 2],
+}
+
+impl Plane {
+    fn add(&mut self, [x, y]: [f32; 2], displacement: [f32; 2], weight: f32) {
+        self.weight += weight;
+        for (sum, term) in self.first.iter_mut().zip([x, y]) {
+            *sum += weight * term;
+        }
+        for (sum, term) in self.second.iter_mut().zip([x * x, x * y, y * y]) {
+            *sum += weight * term;
+        }
+        for (component, d) in displacement.into_iter().enumerate() {
+            self.value[component] += weight * d;
+            self.moment[component][0] += weight * d * x;
+            self.moment[component][1] += weight * d * y;
+        }
+    }
+
+    /// The plane's value at the origin and its slopes, which are drawn to zero where the places do not determine them.
+    fn solve(&self) -> CellMotion {
+        let w = self.weight;
+        let [mx, my] = self.first.map(|sum| sum / w);
+        // A ridge of one px² keeps few places in a line from determining a slope.
+        let xx = self.second[0] / w - mx * mx + 1.0;
+        let xy = self.second[1] / w - mx * my;
+        let yy = self.second[2] / w - my * my + 1.0;
+        let determinant = xx * yy - xy * xy;
+        let mut motion = CellMotion { displacement: [0.0; 2], gradient: [[0.0; 2]; 2] };
+        for component in 0..2 {
+            let mean = self.value[component] / w;
+            let [cx, cy] = self.moment[component];
+            let (cx, cy) = (cx / w - mx * mean, cy / w - my * mean);
+            let slope = [(yy * cx - xy * cy) / determinant, (xx * cy - xy * cx) / determinant];
+            motion.gradient[component] = slope;
+            motion.displacement[component] = mean - slope[0] * mx - slope[1] * my;
+        }
+        motion
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_square_is_near_the_lost_cells_that_touch_it() {
+        let mut cells = Cells::new(8, 10, 7);
+        cells.mark(|cell| [0, 34, 69].contains(&cell));
+        for (left, top, size) in
+            [(0, 0, 8), (16, 0, 8), (24, 24, 8), (40, 24, 8), (8, 30, 16), (72, 48, 8), (56, 40, 8)]
+        {
+            let expected = (0..70).filter(|cell| cells.is_lost[*cell]).any(|cell| {
+                let (x, y) = (8 * (cell % 10), 8 * (cell / 10));
+                let touches =
+                    |start: usize, at: usize| at + 8 + 8 > start / 8 * 8 && at < (start + size).div_ceil(8) * 8 + 8;
+                touches(left, x) && touches(top, y)
+            });
+            assert_eq!(cells.are_near(left, top, size), expected, "({left}, {top}), {size} px");
+        }
+    }
+
+    #[test]
+    fn a_plane_through_displacements_has_their_slopes() {
+        let mut plane = Plane::default();
+        for (x, y) in [(-6.0, -6.0), (6.0, -6.0), (-6.0, 6.0), (6.0, 6.0), (20.0, 1.0), (3.0, 15.0)] {
+            plane.add([x, y], [1.0 + 0.2 * x, 3.0 - 0.1 * y], 2.0);
+        }
+        let CellMotion { displacement: [u, v], gradient: [[ux, uy], [vx, vy]] } = plane.solve();
+        // The ridge of 1 px² takes a few percent of the slopes.
+        assert!((u - 1.0).abs() < 0.03 && (v - 3.0).abs() < 0.03, "{u}, {v}");
+        assert!((ux - 0.2).abs() < 0.01 && uy.abs() < 0.01 && vx.abs() < 0.01 && (vy + 0.1).abs() < 0.01);
+    }
+}
