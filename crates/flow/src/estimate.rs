@@ -21,6 +21,9 @@ pub struct Estimate {
     /// The median over the textured patches of the unexplained part of the variance, 0 to 1: caused by noise, blur or
     /// another picture over most of the image. What a contact occludes does not count.
     pub unexplained: f32,
+    /// Area that was lost and not found again, px²: that of the patches with texture that fail together with their
+    /// neighbours. Along a rim, where patches fail one by one, it is 0.
+    pub lost_px2: f32,
 }
 
 impl Estimate {
@@ -34,6 +37,7 @@ impl Estimate {
             matched: 0.0,
             residual_levels: 0.0,
             unexplained: 0.0,
+            lost_px2: 0.0,
         }
     }
 
@@ -45,5 +49,6 @@ impl Estimate {
         self.matched = other.matched;
         self.residual_levels = other.residual_levels;
         self.unexplained = other.unexplained;
+        self.lost_px2 = other.lost_px2;
     }
 }

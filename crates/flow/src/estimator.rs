@@ -155,14 +155,16 @@ impl FlowEstimator {
                 self.affine.start(flow);
                 self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
                 let references = (&reference.search, &reference.affine);
-                self.recovery.run(references, current, flow, &mut self.search, &mut self.affine);
+                let lost_px2 = self.recovery.run(references, current, flow, &mut self.search, &mut self.affine);
                 self.affine.write(&reference.affine, out);
+                out.lost_px2 = lost_px2;
             }
             (Preset::Affine, Start::Search(guess)) => {
                 self.search.flow(&reference.search, current, guess, &mut self.found);
                 self.affine.start(&self.found);
                 self.affine.settle(&reference.affine, current, affine.search_steps);
                 self.affine.write(&reference.affine, out);
+                out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
             }
             (_, Start::Search(guess)) => self.search_alone(reference, current, guess, out),
             (_, Start::Flow(guess)) => self.search_alone(reference, current, Some(guess), out),
@@ -205,5 +207,6 @@ impl FlowEstimator {
         self.affine.inspect(&reference.affine, current);
         self.affine.add_fine_error(&out.flow, &mut self.found);
         self.affine.write_validity(&reference.affine, out);
+        out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
     }
 }

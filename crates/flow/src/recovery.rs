@@ -46,7 +46,8 @@ impl Recovery {
         }
     }
 
-    /// Searches the lost areas again after a step from `guess`, and settles the patches from there.
+    /// Searches the lost areas again after a step from `guess`, and settles the patches from there. Returns the area that is
+    /// still lost, px².
     pub(crate) fn run(
         &mut self,
         (searched, reference): (&SearchReference, &AffineReference),
@@ -54,10 +55,10 @@ impl Recovery {
         guess: &FlowField,
         search: &mut InverseSearch,
         patches: &mut AffinePatches,
-    ) {
+    ) -> f32 {
         let lost = self.find_cores(patches, reference);
         if lost == 0 || std::mem::take(&mut self.rests) {
-            return;
+            return area_px2(lost);
         }
         let Self { grid, failed, is_core, cells, .. } = self;
         cells.mark(|node| failed[node] && grid.around(node, AREA).any(|near| is_core[near]));
@@ -71,6 +72,12 @@ impl Recovery {
         patches.resettle(reference, current, found);
         let left = self.find_cores(patches, reference);
         self.rests = left as f32 > (1.0 - LEAST_FOUND) * lost as f32;
+        area_px2(left)
+    }
+
+    /// The area that is lost at the patches as they are, px².
+    pub(crate) fn lost_px2(&mut self, patches: &AffinePatches, reference: &AffineReference) -> f32 {
+        area_px2(self.find_cores(patches, reference))
     }
 
     /// Finds the failed patches and the cores of lost areas; returns the number of cores.
@@ -85,4 +92,9 @@ impl Recovery {
         }
         is_core.iter().filter(|core| **core).count()
     }
+}
+
+/// The area of a number of patches, px²: each stands for a square of one stride.
+fn area_px2(patches: usize) -> f32 {
+    (patches * STRIDE * STRIDE) as f32
 }

@@ -122,14 +122,17 @@ pub enum Flag {
     /// Noise and motion do not explain how the image differs from the reference: blur, compression, or an image of
     /// another sensor. Deviations are larger accordingly.
     ImageMismatch,
-    /// The flow's deviation is more than 2.5 times that of the images elastic depth was trained on: depth, contact and
+    /// The flow's deviation is more than 2.2 times that of the images elastic depth was trained on: depth, contact and
     /// force are less certain than their deviation says.
     UncertainFlow,
+    /// An area of more than 0.75 % of the image was not found in it: hidden, or moved too far. Its flow is not valid; depth,
+    /// contact and force are those of the rest.
+    AreaLost,
 }
 
 impl Flag {
     /// Every flag, in the order of its bit.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Lost,
         Self::Dropped,
         Self::NoTexture,
@@ -144,6 +147,7 @@ impl Flag {
         Self::OutOfFocus,
         Self::ImageMismatch,
         Self::UncertainFlow,
+        Self::AreaLost,
     ];
 
     /// The flag's name in files.
@@ -164,6 +168,7 @@ impl Flag {
             Self::OutOfFocus => "out-of-focus",
             Self::ImageMismatch => "image-mismatch",
             Self::UncertainFlow => "uncertain-flow",
+            Self::AreaLost => "area-lost",
         }
     }
 }

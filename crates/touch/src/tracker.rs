@@ -57,6 +57,9 @@ pub struct Tracker {
 
 /// A stream is lost if less than this part of the textured patches match.
 const LOST_BELOW: f32 = 0.5;
+/// An area that is lost is flagged if it is more than this part of the image. Steep walls of presses that are sheared by 1.5 mm
+/// take up to half of a percent.
+const MOST_LOST: f32 = 0.0075;
 /// An image has too little texture if less than this part of its patches can be measured.
 const LEAST_TEXTURED: f32 = 0.1;
 /// A mean brightness that differs from the reference's by more than this factor, up or down, is flagged.
@@ -193,8 +196,11 @@ impl Tracker {
                 flags.raise(flag);
             }
         };
-        raise_if(Flag::Lost, self.estimate.matched < LOST_BELOW);
+        let is_lost = self.estimate.matched < LOST_BELOW;
+        raise_if(Flag::Lost, is_lost);
         raise_if(Flag::Dropped, dropped > 0);
+        let pixels = self.estimate.valid.values().len() as f32;
+        raise_if(Flag::AreaLost, !is_lost && self.estimate.lost_px2 > MOST_LOST * pixels);
         raise_if(Flag::ImageMismatch, self.estimate.unexplained > MOST_UNEXPLAINED);
         if let Some(first) = self.references.first() {
             let (light, then) = (self.picture.mean_level().max(1.0), first.mean_level().max(1.0));

@@ -66,3 +66,29 @@ fn a_covered_lens_is_lost() {
     let flags = flags([render(&sheet, &Motion::STILL, 1), dark]);
     assert!(flags[1].has(Flag::Lost) && !flags[0].has(Flag::Lost), "{flags:?}");
 }
+
+/// An image with a square of another pattern in the middle.
+fn hide(image: &Image<[u8; 3]>, size_px: usize) -> Image<[u8; 3]> {
+    let other = Sheet { pattern_seed: 7, width: SIZE.0, height: SIZE.1, ..Sheet::default() };
+    let other = render(&other, &Motion::STILL, 9);
+    let (left, top) = ((SIZE.0 - size_px) / 2, (SIZE.1 - size_px) / 2);
+    Image::from_fn(SIZE.0, SIZE.1, |x, y| {
+        let is_hidden = (left..left + size_px).contains(&x) && (top..top + size_px).contains(&y);
+        if is_hidden { other.at(x, y) } else { image.at(x, y) }
+    })
+}
+
+#[test]
+fn a_hidden_area_is_flagged_at_once_and_until_it_is_seen_again() {
+    let sheet = Sheet { width: SIZE.0, height: SIZE.1, ..Sheet::default() };
+    let bump = Motion::radial_bump(sheet.centre_px(), 5.0);
+    let frames: Vec<_> =
+        (0..6_u32).map(|step| render(&sheet, &bump.at(f64::from(step) / 5.0), u64::from(step))).collect();
+    let seen = |step: usize| frames[step].clone();
+    let images =
+        [seen(0), seen(1), hide(&frames[1], 64), hide(&frames[2], 64), hide(&frames[2], 64), seen(4), seen(4), seen(5)];
+    let flags = flags(images);
+    let is_lost: Vec<bool> = flags.iter().map(|flags| flags.has(Flag::AreaLost)).collect();
+    assert_eq!(is_lost[..5], [false, false, true, true, true], "{flags:?}");
+    assert_eq!(is_lost[6..], [false, false], "found again within two frames: {flags:?}");
+}

@@ -26,6 +26,7 @@ pub(crate) fn compose_into(a: &Estimate, b: &Estimate, out: &mut Estimate) {
     out.matched = b.matched;
     out.residual_levels = b.residual_levels;
     out.unexplained = b.unexplained;
+    out.lost_px2 = b.lost_px2;
 }
 
 #[cfg(test)]
