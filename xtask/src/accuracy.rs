@@ -4,7 +4,8 @@ use crate::workspace;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use fingervision_evaluate::recordings::{FOLDER_VARIABLE, Punyo, Recordings, measure_pairs};
-use fingervision_evaluate::{Table, pairs, sequences};
+use fingervision_evaluate::{Table, motion, pairs, sequences};
+use fingervision_gel::{MeshParams, PressCache, Resolution};
 use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
@@ -18,6 +19,12 @@ pub(crate) struct Args {
     /// Only these tables.
     #[arg(long)]
     only: Option<Tables>,
+    /// Presses at several speeds on a coarse mesh: minutes instead of hours.
+    #[arg(long)]
+    draft: bool,
+    /// Presses at several speeds: only this ready-made scene; may be repeated.
+    #[arg(long, value_name = "SCENE")]
+    scene: Vec<String>,
     /// Also write the tables to this file.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -31,6 +38,8 @@ enum Tables {
     Real,
     /// Simulated sequences.
     Sequences,
+    /// Presses at several speeds, and the rim of their contact: hours, so only where it is asked for.
+    Motion,
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
@@ -57,6 +66,14 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     }
     if is_asked(Tables::Sequences) {
         show(sequences::measure(&sequences::POLICIES)?, out)?;
+    }
+    if args.only == Some(Tables::Motion) {
+        let mesh = if args.draft { Resolution::Draft } else { MeshParams::default().resolution };
+        let options = motion::Options { mesh, scenes: args.scene.clone() };
+        let measured = motion::measure(&options, &PressCache::standard(), &mut |press| eprintln!("{press}"))?;
+        for table in [measured.motion, measured.rim, measured.deviation] {
+            show(table, out)?;
+        }
     }
     let short = tables.iter().flat_map(Table::short).count();
     let asked = tables.iter().flat_map(|table| &table.rows).filter(|row| row.asked.is_some()).count();

@@ -48,7 +48,7 @@ const LAYERS: [(&str, &[&str]); 17] = [
             "evaluate",
         ],
     ),
-    ("xtask", &["evaluate"]),
+    ("xtask", &["evaluate", "gel"]),
 ];
 
 /// What tests and examples may use beside that: those of any crate simulated frames and mutated files, those of the

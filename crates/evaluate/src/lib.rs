@@ -1,11 +1,12 @@
 //! Readings against truth: the accuracy tables of the tracker.
 //!
-//! Three kinds of test images, each with the required and the measured figure:
+//! Four kinds of test images, each with the required and the measured figure:
 //!
 //! - [`pairs`]: simulated pairs with exact truth, several patterns each, and whether the predicted deviation holds.
 //! - [`recordings`]: recorded pairs and a recorded press. They are not part of the project: they lie in a folder of
 //!   their own, and where that is missing there is nothing to measure.
 //! - [`sequences`]: simulated presses, frame by frame through the whole tracker under every reference policy.
+//! - [`motion`]: simulated presses at several speeds: the flow in contact, at its rim and elsewhere.
 //!
 //! Everything is seeded: the same code gives the same tables.
 //!
@@ -28,6 +29,7 @@ mod error;
 pub mod experiment;
 mod filtered_density;
 mod matcher;
+pub mod motion;
 pub mod page;
 pub mod pairs;
 pub mod paper;

@@ -1,0 +1,122 @@
+//! Simulated presses at several speeds: does the flow hold, and how well at the rim of the contact?
+//!
+//! Every press is solved once and tracked at several paces, with 1, 2, 4, 10 or 20 of its steps from one image to the
+//! next. The flow of every image is compared with the exact truth, by place: in contact, near its border and elsewhere. All
+//! visible pixels count, whether they are valid or not, unless a figure says otherwise.
+
+mod follow;
+mod tally;
+
+pub use follow::{PACES, Press, Variant};
+pub use tally::{BANDS_MM, Tally};
+
+use crate::experiment::ExperimentError;
+use crate::{Asked, Table};
+use fingervision_gel::{PressCache, ReadyMade, Resolution};
+use rayon::prelude::*;
+
+/// Error of the flow in contact, px, above which a contact may be lost.
+const LOST_PX: f64 = 0.15;
+
+/// What is measured.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Meshes so fine: the truth belongs to the images whatever the mesh.
+    pub mesh: Resolution,
+    /// Only these scenes; all presses without it.
+    pub scenes: Vec<String>,
+}
+
+/// The tables of [`measure`].
+#[derive(Debug, Clone)]
+pub struct Tables {
+    /// Error in contact by scene and pace, and what is asked of all.
+    pub motion: Table,
+    /// Error and validity by distance from the border of the contact, at pace 1.
+    pub rim: Table,
+    /// Whether the predicted deviation covers the error, by place.
+    pub deviation: Table,
+}
+
+/// Tracks the ready-made presses, with two gels and two kinds of contact each, at all paces. `progress` gets the name of
+/// every press before it is solved.
+///
+/// # Errors
+///
+/// [`ExperimentError::Scene`] for a scene that is not known or cannot be solved; [`ExperimentError::Track`] if a frame cannot be
+/// tracked, which would be a bug.
+pub fn measure(
+    options: &Options,
+    cache: &PressCache,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Tables, ExperimentError> {
+    let is_press = |name: &str| name != "board" && !name.starts_with("calibration-");
+    let is_asked = |name: &str| options.scenes.is_empty() || options.scenes.iter().any(|scene| scene == name);
+    let names = ReadyMade::ALL.iter().map(|scene| scene.name).filter(|name| is_press(name) && is_asked(name));
+    let columns = PACES.map(|pace| if pace == 1 { "1 step".to_owned() } else { format!("{pace} steps") });
+    let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+    let mut motion =
+        Table::new("Presses by steps between two images: largest error in contact of an image, px", &columns);
+    let mut all: Vec<Vec<Tally>> = PACES.iter().map(|_| Vec::new()).collect();
+    for name in names {
+        let mut worst = [0.0_f64; PACES.len()];
+        for variant in Variant::ALL {
+            progress(&format!("{name}, {}", variant.name()));
+            let press = Press::solve(name, variant, options.mesh, cache)?;
+            let tallies = PACES.par_iter().map(|&pace| press.follow(pace)).collect::<Result<Vec<_>, _>>()?;
+            for ((worst, all), tally) in worst.iter_mut().zip(&mut all).zip(tallies) {
+                *worst = worst.max(tally.contact_px());
+                all.push(tally);
+            }
+        }
+        motion.push(name, None, worst.to_vec());
+    }
+    let mut row = |name: &str, asked: Option<Asked>, figure: &dyn Fn(&[Tally]) -> f64| {
+        motion.push(name, asked, all.iter().map(|tallies| figure(tallies)).collect());
+    };
+    let largest = |tallies: &[Tally], figure: fn(&Tally) -> f64| tallies.iter().map(figure).fold(0.0, f64::max);
+    let mean = |tallies: &[Tally], figure: fn(&Tally) -> f64| {
+        tallies.iter().map(figure).sum::<f64>() / tallies.len().max(1) as f64
+    };
+    row("largest step, px", None, &|all| largest(all, |tally| tally.step_px));
+    row("runs above 0.15 px in contact", None, &|all| {
+        all.iter().filter(|tally| tally.contact_px() > LOST_PX).count() as f64
+    });
+    row("valid but more than 0.5 px off, largest part", Some(Asked::AtMost(0.001)), &|all| largest(all, Tally::wrong));
+    row("valid, mean part", Some(Asked::AtLeast(0.97)), &|all| mean(all, Tally::valid));
+    row("within 1 mm of the border, mean, px", Some(Asked::AtMost(0.12)), &|all| mean(all, Tally::rim_px));
+    row("within 1 mm of the border, largest, px", None, &|all| largest(all, Tally::rim_px));
+    row("within 1 mm of the border, valid, mean part", Some(Asked::AtLeast(0.5)), &|all| mean(all, Tally::rim_valid));
+    row("flagged images, mean part", None, &|all| mean(all, Tally::flagged));
+    row("normal force off in the last image, mean part", Some(Asked::AtMost(0.02)), &|all| mean(all, Tally::force_off));
+    row("normal force off in the last image, largest part", Some(Asked::AtMost(0.05)), &|all| {
+        largest(all, Tally::force_off)
+    });
+    Ok(Tables { motion, rim: rim(&all[0]), deviation: deviation(&all) })
+}
+
+/// Error by distance from the border.
+fn rim(tallies: &[Tally]) -> Table {
+    let mut names: Vec<String> = BANDS_MM.iter().map(|reach| format!("< {reach} mm")).collect();
+    names.push("farther".into());
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let mut table = Table::new("By distance from the border of the contact, one step between two images", &names);
+    let sums = tallies.iter().fold(Tally::default(), |sum, tally| sum.with(tally));
+    table.push("mean error of all visible pixels, px", None, sums.bands().map(|band| band.mean_px()).collect());
+    table.push("mean error of the valid ones, px", None, sums.bands().map(|band| band.mean_valid_px()).collect());
+    table.push("valid part", None, sums.bands().map(|band| band.valid()).collect());
+    table
+}
+
+/// How much of the error the deviation covers.
+fn deviation(all: &[Vec<Tally>]) -> Table {
+    let columns = ["contact", "rim", "outside"];
+    let mut table =
+        Table::new("Part of the valid pixels whose error is within the predicted deviation, all paces", &columns);
+    let sums = all.iter().flatten().fold(Tally::default(), |sum, tally| sum.with(tally));
+    for (k, asked) in [(0, 0.68), (1, 0.95)] {
+        let name = format!("within {}", if k == 0 { "one" } else { "two" });
+        table.push(name, Some(Asked::AtLeast(asked)), sums.places().map(|place| place.covered(k)).collect());
+    }
+    table
+}
