@@ -9,7 +9,7 @@ impl fmt::Display for GelReport {
         let width = self.presses.iter().map(|press| press.name.chars().count()).max().unwrap_or(0).max(12);
         writeln!(
             f,
-            "{:width$}  depth, mm  from images  contact radius  residual before  after, %  force, N  predicted",
+            "{:width$}  depth, mm  from images  contact radius, mm  residual before  after, %  force, N  predicted",
             "press"
         )?;
         for press in &self.presses {
@@ -45,7 +45,7 @@ fn write_frame(f: &mut fmt::Formatter<'_>, name: &str, width: usize, frame: &Fra
     let (force, predicted) = (number(frame.force_n, 3), number(frame.predicted_force_n, 3));
     writeln!(
         f,
-        "{name:width$}  {depth_mm:>9.3}  {found_mm:>11.3}  {contact_radius_mm:>14.2}  {before:>15}  {after:>8.2}  {force:>8}  {predicted:>9}"
+        "{name:width$}  {depth_mm:>9.3}  {found_mm:>11.3}  {contact_radius_mm:>18.2}  {before:>15}  {after:>8.2}  {force:>8}  {predicted:>9}"
     )
 }
 
