@@ -1,4 +1,5 @@
-//! Digests the sources that decide how a press is solved, so that solved presses on the disk never outlive their solver.
+//! Computes a digest of the sources that determine how a press is solved: a press that another version has solved is
+//! never taken from the cache.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};

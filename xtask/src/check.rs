@@ -1,4 +1,4 @@
-//! `cargo xtask check`: all that can be said without running a test.
+//! `cargo xtask check`: all checks that run no test.
 
 use crate::{circles, layers, lengths, workspace};
 use anyhow::{Context, Result, ensure};

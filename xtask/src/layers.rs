@@ -1,7 +1,6 @@
-//! `cargo xtask layers`: arrows between crates only point up the table.
+//! `cargo xtask layers`: a crate depends only on the crates that are listed for it.
 //!
-//! What a crate may stand on is listed in full: that `touch` may use `flow` and `flow` may use `image` does not let
-//! anybody use both.
+//! Each list is complete: a dependency of a dependency is allowed only if it is listed as well.
 
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;

@@ -1,4 +1,4 @@
-//! Files stay short enough to be read in one go.
+//! Checks that no source file has more than 400 lines.
 
 use anyhow::{Context, Result, bail};
 use std::fs;

@@ -45,6 +45,9 @@ impl ProfileFileError {
                 let path = path.display();
                 Some(format!("extract its profile: fingervision profile show {path} --toml > sensor.toml"))
             }
+            Self::Write { kind: io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded, .. } => {
+                Some("free some space or choose another disk".into())
+            }
             Self::Write { .. } => Some("choose a writable file in an existing folder".into()),
         }
     }

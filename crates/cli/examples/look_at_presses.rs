@@ -1,4 +1,4 @@
-//! What cameras see of solved presses, for the network to learn from: every press is drawn and tracked as a sensor would.
+//! Renders and tracks solved presses with random cameras: the training data of the network.
 //!
 //! `cargo run --release -p fingervision-cli --example look_at_presses -- presses`
 //!

@@ -35,7 +35,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write to the folder without opening a page; this version never opens one
-    #[arg(long)]
+    #[arg(long, hide = true)]
     headless: bool,
     #[command(flatten)]
     output: OutputArgs,

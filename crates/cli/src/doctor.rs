@@ -141,7 +141,7 @@ impl fmt::Display for Diagnosis {
         for (k, kind) in self.reads.iter().enumerate() {
             writeln!(f, "{:10} {kind}", if k == 0 { "reads" } else { "" })?;
         }
-        writeln!(f, "reads not  {NOT_READ}")?;
+        writeln!(f, "not read   {NOT_READ}")?;
         writeln!(f, "cache      {}", self.cache)?;
         writeln!(f, "next       fingervision demo, which needs no sensor; with one: fingervision calibrate")
     }

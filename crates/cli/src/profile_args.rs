@@ -9,8 +9,7 @@ use crate::output::OutputArgs;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct ProfileArgs {
-    /// The profile of the sensor, as in sensor.toml, or the run.toml of an earlier run; without it the whole image is tracked, without
-    /// depth
+    /// The profile of the sensor, as in sensor.toml, or the run.toml of an earlier run
     ///
     /// `fingervision profile new` writes one to start from.
     #[arg(long, value_name = "FILE")]
@@ -18,7 +17,7 @@ pub(crate) struct ProfileArgs {
     /// Set one value of the profile, as in `flow.noise_levels=1.5`; may be repeated
     ///
     /// `fingervision profile show FILE` and the run.toml of any run list the keys with their values. A value that has no
-    /// effect under the others is refused.
+    /// effect with the other settings is refused.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     assignments: Vec<(String, String)>,
 }

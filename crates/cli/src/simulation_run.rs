@@ -170,8 +170,9 @@ fn deepest(simulation: &Simulation, frames: usize) -> usize {
 /// Names the scene, the number of frames written, and what to do.
 fn ended_early(end: &EarlyEnd, summary: &SimulationSummary) -> Failure {
     let SimulationSummary { scene, frames, frames_asked, .. } = summary;
-    let message = format!("{scene}: {end}; {frames} of {frames_asked} frames are written");
-    let hint = end.hint().unwrap_or_else(|| "the frames before it can be used".into());
+    let are = if *frames == 1 { "is" } else { "are" };
+    let message = format!("{scene}: {end}; {frames} of {frames_asked} frames {are} written");
+    let hint = end.hint().unwrap_or_else(|| "the frames written so far can be used; --overwrite starts again".into());
     Failure::new(message, hint)
 }
 
@@ -184,7 +185,8 @@ impl SimulationSummary {
             "rigid" => "nothing to solve".into(),
             _ => format!("solved in {solving_s:.1} s"),
         };
-        format!("{scene}: {frames} frames of {width}x{height} px, {press}, drawn in {drawing_s:.1} s")
+        let plural = if *frames == 1 { "" } else { "s" };
+        format!("{scene}: {frames} frame{plural} of {width}x{height} px, {press}, drawn in {drawing_s:.1} s")
     }
 
     /// A summary in one line.
@@ -212,7 +214,7 @@ impl fmt::Display for SimulationSummary {
                 self.distance_mm
             )?;
         } else if self.has_images {
-            writeln!(f, "track    fingervision track {folder}/frames --profile {folder}/profile.toml --out RUN")?;
+            writeln!(f, "next     fingervision track {folder}/frames --profile {folder}/profile.toml --out RUN")?;
         }
         Ok(())
     }

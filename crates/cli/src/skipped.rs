@@ -1,7 +1,7 @@
 //! Frames of a run that cannot be read and are skipped.
 
 use fingervision_image::Frame;
-use fingervision_source::Source;
+use fingervision_source::{Source, SourceError};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -47,9 +47,20 @@ impl Skipped {
                     return Ok(frame);
                 }
                 Err(error) if skips && source.resume() => self.note(error.to_string(), output),
+                Err(error @ SourceError::Frame { sequence: 1.., .. }) if !skips => {
+                    return Err(Failure::new(
+                        error.to_string(),
+                        "the frames before it are complete: skip it with --skip-bad-frames, or record again",
+                    ));
+                }
                 Err(error) => return Err(error.into()),
             }
         }
+    }
+
+    /// The number of the last frame that was read.
+    pub(crate) fn last_read(&self) -> Option<u64> {
+        self.previous
     }
 
     /// Counts the frames missing before a frame, at least the bad ones.

@@ -78,11 +78,17 @@ impl<T> From<[T; 3]> for Force<T> {
     }
 }
 
-impl<T: fmt::Display> fmt::Display for Force<T> {
+impl<T: Copy + Into<f64>> fmt::Display for Force<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { x, y, z } = self;
+        let [x, y, z] = [self.x, self.y, self.z].map(|part| rounded(part.into(), 2));
         write!(f, "({x:.2}, {y:.2}, {z:.2}) N")
     }
+}
+
+/// A number as it is printed with this many decimals, zero without a sign.
+fn rounded(value: f64, decimals: i32) -> f64 {
+    let scale = 10_f64.powi(decimals);
+    (value * scale).round() / scale + 0.0
 }
 
 impl Tally {
@@ -122,7 +128,8 @@ impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Tally { frames, tracking_ms, flagged, dropped_frames, without_depth, deepest } = &self.tally;
         let ((width, height), seconds) = (self.size, self.seconds);
-        write!(f, "{frames} frames of {width}x{height} px in {seconds:.1} s")?;
+        let plural = if *frames == 1 { "" } else { "s" };
+        write!(f, "{frames} frame{plural} of {width}x{height} px in {seconds:.1} s")?;
         if *frames > 0 {
             write!(f, "; tracking takes {:.1} ms per frame", tracking_ms / *frames as f64)?;
         }
@@ -174,7 +181,8 @@ impl fmt::Display for Deepest {
         if let Some(force) = &self.force {
             write!(f, ", force {force}")?;
         }
-        self.torque_z_nmm.map_or(Ok(()), |torque| write!(f, ", torque {torque:.1} N mm"))
+        let torque = self.torque_z_nmm.map(|torque| rounded(torque.into(), 1));
+        torque.map_or(Ok(()), |torque| write!(f, ", torque {torque:.1} N mm"))
     }
 }
 
@@ -223,6 +231,11 @@ mod tests {
         assert!(!text.contains("deepest"), "{text}");
         let touched = summary(&[reading(None, Some(1.0), 9.0), misfit]).to_string();
         assert!(touched.contains("deepest  frame 0: depth up to 1.00 mm, contact 9.0 mm²"), "{touched}");
+    }
+
+    #[test]
+    fn a_zero_is_printed_without_a_sign() {
+        assert_eq!(Force::from([-0.001_f32, 0.004, -0.02]).to_string(), "(0.00, 0.00, -0.02) N");
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(crate) struct ThreadArgs {
     /// Use at most N threads; without it, one per core. The result does not depend on it
-    #[arg(long, global = true, value_name = "N")]
+    #[arg(long, global = true, value_name = "N", display_order = 990)]
     threads: Option<NonZero<usize>>,
 }
 

@@ -18,6 +18,8 @@ use crate::tracking::{Run, fields_to_compute};
 
 /// Track a recording: flow, density and, with a profile that describes the sensor, depth, contact and force of every
 /// frame
+///
+/// Without --profile the whole image is tracked, without depth.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV) or a simulated scene
@@ -99,7 +101,7 @@ enum FieldName {
     Contact,
     /// Displacement x, y, z in gel space, mm; needs elastic depth
     Displacement,
-    /// Traction x, y, z on a grid over the gel, `MPa`; needs elastic depth and `gel.youngs_modulus_mpa`
+    /// Traction x, y, z on a grid over the gel, MPa; needs elastic depth and `gel.youngs_modulus_mpa`
     Traction,
     /// Predicted standard deviation of the flow, px
     Deviation,

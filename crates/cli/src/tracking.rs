@@ -113,7 +113,12 @@ impl Run {
                 ));
             }
         }
-        Err(SinkError::NoReadings.into())
+        let Some(wanted) = wanted else { return Err(SinkError::NoReadings.into()) };
+        let end = skipped.last_read().map_or_else(String::new, |last| format!(": its last one is frame {last}"));
+        Err(Failure::new(
+            format!("the recording has no frame {wanted} to begin with{end}"),
+            "use --reference-frame with a frame that shows the gel untouched",
+        ))
     }
 
     fn tracker(&self, first: &Frame, frame_size: (usize, usize)) -> Result<Tracker, Failure> {
@@ -124,8 +129,7 @@ impl Run {
             return Err(self.cannot_be_had(*field));
         }
         if by_default && !tracker.has_depth() {
-            let (name, lacks) = (&self.profile.name, self.lacks_for_depth());
-            self.output.note(&format!("no depth is written: the profile \"{name}\" has {lacks}"));
+            self.output.note(&format!("no depth is written: {}", self.lacks_for_depth()));
         }
         if let Some(remark) = self.outside_training() {
             self.output.note(&remark);
@@ -151,33 +155,55 @@ impl Run {
 
     /// Why a requested field is not available with this profile.
     fn cannot_be_had(&self, field: Field) -> Failure {
-        let (name, profile) = (field.name(), &self.profile.name);
+        let name = field.name();
         match (field, self.profile.depth_method()) {
             (Field::Depth, DepthMethod::Density) => Failure::new(
-                format!("depth was requested, but the profile \"{profile}\" has {}", self.lacks_for_depth()),
-                "leave depth out of --fields, give the profile [camera] and [gel], or fit one: fingervision calibrate depth \
-                 PRESSES --profile sensor.toml",
+                format!("depth was requested, but {}", self.lacks_for_depth()),
+                "leave depth out of --fields, give the profile [camera] and [gel], or fit depth.density: fingervision \
+                 calibrate depth PRESSES --profile sensor.toml",
             ),
             (_, DepthMethod::Density) => Failure::new(
-                format!("{name} was requested, but the profile \"{profile}\" has no elastic depth"),
+                format!("{name} was requested, which needs elastic depth, but {}", self.lacks_for_elastic_depth()),
                 format!(
                     "leave {name} out of --fields, or give the profile [camera] and [gel] and no depth.method = \"density\""
                 ),
             ),
             (_, DepthMethod::Elastic) => Failure::new(
-                format!("{name} was requested, but the profile \"{profile}\" has no gel.youngs_modulus_mpa"),
+                format!("{name} was requested, but {} has no gel.youngs_modulus_mpa", self.named_profile()),
                 format!("leave {name} out of --fields, or give the gel's stiffness: --set gel.youngs_modulus_mpa=0.6"),
             ),
         }
     }
 
     /// What a profile without depth lacks.
-    fn lacks_for_depth(&self) -> &'static str {
+    fn lacks_for_depth(&self) -> String {
+        match self.profile.depth.method {
+            Some(DepthMethod::Density) => {
+                format!("{} has depth.method = \"density\" but no depth.density", self.named_profile())
+            }
+            _ => format!("{} and no depth.density", self.lacks_for_elastic_depth()),
+        }
+    }
+
+    /// What a profile without elastic depth lacks.
+    fn lacks_for_elastic_depth(&self) -> String {
         let Profile { camera, gel, .. } = &self.profile;
-        match (camera, gel, self.profile.depth.method) {
-            (None, Some(_), None) => "no [camera] for elastic depth, and no depth line",
-            (Some(_), None, None) => "no [gel] for elastic depth, and no depth line",
-            _ => "no depth line",
+        let lacks = match (camera, gel) {
+            (None, None) => "no [camera], no [gel]",
+            (None, Some(_)) => "no [camera]",
+            (Some(_), None) => "no [gel]",
+            (Some(_), Some(_)) => "depth.method = \"density\"",
+        };
+        format!("{} has {lacks}", self.named_profile())
+    }
+
+    /// The profile by its name, or what stands in for it if no file is given.
+    fn named_profile(&self) -> String {
+        let name = &self.profile.name;
+        if *name == Profile::default().name {
+            "the profile (--profile)".into()
+        } else {
+            format!("the profile \"{name}\"")
         }
     }
 

@@ -1,4 +1,4 @@
-//! From the flow to the density feature, whatever the flow was found by.
+//! The filtered density feature of a flow, from any method.
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;

@@ -1,4 +1,4 @@
-//! Flow between single images, each searched from nowhere.
+//! Flow between single images, without a start from an earlier frame.
 
 use crate::EvaluateError;
 use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture, Reference, Start};

@@ -1,4 +1,4 @@
-//! Tables of figures: what is asked beside what is measured.
+//! Tables of figures: the required value beside the measured one.
 
 use serde::Serialize;
 use std::fmt;

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<PathBuf> = std::env::args_os().skip(1).map(Into::into).collect();
     let [source, profile, out] = arguments.as_slice() else {
-        return Err("give a folder of images or a video, a profile, and a folder to write".into());
+        return Err("usage: track_folder SOURCE PROFILE.toml OUT".into());
     };
     let profile = Profile::load(profile)?;
     let mut source = open(source, &Options::default())?;

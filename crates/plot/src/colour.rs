@@ -1,4 +1,4 @@
-//! What a pixel of a picture is.
+//! The colour of a pixel.
 
 /// Red, green and blue, 0 to 255.
 pub type Rgb = [u8; 3];

@@ -1,4 +1,4 @@
-//! What explains colours and lines in the legend of a panel.
+//! The keys in the legend of a panel, which explain its colours and lines.
 
 use fingervision_image::Image;
 

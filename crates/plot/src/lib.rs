@@ -1,9 +1,9 @@
-//! Drawing: fields as colours, curves, panels with legends, whole pages; all of plain data.
+//! Drawing: fields as colours, curves, panels with legends, whole pages. Their input is plain data.
 //!
-//! [`Comparison`], [`CurvePlots`] and [`HeatPanels`] are pages of their own. What draws another page takes a [`Canvas`]
-//! and puts onto it, in the measures and letters of [`page`], [`Panel`]s with their keys ([`draw_colour_bar`],
-//! [`draw_wheel_key`]), [`FramePlot`]s and [`TimePlots`]. [`flow_colours`] and [`heat_map`] stand on their own. Files are
-//! not made here: a picture is an image like any other.
+//! [`Comparison`], [`CurvePlots`] and [`HeatPanels`] are pages of their own. To draw another page, take a [`Canvas`]
+//! and put onto it, with the sizes and the typeface of [`page`], [`Panel`]s with their keys ([`draw_colour_bar`],
+//! [`draw_wheel_key`]), [`FramePlot`]s and [`TimePlots`]. [`flow_colours`] and [`heat_map`] can be used alone. This
+//! crate writes no files: a picture is an image.
 
 mod axes;
 mod canvas;

@@ -33,7 +33,7 @@ pub struct SimulationPreview {
     shown: Option<Shown>,
     strip: Vec<Image<Rgb>>,
     normal_n: Vec<f32>,
-    sideways_n: Vec<f32>,
+    shear_n: Vec<f32>,
 }
 
 /// The frame that is shown large.
@@ -57,7 +57,7 @@ impl SimulationPreview {
             shown: None,
             strip: Vec::new(),
             normal_n: Vec::with_capacity(frames),
-            sideways_n: Vec::with_capacity(frames),
+            shear_n: Vec::with_capacity(frames),
         }
     }
 
@@ -66,7 +66,7 @@ impl SimulationPreview {
         let count = self.normal_n.len();
         let [x, y, z] = frame.force_n;
         self.normal_n.push(z.max(0.0) as f32);
-        self.sideways_n.push(x.hypot(y) as f32);
+        self.shear_n.push(x.hypot(y) as f32);
         if let Some(pixels) = frame.pixels.filter(|_| self.is_in_strip(count)) {
             let (width, height) = pixels.size();
             let scale = STRIP_WIDTH / width as f32;
@@ -108,7 +108,7 @@ impl SimulationPreview {
         let strip_top = PANEL_TOP + height + 20.0 + LEGEND_HEIGHT + 28.0;
         let strip_height = self.strip.first().map_or(0.0, |image| image.height() as f32 + 60.0);
         let plot_top = strip_top + strip_height;
-        let has_force = self.normal_n.iter().chain(&self.sideways_n).any(|&force| force > 0.0);
+        let has_force = self.normal_n.iter().chain(&self.shear_n).any(|&force| force > 0.0);
         let bottom = if has_force { plot_top + PLOT_HEIGHT } else { plot_top };
         let mut canvas = Canvas::new(WIDTH as u32, (bottom + 24.0) as u32, BACKGROUND);
         canvas.text(&self.title, (MARGIN, 60.0), TITLE);
@@ -140,7 +140,7 @@ impl SimulationPreview {
     }
 
     fn forces(&self) -> FramePlot {
-        let lines = [("into the gel", &self.normal_n), ("sideways", &self.sideways_n)];
+        let lines = [("normal", &self.normal_n), ("shear", &self.shear_n)];
         let lines = lines.map(|(name, values)| (name.to_owned(), values.clone())).to_vec();
         FramePlot { heading: "Force on the gel, N".into(), lines }
     }

@@ -1,4 +1,4 @@
-//! What every video codec offers.
+//! The interface of all video codecs.
 
 use fingervision_image::Pixels;
 

@@ -1,4 +1,4 @@
-//! Errors between a path and its frames.
+//! Errors of opening and reading a source.
 
 use crate::FrameFormat;
 use std::io;
@@ -105,7 +105,7 @@ pub enum SourceError {
         frames_per_second: f64,
     },
     /// An option of a simulated scene with an invalid value.
-    #[error("{location}: {value} is no number of frames per second")]
+    #[error("{location}: {value} is not a number of frames per second")]
     Option {
         /// The requested location.
         location: String,
@@ -122,8 +122,11 @@ impl SourceError {
             Self::NotFound { .. } => Some(READ.into()),
             Self::NotRead { hint, .. } => Some(hint.clone()),
             Self::TooFewFrames { path, count } => Some(too_few_hint(path, *count)),
-            Self::Container { .. } => Some("the recording may not have been closed; record again".into()),
-            Self::Frame { .. } => Some("the frames before it are complete: record it again, or skip it".into()),
+            Self::Container { .. } => Some("the recording may not have been closed: record again".into()),
+            Self::Frame { sequence: 0, .. } => {
+                Some("the first frame must be readable: take it out of the folder, or record again".into())
+            }
+            Self::Frame { .. } => Some("the frames before it are complete: record it again, or leave it out".into()),
             Self::PixelRange { .. } => Some("scale the images to 0 to 1, or store them with 8 or 16 bit".into()),
             Self::FormatChanged { .. } => Some(
                 "keep frames of one size and one pixel format in a folder, and track the others on their own".into(),

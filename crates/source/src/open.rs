@@ -53,6 +53,7 @@ fn open_file(path: &Path) -> Result<Box<dyn Source>, SourceError> {
         Content::Image => return Err(SourceError::single_image(path)),
         Content::Recording => return Err(SourceError::not_read_yet(path, "a recording")),
         Content::Video(what) => return Err(SourceError::unread_video(path, what.into())),
+        Content::Unknown if signature.is_empty() => return Err(SourceError::not_read_yet(path, "an empty file")),
         Content::Unknown => return Err(SourceError::not_read_yet(path, "this kind of file")),
     };
     Ok(Box::new(VideoSource::open(path, reader)?))

@@ -1,4 +1,4 @@
-//! What a container tells about its video, whatever the container.
+//! The description of a video track, the same for all containers.
 
 use crate::fault::Fault;
 use fingervision_image::{Image, Pixels};

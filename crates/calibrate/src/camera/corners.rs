@@ -1,4 +1,4 @@
-//! The camera from corners of a checkerboard in several poses: they determine what slides do not.
+//! The camera from corners of a checkerboard in several poses, which determine every parameter.
 
 use fingervision_optics::{Camera, CameraParams, Radial};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};

@@ -1,6 +1,6 @@
-//! What a law that is fitted to presses can be.
+//! Rejects fitted laws that no sensor can have.
 //!
-//! A table in another unit still gives a line. These limits are wide: they stop what no sensor is.
+//! A table in another unit still gives a line. These limits are wide: they accept every camera-based sensor.
 
 use fingervision_touch::{DepthLaw, Profile};
 

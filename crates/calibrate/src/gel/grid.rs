@@ -1,4 +1,4 @@
-//! Unexplained motion for gels around the fitted one.
+//! The residual for gels with values around the fitted ones.
 
 use fingervision_elastic::GelBlock;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! Young's modulus from known forces, to which linear elasticity makes it proportional.
+//! Young's modulus from known forces: in linear elasticity the force is proportional to it.
 
 use super::fit::Settled;
 use super::look::Look;

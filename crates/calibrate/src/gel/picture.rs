@@ -26,8 +26,8 @@ impl GelReport {
         let ((low, high), (thin, thick)) = (ends(ratios), ends(thicknesses));
         let least = self.residual.unexplained.iter().copied().fold(f64::INFINITY, f64::min);
         let facts = format!(
-            "Motion around contact that linear elasticity leaves unexplained, root mean square over the depth  ·  \
-             {:.2} % by the profile, {:.2} % by the fitted gel",
+            "Residual of the motion around contact, root mean square divided by the depth  ·  {:.2} % with the profile's \
+             gel, {:.2} % with the fitted gel",
             100.0 * self.unexplained_before,
             100.0 * self.unexplained
         );
@@ -46,13 +46,8 @@ impl GelReport {
         };
         let panels = vec![
             panel,
-            shown(
-                &before,
-                "Deepest frame, by the profile",
-                largest(&before),
-                "Over the gel; contact and sides left out.",
-            ),
-            shown(&after, "Deepest frame, by the fitted gel", largest(&after), "The same on its own scale."),
+            shown(&before, "Deepest frame, profile's gel", largest(&before), "On the gel, without contact and sides."),
+            shown(&after, "Deepest frame, fitted gel", largest(&after), "The same on its own scale."),
         ];
         let title =
             format!("Gel from {} presses: Poisson's ratio {:.3}, {:.2} mm thick", self.presses.len(), at[0], at[1]);
@@ -76,7 +71,7 @@ impl GelReport {
             CurvePlots {
                 title: "Normal force, measured against predicted".into(),
                 facts,
-                x_name: "By the fitted gel, N".into(),
+                x_name: "Predicted by the fitted gel, N".into(),
                 y_name: "Measured, N".into(),
                 panels: vec![CurvePanel { heading: "All presses".into(), curves }],
                 lines: vec![StraightLine { name: "equal".into(), slope: 1.0, intercept: 0.0 }],

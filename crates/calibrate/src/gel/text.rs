@@ -9,7 +9,7 @@ impl fmt::Display for GelReport {
         let width = self.presses.iter().map(|press| press.name.chars().count()).max().unwrap_or(0).max(12);
         writeln!(
             f,
-            "{:width$}  depth, mm  in the images  contact, mm  unexplained before  after, %  force, N  by the gel",
+            "{:width$}  depth, mm  from images  contact radius, mm  residual before  after, %  force, N  predicted",
             "press"
         )?;
         for press in &self.presses {
@@ -17,7 +17,7 @@ impl fmt::Display for GelReport {
                 write_frame(f, &press.name, width, frame)?;
             }
         }
-        writeln!(f, "\nvalue               profile       fitted  deviation  of it scatter")?;
+        writeln!(f, "\nvalue               profile       fitted  deviation   from scatter")?;
         for estimate in &self.estimates {
             write_estimate(f, estimate)?;
         }
@@ -25,7 +25,10 @@ impl fmt::Display for GelReport {
             writeln!(f, "correlation         {correlation:+.2} between Poisson's ratio and thickness")?;
         }
         let (before, after) = (100.0 * self.unexplained_before, 100.0 * self.unexplained);
-        writeln!(f, "unexplained         {before:.2} % of the depth before, {after:.2} % after, around contact")?;
+        writeln!(
+            f,
+            "residual            {before:.2} % of the depth with the profile's gel, {after:.2} % with the fitted gel"
+        )?;
         for warning in &self.warnings {
             writeln!(f, "warning             {warning}")?;
         }
@@ -42,7 +45,7 @@ fn write_frame(f: &mut fmt::Formatter<'_>, name: &str, width: usize, frame: &Fra
     let (force, predicted) = (number(frame.force_n, 3), number(frame.predicted_force_n, 3));
     writeln!(
         f,
-        "{name:width$}  {depth_mm:>9.3}  {found_mm:>13.3}  {contact_radius_mm:>11.2}  {before:>18}  {after:>8.2}  {force:>8}  {predicted:>10}"
+        "{name:width$}  {depth_mm:>9.3}  {found_mm:>11.3}  {contact_radius_mm:>18.2}  {before:>15}  {after:>8.2}  {force:>8}  {predicted:>9}"
     )
 }
 

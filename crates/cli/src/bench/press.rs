@@ -1,4 +1,4 @@
-//! The press that is timed: the same for every program.
+//! The press whose tracking is timed; other programs can be timed on the same images.
 
 use std::fmt;
 use std::fs;

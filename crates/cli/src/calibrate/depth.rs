@@ -118,7 +118,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let (written, picture) = write(args, &fit, method, &profile)?;
     let mut text = fit.to_string();
     let (file, shown) = (args.profile.display(), picture.display());
-    let _ = writeln!(text, "picture      {shown}\nprofile      {file}: depth.density is the {} law", law_name(method));
+    let _ = writeln!(text, "picture      {shown}\nprofile      {file}: depth.density is now {}", law_name(method));
     if profile.depth_method() == DepthMethod::Elastic {
         let _ = writeln!(
             text,
@@ -127,7 +127,10 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     }
     if fit.best != method {
         let best = fit.best.name();
-        let _ = writeln!(text, "choice       --method {best} errs less over these presses");
+        let _ = writeln!(
+            text,
+            "note         --method {best} has a smaller error on presses that were not used for the fit"
+        );
     }
     let result =
         DepthResult { fit: &fit, maximum: args.maximum.into(), written, profile: &args.profile, picture: &picture };
@@ -167,9 +170,9 @@ impl Args {
 
 pub(super) fn law_name(method: Method) -> &'static str {
     match method {
-        Method::Line => "published line",
-        Method::Origin => "line through the origin",
-        Method::Perspective => "perspective",
+        Method::Line => "the published line",
+        Method::Origin => "a line through the origin",
+        Method::Perspective => "the gain of the camera's perspective",
     }
 }
 

@@ -115,7 +115,8 @@ fn resolution(args: &Args, print: &Print) -> u32 {
         let better = even.map_or_else(String::new, |even| {
             format!("; --dpi {} makes every cell a whole number of px", decimal(f64::from(even) * M_PER_INCH))
         });
-        args.output.note(&format!("px do not divide the cells: edges are mixed by area{better}"));
+        args.output
+            .note(&format!("a cell is not a whole number of px: pixels on its edges have a mixed colour{better}"));
     }
     chosen
 }
@@ -146,7 +147,7 @@ impl fmt::Display for Written {
         let ([width, height], [page_width, page_height]) = (self.page_mm_of_pattern(), self.page_mm.map(decimal));
         writeln!(f, "{}: {width} x {height} mm on a page of {page_width} x {page_height} mm", self.file.display())?;
         if let Some(px_per_m) = self.px_per_m {
-            writeln!(f, "resolution {px_per_m} px per m, {} dpi", decimal(f64::from(px_per_m) * M_PER_INCH))?;
+            writeln!(f, "resolution {} dpi, stored as {px_per_m} px per m", decimal(f64::from(px_per_m) * M_PER_INCH))?;
         }
         write!(f, "{}", self.caption)
     }

@@ -1,4 +1,4 @@
-//! Predicted noise of sizes for a camera.
+//! The noise of the flow, predicted for each cell size with a given camera.
 
 use fingervision_flow::Preset;
 use fingervision_gel::{Coupling, Motif, Pattern, View, trackability};

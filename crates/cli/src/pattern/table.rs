@@ -92,10 +92,10 @@ impl fmt::Display for Table {
             write!(f, ", {scale:.4} mm per px in the middle")?;
         }
         writeln!(f, "\ngel     {gel_width}x{gel_height} mm")?;
-        writeln!(f, "{}", self.kind)?;
+        writeln!(f, "kind    {}", self.kind)?;
         let part = if self.kind == "colour" { "cell" } else { "diameter" };
         writeln!(f, "\n{part:>8}           gradient   patch of 16 px alone           flow, predicted    poor")?;
-        writeln!(f, "      mm     px   levels/px   u px     v px     u um    v um   u px     v px     patches")?;
+        writeln!(f, "      mm     px   levels/px   u px     v px     u µm    v µm   u px     v px     patches")?;
         for row in &self.rows {
             row.fmt(f, self.mm_per_px)?;
         }
@@ -103,7 +103,10 @@ impl fmt::Display for Table {
             (Some(best), Some([least, most])) => {
                 writeln!(f, "\nleast noise with a {part} of {best:.4} mm; {least:.4} to {most:.4} mm are within 5 %")?;
                 self.write_asked(f, best)?;
-                write!(f, "all but gradient and poor patches are standard deviations: smaller is better")
+                write!(
+                    f,
+                    "u and v: standard deviation of the displacement to the right and down; poor: patches above 0.1 px"
+                )
             }
             _ => write!(f, "\nno size can be tracked with this camera"),
         }

@@ -66,9 +66,11 @@ impl fmt::Display for Checked {
         }
         let count = |weight| review.remarks.iter().filter(|remark| remark.weight == weight).count();
         match (count(Weight::Fault), count(Weight::Warning)) {
-            (0, 0) => writeln!(f, "sound"),
-            (0, warnings) => writeln!(f, "usable; {warnings} to check"),
-            (faults, _) => writeln!(f, "{faults} to correct"),
+            (0, 0) => writeln!(f, "no faults"),
+            (0, 1) => writeln!(f, "no faults, 1 warning"),
+            (0, warnings) => writeln!(f, "no faults, {warnings} warnings"),
+            (1, _) => writeln!(f, "1 fault"),
+            (faults, _) => writeln!(f, "{faults} faults"),
         }
     }
 }

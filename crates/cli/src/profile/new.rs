@@ -1,8 +1,8 @@
 //! `fingervision profile new`: a profile to start from.
 
 use std::fmt;
-use std::fs::OpenOptions;
-use std::io::{ErrorKind, Write};
+use std::fs;
+use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -63,7 +63,7 @@ pub(super) struct Known {
     /// Poisson's ratio of the gel, 0 to below 0.5; silicone is nearly incompressible
     #[arg(long, value_name = "RATIO", default_value_t = 0.48, value_parser = ratio)]
     pub(super) poissons_ratio: f64,
-    /// Young's modulus of the gel, `MPa`, as in 0.6 for silicone of shore 20A: needed for force
+    /// Young's modulus of the gel, MPa, as in 0.6 for silicone of shore 20A: needed for force
     #[arg(long, value_name = "MPA", value_parser = positive)]
     pub(super) youngs_modulus_mpa: Option<f64>,
 }
@@ -91,24 +91,29 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     args.output.result(out, &written, &written.to_string())
 }
 
+/// Writes the file as a whole or not at all.
 fn write(path: &Path, text: &str, overwrite: bool) -> Result<(), Failure> {
-    let mut options = OpenOptions::new();
-    options.write(true);
-    if overwrite {
-        options.create(true).truncate(true)
-    } else {
-        options.create_new(true)
-    };
-    options.open(path).and_then(|mut file| file.write_all(text.as_bytes())).map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => Failure::new(
-            format!("{} exists already", path.display()),
-            "choose another name, or replace the file with --overwrite",
-        ),
-        kind => Failure::new(
-            format!("cannot write the profile {}: {kind}", path.display()),
-            "choose a writable file in an existing folder",
-        ),
+    if !overwrite && path.exists() {
+        let message = format!("{} exists already", path.display());
+        return Err(Failure::new(message, "choose another name, or replace the file with --overwrite"));
+    }
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".new");
+    let beside = PathBuf::from(beside);
+    fs::write(&beside, text).and_then(|()| fs::rename(&beside, path)).map_err(|error| {
+        // The rest of the temporary file is not needed.
+        let _ = fs::remove_file(&beside);
+        refused(path, &error)
     })
+}
+
+fn refused(path: &Path, error: &io::Error) -> Failure {
+    let kind = error.kind();
+    let hint = match kind {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some space or choose another disk",
+        _ => "choose a writable file in an existing folder",
+    };
+    Failure::new(format!("cannot write the profile {}: {kind}", path.display()), hint)
 }
 
 impl fmt::Display for Written {

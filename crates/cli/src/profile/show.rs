@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::output::OutputArgs;
 use crate::profile_args::assignment;
 
-/// Print all values in force, including defaults, and which quantities they enable
+/// Print all values, including defaults, and which quantities they enable
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The profile, or the run.toml of a run

@@ -12,8 +12,8 @@ use super::new::Known;
 pub(super) fn text(known: &Known) -> Result<String, Failure> {
     let name = toml::Value::String(known.name.clone().unwrap_or_else(|| "my sensor".into()));
     Ok(format!(
-        "# The profile of one sensor. `fingervision profile show FILE` explains it, `fingervision profile check FILE RECORDING`\n\
-         # checks it. Lengths are in mm, positions in the image in px. Lines behind # are not in force.\n\
+        "# The profile of one sensor. `fingervision profile show FILE` prints all its values, `fingervision profile check FILE\n\
+         # RECORDING` checks it. Lengths are in mm, positions in the image in px. What follows a # is a comment.\n\
          name = {name}\n\n{image}\n{camera}\n{gel}\n{DEPTH}",
         image = image(known),
         camera = camera(known)?,
@@ -23,7 +23,7 @@ pub(super) fn text(known: &Known) -> Result<String, Failure> {
 
 const DEPTH: &str = "\
 # [depth]
-# method = \"elastic\"       # from the gel's elasticity, the default where [camera] and [gel] are in force; or \"density\"
+# method = \"elastic\"       # from the gel's elasticity, the default with [camera] and [gel]; or \"density\"
 # density = { slope_mm = 15.2, intercept_mm = 0.0 }   # `fingervision calibrate depth PRESSES --profile FILE` fits it
 ";
 
@@ -58,7 +58,7 @@ fn camera(known: &Known) -> Result<String, Failure> {
     let worth = if is_known {
         "A first estimate: sufficient to try depth, not to measure."
     } else {
-        "Not in force: with [gel] it gives depth, contact and displacement."
+        "Not used until the # is removed: together with [gel] it gives depth, contact and displacement."
     };
     Ok(format!(
         "# The camera. {worth}\n\
@@ -74,7 +74,7 @@ fn gel(known: &Known) -> String {
     let is_known = known.gel_size_mm.is_some() && known.thickness_mm.is_some();
     let off = if is_known { "" } else { "# " };
     let ([width, height], thickness) = (known.gel_size_mm.unwrap_or([30.0; 2]), known.thickness_mm.unwrap_or(10.0));
-    let worth = if is_known { "" } else { " Not in force: give size and thickness." };
+    let worth = if is_known { "" } else { " Not used until the # is removed: measure size and thickness." };
     let (no_force, modulus) = match known.youngs_modulus_mpa {
         Some(modulus) => (off, modulus),
         None => ("# ", 0.6),

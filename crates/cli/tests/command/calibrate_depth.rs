@@ -48,7 +48,9 @@ fn presses_become_a_law_in_the_profile_and_nothing_else_changes() {
     good(&bench, "shallow", 1.0);
     good(&bench, "again", 1.0);
     let ended = bench.run("calibrate depth shallow again --profile sensor.toml").expect_done();
-    for text in ["shallow", "all together", "least error", "sensor-depth.png", "the line through the origin law"] {
+    for text in
+        ["shallow", "all together", "least error", "sensor-depth.png", "depth.density is now a line through the origin"]
+    {
         assert!(ended.out.contains(text), "no {text} in {}", ended.out);
     }
     assert!(!ended.out.contains("warning"), "{}", ended.out);

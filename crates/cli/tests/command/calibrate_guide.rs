@@ -68,9 +68,9 @@ fn a_person_is_led_from_an_empty_folder_to_a_profile() {
     expect(
         &guide(&bench, "").expect_done(),
         &[
-            "next  still",
-            "-     board",
-            "-     press-3",
+            "next      still",
+            "-         board",
+            "-         press-3",
             "into sensor/still",
             "Then: fingervision calibrate --folder sensor",
         ],
@@ -79,19 +79,25 @@ fn a_person_is_led_from_an_empty_folder_to_a_profile() {
 
     simulate(&bench, "still", &rest());
     let ended = guide(&bench, "").expect_done();
-    expect(&ended, &["done  still     10 images", "noise 2.0 levels", "next  board", "21 images", "into sensor/board"]);
+    expect(
+        &ended,
+        &["done      still     10 images", "noise 2.0 levels", "next      board", "21 images", "into sensor/board"],
+    );
 
     simulate(&bench, "board", &board(8, 3.5));
     let ended = guide(&bench, "");
-    expect(&ended, &["redo  board     8 images", "Again: board", "Replace what is in sensor/board"]);
+    expect(&ended, &["redo      board     8 images", "Again: board", "Replace what is in sensor/board"]);
     ended.expect_failure("board: 8 images; required: at least 21", "20 equal steps");
     simulate(&bench, "board", &board(21, -10.0));
     guide(&bench, "").expect_failure("board: the board moves towards", "--direction");
     simulate(&bench, "board", &board(21, 10.0));
-    expect(&guide(&bench, "").expect_done(), &["done  board     21 images", "next  distance", "--distance-mm 25±0.5"]);
+    expect(
+        &guide(&bench, "").expect_done(),
+        &["done      board     21 images", "next      distance", "--distance-mm 25±0.5"],
+    );
 
     let ended = guide(&bench, "--distance-mm 25±0.5").expect_done();
-    expect(&ended, &["done  distance  25 ± 0.5 mm", "next  press-1", "depth.csv", "into sensor/press-1"]);
+    expect(&ended, &["done      distance  25 ± 0.5 mm", "next      press-1", "depth.csv", "into sensor/press-1"]);
     assert!(bench.path("sensor/press-1").is_dir());
 
     simulate(&bench, "press-1", &press([0.0, 0.0], 2.0));
@@ -99,7 +105,7 @@ fn a_person_is_led_from_an_empty_folder_to_a_profile() {
     simulate(&bench, "press-3", &press([-6.0, 4.0], 2.0));
     fs::rename(bench.path("sensor/press-2/truth"), bench.path("truth")).unwrap();
     let ended = guide(&bench, "");
-    expect(&ended, &["done  press-1", "redo  press-2", "done  press-3"]);
+    expect(&ended, &["done      press-1", "redo      press-2", "done      press-3"]);
     ended.expect_failure("press-2: it has no depth.csv", "write depth.csv beside the images");
     fs::rename(bench.path("truth"), bench.path("sensor/press-2/truth")).unwrap();
 
@@ -137,7 +143,7 @@ fn recordings_that_cannot_be_read_are_to_be_done_again() {
 fn answers_are_kept_and_wrong_ones_are_named() {
     let bench = Workbench::new();
     guide(&bench, "--distance-mm 31+-0.5 --step-mm 1 --direction y").expect_done();
-    expect(&guide(&bench, "").expect_done(), &["done  distance  31 ± 0.5 mm"]);
+    expect(&guide(&bench, "").expect_done(), &["done      distance  31 ± 0.5 mm"]);
     let answers = fs::read_to_string(bench.path("sensor/answers.toml")).unwrap();
     assert!(answers.contains("step_mm = 1.0") && answers.contains("direction_deg = 90.0"), "{answers}");
     bench.write("sensor/answers.toml", "step_mm = -1.0\n");
@@ -192,32 +198,32 @@ fn a_wrong_input_is_refused_with_what_to_do_and_no_profile_is_written() {
     simulate(&bench, "press-2", &press([4.0, 0.0], 2.0).replace("[pattern]", "[pattern]\nseed = 9"));
     refused("", "of the first image matches the image of the untouched gel", "a recording of this sensor");
     simulate(&bench, "press-2", &press([4.0, 0.0], 2.0));
-    refused("--step-mm 1 --view-mm 30", "by the ruler 30 mm", "the step was 0.50 mm");
-    refused("--step-mm 0.25 --view-mm 30", "by the ruler 30 mm", "the step was 0.50 mm");
-    expect(&guide(&bench, "--step-mm 0.5").expect_done(), &["The sensor is calibrated", "done  view      30 mm"]);
+    refused("--step-mm 1 --view-mm 30", "but --view-mm is 30 mm", "the step was 0.50 mm");
+    refused("--step-mm 0.25 --view-mm 30", "but --view-mm is 30 mm", "the step was 0.50 mm");
+    expect(&guide(&bench, "--step-mm 0.5").expect_done(), &["The sensor is calibrated", "done      view      30 mm"]);
 }
 
 #[test]
 fn a_recording_that_has_not_changed_is_not_checked_again() {
     let bench = Workbench::new();
     simulate(&bench, "still", &rest());
-    expect(&guide(&bench, "").expect_done(), &["done  still     10 images"]);
+    expect(&guide(&bench, "").expect_done(), &["done      still     10 images"]);
     let checks = fs::read_to_string(bench.path("sensor/checks.json")).unwrap();
     bench.write("sensor/checks.json", &checks.replace("\"images\": 10", "\"images\": 77"));
-    expect(&guide(&bench, "").expect_done(), &["done  still     77 images"]);
+    expect(&guide(&bench, "").expect_done(), &["done      still     77 images"]);
     let image = bench.path("sensor/still/frames/000003.png");
     let mut other = image::open(&image).unwrap().into_rgb8();
     other.put_pixel(0, 0, image::Rgb([1, 2, 3]));
     other.save(&image).unwrap();
-    expect(&guide(&bench, "").expect_done(), &["done  still     10 images"]);
+    expect(&guide(&bench, "").expect_done(), &["done      still     10 images"]);
 }
 
 #[test]
 fn a_gel_that_is_described_gives_elastic_depth() {
     let bench = recorded();
-    expect(&guide(&bench, "--distance-mm 25±0.5").expect_done(), &["ask   gel", "--gel-mm WIDTH,HEIGHT,THICKNESS"]);
+    expect(&guide(&bench, "--distance-mm 25±0.5").expect_done(), &["optional  gel", "--gel-mm WIDTH,HEIGHT,THICKNESS"]);
     let ended = guide(&bench, "--gel-mm 36,30,10 --youngs-modulus-mpa 0.6").expect_done();
-    expect(&ended, &["done  gel       36 × 30 × 10 mm, 0.6 MPa", "Its depth, contact and force come from elasticity"]);
+    expect(&ended, &["done      gel       36 × 30 × 10 mm, 0.6 MPa", "Depth and contact come from elasticity"]);
     let profile = fs::read_to_string(bench.path("sensor/sensor.toml")).unwrap();
     assert!(profile.contains("[gel]") && profile.contains("size_mm = [36.0, 30.0]"), "{profile}");
     bench.run("track sensor/press-1/frames --profile sensor/sensor.toml --out run").expect_done();

@@ -47,7 +47,7 @@ fn a_truncated_image_ends_the_run_with_the_frames_before_it() {
     let folder = bench.press(4);
     let whole = fs::read(folder.join("0002.png")).unwrap();
     fs::write(folder.join("0002.png"), &whole[..whole.len() / 2]).unwrap();
-    bench.run("track press --out run").expect_failure("0002.png: frame 2: ", "frames before it are complete");
+    bench.run("track press --out run").expect_failure("0002.png: frame 2: ", "skip it with --skip-bad-frames");
     bench.expect_run_of(2);
 }
 
@@ -56,7 +56,10 @@ fn a_truncated_first_image_begins_no_run() {
     let bench = Workbench::new();
     let folder = bench.press(2);
     fs::write(folder.join("0000.png"), &fs::read(folder.join("0000.png")).unwrap()[..100]).unwrap();
-    bench.run("track press --out run").expect_failure("0000.png: frame 0: ", "");
+    for options in ["", " --skip-bad-frames"] {
+        let ended = bench.run(&format!("track press --out run{options}"));
+        ended.expect_failure("0000.png: frame 0: ", "the first frame must be readable");
+    }
     assert!(!bench.path("run").exists());
 }
 
@@ -113,6 +116,8 @@ fn a_file_that_is_no_image_is_named() {
     bench.expect_run_of(1);
     bench.write("notes.txt", "not a recording");
     bench.run("track notes.txt --out run2").expect_failure("notes.txt: this kind of file is not read", "are read");
+    bench.write("empty.mp4", "");
+    bench.run("track empty.mp4 --out run2").expect_failure("empty.mp4: an empty file is not read", "are read");
 }
 
 #[test]

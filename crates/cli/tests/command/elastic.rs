@@ -66,10 +66,14 @@ fn a_field_that_cannot_be_had_is_named() {
     let bench = sensed(2);
     let track = |options: &str| bench.run(&format!("track press --out run {options}"));
     track("--profile sensor.toml --fields traction").expect_failure("no gel.youngs_modulus_mpa", "--set gel.youngs");
-    track("--fields displacement").expect_failure("no elastic depth", "give the profile [camera] and [gel]");
+    track("--fields displacement").expect_failure(
+        "needs elastic depth, but the profile (--profile) has no [camera], no [gel]",
+        "give the profile [camera]",
+    );
     track("--profile sensor.toml --set depth.method=density --fields contact")
         .expect_failure("contact was requested", "leave contact out of --fields");
-    track("--profile sensor.toml --set depth.method=density --fields depth").expect_failure("no depth line", "fit one");
+    track("--profile sensor.toml --set depth.method=density --fields depth")
+        .expect_failure("but no depth.density", "calibrate depth");
     bench.write("bare.toml", "[depth]\nmethod = 'elastic'");
     track("--profile bare.toml").expect_failure("needs [camera]", "calibrate camera");
     assert!(!bench.path("run").exists());

@@ -64,6 +64,8 @@ fn a_part_that_the_recording_does_not_have_is_refused() {
     bench.press(4);
     let ended = bench.run("track press --out run --frames 7..9");
     ended.expect_failure("the recording has no frame in --frames 7..9", "name frames that it contains");
+    let ended = bench.run("track press --out other --reference-frame 7");
+    ended.expect_failure("the recording has no frame 7 to begin with: its last one is frame 3", "--reference-frame");
 }
 
 #[test]

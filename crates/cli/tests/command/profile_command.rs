@@ -111,7 +111,7 @@ fn a_check_takes_the_size_of_a_recordings_frames() {
     assert!(ended.out.contains("frames          128x96 px"), "{}", ended.out);
     bench.write("bare.toml", "name = 'bare'");
     let ended = bench.run("profile check bare.toml press").expect_done();
-    assert!(ended.out.contains("missing         no [camera]") && ended.out.contains("sound"), "{}", ended.out);
+    assert!(ended.out.contains("missing         no [camera]") && ended.out.contains("no faults"), "{}", ended.out);
 }
 
 #[test]

@@ -54,7 +54,9 @@ fn a_rate_that_the_source_does_not_take_is_refused() {
     let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../source/testdata/colour.avi");
     bench.run(&format!("track {clip} --out run --fps 60")).expect_failure("has its own time stamps", "leave --fps out");
     bench.run("track sim:letter?fps=60 --out run --fps 50").expect_failure("already contains a rate", "once");
-    bench.run("track sim:letter?fps=abc --out run").expect_failure("abc is no number of frames per second", "--fps 60");
+    bench
+        .run("track sim:letter?fps=abc --out run")
+        .expect_failure("abc is not a number of frames per second", "--fps 60");
     bench.run("track sim:letter?speed=2 --out run").expect_failure("the option speed=2 is not read", "fps=RATE");
 }
 

@@ -74,7 +74,7 @@ fn an_entry_without_results_is_refused_before_anything_is_solved() {
     let bench = Workbench::new();
     fs::create_dir(bench.path("empty")).unwrap();
     let ended = bench.run("evaluate --benchmark --quick --out bench --entry mine=empty");
-    ended.expect_failure("empty: it holds no result, as circle--default/depth.npy would be", "a folder a case");
+    ended.expect_failure("empty: it contains no result such as circle--default/depth.npy", "a folder for each case");
 }
 
 #[test]

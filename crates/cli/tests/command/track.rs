@@ -90,7 +90,10 @@ fn depth_asked_for_but_not_calibrated_is_an_error() {
     let bench = Workbench::new();
     bench.press(2);
     let ended = bench.run("track press --out run --fields flow,depth");
-    ended.expect_failure("the profile \"unnamed\" has no depth line", "leave depth out of --fields");
+    ended.expect_failure(
+        "the profile (--profile) has no [camera], no [gel] and no depth.density",
+        "leave depth out of --fields",
+    );
     assert!(!bench.path("run").exists());
 }
 

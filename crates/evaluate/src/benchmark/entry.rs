@@ -42,11 +42,11 @@ impl Entry {
             return Ok(());
         }
         let example = cases.first().map_or("case", |case| &case.name);
-        let reason = format!("it holds no result, as {example}/depth.npy would be");
+        let reason = format!("it contains no result such as {example}/depth.npy");
         Err(RunError::Array {
             file: self.folder.clone(),
             reason,
-            hint: "a folder a case, named as the scenes in the benchmark's folder cases".into(),
+            hint: "make a folder for each case, named like the scenes in the folder cases of the benchmark".into(),
         }
         .into())
     }

@@ -1,4 +1,4 @@
-//! The ways to depth that are compared.
+//! The methods for depth that are compared.
 
 use fingervision_calibrate::depth::{self, DepthFit};
 use fingervision_image::Image;
@@ -56,7 +56,7 @@ impl Method {
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
-            Self::Nothing => "no depth anywhere",
+            Self::Nothing => "depth 0 everywhere",
             Self::Density => "the published line with its intercept",
             Self::DensityOrigin => "a line through the origin",
             Self::DensityPerspective => "through the origin, its slope at every pixel that of the camera's perspective",

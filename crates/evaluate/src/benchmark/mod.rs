@@ -1,15 +1,16 @@
-//! The accuracy benchmark: ways to depth against exact truth, over scenes and over what varies between sensors.
+//! The accuracy benchmark: methods for depth against exact truth, over scenes and over variations of the sensor.
 //!
-//! Every [`Case`] is a ready-made scene under one [`Variation`] of the default sensor. Its images are rendered, tracked, and
-//! every [`Method`] makes a depth map of the last frame, which is scored by region ([`DepthScore`]). A method that needs
-//! calibration gets what a user would have: the nine calibration presses on the same sensor, tracked from images, held
-//! by sticking contact. Friction is the object's and not the sensor's: there is no calibration of its own for it. The
-//! elastic inverse needs no press: camera and gel are the scene's own. Only this method estimates contact and force, which are scored too.
+//! Every [`Case`] is a ready-made scene under one [`Variation`] of the default sensor. Its images are rendered,
+//! tracked, and every [`Method`] makes a depth map of the last frame, which is scored by region ([`DepthScore`]). A
+//! method that needs calibration is calibrated as a user would do it, with nine presses on the same sensor, tracked
+//! from images, with sticking contact. There is no separate calibration for other friction, because friction is a
+//! property of the object, not of the sensor. The elastic inverse needs no calibration press: it takes camera and gel
+//! of the scene. Only this method estimates contact and force, which are scored as well.
 //!
-//! The tracker can be given values that differ from the simulated sensor ([`Benchmark::assignments`]): what a wrong profile costs, or a part
-//! that is switched off. Calibration presses are solved on draft meshes whatever mesh the cases have.
+//! The tracker can be given values that differ from the simulated sensor ([`Benchmark::assignments`]): this shows the
+//! effect of a wrong profile or of a part that is switched off. Calibration presses are always solved on draft meshes.
 //!
-//! Any other program takes part by its files: see [`Entry`].
+//! Other programs can take part with files: see [`Entry`].
 
 mod cases;
 mod entry;

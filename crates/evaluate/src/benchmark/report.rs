@@ -1,4 +1,4 @@
-//! What the benchmark came to.
+//! The result of the benchmark.
 
 use std::fmt;
 
@@ -201,15 +201,15 @@ impl fmt::Display for BenchmarkReport {
         }
         for variation in &self.variations {
             writeln!(f, "{}: {}", variation.name, variation.about)?;
-            let columns = ["everywhere", "inside", "border", "outside", "worst inside", "worse than 0"];
-            writeln!(f, "  {:22}{}", "mean error, mm", columns.map(|name| format!("{name:>14}")).concat())?;
+            let columns = ["everywhere", "inside", "border", "outside", "worst inside", "worse than none"];
+            writeln!(f, "  {:22}{}", "mean error, mm", columns.map(|name| format!("{name:>16}")).concat())?;
             for means in self.means.iter().filter(|means| means.variation == variation.name) {
                 write!(f, "  {:22}", means.method)?;
                 let MethodMeans { everywhere_mm, inside_mm, border_mm, outside_mm, worst_inside_mm, .. } = means;
                 for figure in [everywhere_mm, inside_mm, border_mm, outside_mm, worst_inside_mm] {
-                    write!(f, "{figure:14.3}")?;
+                    write!(f, "{figure:16.3}")?;
                 }
-                writeln!(f, "{:>14}", format!("{} of {}", means.worse_than_nothing, means.cases))?;
+                writeln!(f, "{:>16}", format!("{} of {}", means.worse_than_nothing, means.cases))?;
             }
             let of_variation = self.means.iter().filter(|means| means.variation == variation.name);
             for means in of_variation.filter(|means| means.contact_overlap.is_some()) {
@@ -217,7 +217,7 @@ impl fmt::Display for BenchmarkReport {
                 let method = &means.method;
                 writeln!(
                     f,
-                    "  {method}: contact overlaps by {overlap}; off by {normal} of normal force, {shear} of shear, {torque} of torque"
+                    "  {method}: contact overlap {overlap}; mean error of normal force {normal}, shear force {shear}, torque {torque}"
                 )?;
             }
         }
@@ -271,7 +271,7 @@ mod tests {
         assert_eq!((mine.cases, mine.everywhere_mm, mine.worst_inside_mm), (2, 1.0, 3.0));
         assert_eq!(mine.worse_than_nothing, 1);
         assert_eq!((mine.contact_overlap, mine.torque, report.means[0].contact_overlap), (Some(1.0), None, None));
-        assert!(text.contains("mine: contact overlaps by 100.0 %; off by — of"), "{text}");
+        assert!(text.contains("mine: contact overlap 100.0 %; mean error of normal force —,"), "{text}");
         assert!(mine.border_mm.is_nan(), "no case has a border");
     }
 }

@@ -1,4 +1,4 @@
-//! Goes through all cases.
+//! Runs all cases.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;

@@ -1,4 +1,4 @@
-//! Which dot is which, from frame to frame.
+//! Finds the dots of one frame again in the next.
 
 /// A dot is sought within this part of the distance between neighbours.
 const GATE: f64 = 0.45;

@@ -1,10 +1,10 @@
-//! A sparse grid of dots, followed: the baseline that a dense pattern is compared with.
+//! Tracks a sparse grid of dots: the baseline that a dense pattern is compared with.
 //!
-//! Done as well as the dots allow. Every dot's centre is the centroid of the light that it takes away, background
-//! subtracted: a twentieth of a pixel. From frame to frame each is found where its last motion leads, and only where the
-//! choice is mutual; a dot that is lost takes its neighbours' motion until it is found again. Between the dots the
-//! displacement is the thin-plate spline through all that are seen: the smoothest field that passes through scattered
-//! points ([Bookstein1989]), which a missing dot does not break as it would a product of splines on the grid.
+//! The centre of a dot is the centroid of its darkness, with the background subtracted, accurate to a twentieth of a
+//! pixel. Each dot is searched where its last motion predicts it, and assigned only if the two are each other's
+//! nearest; a lost dot takes the motion of its neighbours until it is found again. Between the dots the displacement is
+//! the thin-plate spline through all visible dots ([Bookstein1989]). It passes through scattered points, so that
+//! missing dots do no harm.
 //!
 //! [`DotTracker`] gives the flow, [`DotSensor`] the density feature from it, by the same estimator and filter that a dense
 //! flow goes through; depth follows by the same laws.

@@ -1,8 +1,9 @@
 //! The thin-plate spline through scattered displacements, at every pixel.
 //!
-//! `f(x) = a + b·x + Σ w_i r_i² ln r_i` with `r_i = |x − x_i|`, `Σ w_i = 0` and `Σ w_i x_i = 0`, passes through all points
-//! and has the least bending energy `∫∫ f_xx² + 2 f_xy² + f_yy²`. It is evaluated on nodes 4 px apart and carried to the
-//! pixels by cubic convolution: where dots lie tens of px apart the field is smooth over that distance.
+//! `f(x) = a + b·x + Σ w_i r_i² ln r_i` with `r_i = |x − x_i|`, `Σ w_i = 0` and `Σ w_i x_i = 0`, passes through all
+//! points and has the least bending energy `∫∫ f_xx² + 2 f_xy² + f_yy²`. It is evaluated on nodes 4 px apart and
+//! interpolated to the pixels by cubic convolution. This is accurate enough, because the dots are tens of px apart and
+//! the field is smooth over that distance.
 
 use fingervision_image::Image;
 use nalgebra::{DMatrix, Dyn, LU};

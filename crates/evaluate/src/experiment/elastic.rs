@@ -1,4 +1,4 @@
-//! Depth from elasticity on a recording: how far its depth, contact and force are from the truth.
+//! Depth from elasticity on a recording: the errors of its depth, contact and force.
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;

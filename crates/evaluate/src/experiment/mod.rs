@@ -1,8 +1,8 @@
-//! Simulated presses tracked from their images, in memory: what the benchmark and the paper's figures are made of.
+//! Simulated presses tracked from their images, in memory: the basis of the benchmark and of the paper's figures.
 //!
-//! A [`Recording`] is a scene's images with the truth of its last frame. [`follow`] finds the displacement in them by the
-//! dense pattern or by dots, and the density feature of every frame. [`calibrate`] makes depth laws of the nine
-//! calibration presses, and [`Scorer`] says how far a depth map is from the truth.
+//! A [`Recording`] is a scene's images with the truth of its last frame. [`follow`] finds the displacement in them by
+//! the dense pattern or by dots, and the density feature of every frame. [`calibrate`] fits depth laws to the nine
+//! calibration presses, and [`Scorer`] gives the errors of a depth map.
 
 mod calibration;
 mod depth;

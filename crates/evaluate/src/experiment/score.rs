@@ -1,4 +1,4 @@
-//! How far a depth map is from the truth, by region.
+//! The errors of a depth map, by region.
 
 use fingervision_gel::Truth;
 use fingervision_image::Image;

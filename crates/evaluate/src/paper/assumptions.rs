@@ -1,4 +1,4 @@
-//! What the pooled correlation of figure 5 hangs on: each assumption varied.
+//! What the pooled correlation of figure 5 depends on: each assumption is varied.
 
 use fingervision_calibrate::depth::{DepthFit, PressCurve};
 use fingervision_gel::Scene;
@@ -89,11 +89,12 @@ fn assumption(law: &'static str, distance_mm: f64, fit: &DepthFit) -> Result<Ass
 }
 
 fn section(rows: &[Assumption]) -> Section {
-    let mut section = Section::new("assumptions", "What the pooled correlation hangs on");
+    let mut section = Section::new("assumptions", "What the pooled correlation depends on");
     section.text(
-        "Nine presses at Poisson's ratio 0.35, each assumption varied: contact law; distance of the camera, the gel's size in the image \
-         kept; the zero level, what each press reads at rest taken off; negative density taken as none. The last columns have the three \
-         presses at the centre alone, and the steepest press's slope over the flattest one's.",
+        "Nine presses at Poisson's ratio 0.35, with these assumptions varied: the contact law; the distance of the camera, with the same \
+         size of the gel in the image; the zero level, by subtracting the value of each press at rest; negative features, by setting \
+         them to 0. The last two columns are the correlation of the three presses at the centre alone, and the largest slope of a press \
+         divided by the smallest one.",
     );
     let mut table = HtmlTable::new(
         "Correlation of the largest feature with depth",
@@ -102,10 +103,10 @@ fn section(rows: &[Assumption]) -> Section {
             "distance, mm",
             "least of nine",
             "all nine",
-            "zero level off",
-            "negatives off",
+            "zero level subtracted",
+            "negative set to 0",
             "centre alone",
-            "slopes' factor",
+            "largest / smallest slope",
         ],
     );
     for row in rows {
@@ -119,8 +120,8 @@ fn section(rows: &[Assumption]) -> Section {
         let met = rows.iter().filter(|row| row.pooled >= published::POOLED_CORRELATION).count();
         section.text(format!(
             "The paper's {} is reached by {met} of {} combinations; the largest is {:.3}, with {} contact at {} mm. The zero level and \
-             negative density play no part in it: the largest feature of a press is never negative, and the density is normalised at rest. \
-             The centre alone gives a line throughout; what spreads the slopes is the place of the press.",
+             negative features have no effect: the largest feature of a press is never negative, and the density is normalised at rest. \
+             The presses at the centre alone always lie on one line; the slopes differ between the places of the presses.",
             published::POOLED_CORRELATION,
             rows.len(),
             best.pooled,

@@ -66,8 +66,8 @@ fn section(table: &TableOne, fit: &CameraFit) -> Result<Section, ExperimentError
     let mut section = Section::new("camera", "Table I: camera calibration");
     section.text(
         "A rigid board under a slanted camera with a distorting lens slides in 20 steps of 0.5 mm; the flow from image to image is \
-         averaged on a 100×100 grid, 80 % of which is fitted. Before is the plain camera: upright, without distortion, its scale that \
-         of the mean flow. The paper does not print its unit; ratios compare.",
+         averaged on a 100×100 grid, 80 % of which is fitted. “Before” is the plain camera: upright, without distortion, with the scale of \
+         the mean flow. The paper does not name its unit; compare the ratios.",
     );
     let mut rows =
         HtmlTable::new("Length of the residual", ["", "before", "after", "test", "after / before", "test / after"]);
@@ -83,7 +83,7 @@ fn section(table: &TableOne, fit: &CameraFit) -> Result<Section, ExperimentError
     section.table(rows);
     section.text(format!(
         "The flow that the fitted camera predicts is {:.4} px from the true camera's on average. A slide in one direction does not \
-         fix every unknown; calibrate camera says in words which.",
+         determine every unknown; the report of calibrate camera names those that it does not.",
         table.from_truth_px
     ));
     if let Some(map) = fit.maps.first() {

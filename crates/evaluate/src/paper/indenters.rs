@@ -1,5 +1,5 @@
-//! Figures 6 and 7: depth maps of four indenters, by the dense pattern and by dots, against the truth; and what elasticity
-//! makes of the same flow.
+//! Figures 6 and 7: depth maps of four indenters, by the dense pattern and by dots, against the truth; and depth from
+//! elasticity from the same flow.
 
 use fingervision_calibrate::depth::{DepthFit, DepthFitError, Method};
 use fingervision_flow::FlowField;
@@ -120,8 +120,8 @@ fn depth_maps(setting: Setting, measured: &[Measured]) -> Result<Section, Experi
     let mut section =
         Section::new(&format!("depth-{}", setting.word()), format!("Figure 6: depth maps, {}", setting.name()));
     section.text(
-        "Depth by the density feature and the pooled line through the origin, nothing below zero, beside the truth. The published \
-         line's intercept lands on every untouched pixel; figure 7 has its errors.",
+        "Depth from the density feature by the pooled line through the origin, with negative depth set to 0, beside the truth. The \
+         published line adds its intercept to every untouched pixel; figure 7 shows its errors.",
     );
     let scale = HeatScale::around_zero(2.0);
     for Measured { errors, truth, seen, dense, .. } in measured {
@@ -145,8 +145,8 @@ fn against_dots(setting: Setting, measured: &[Measured]) -> Result<Section, Expe
     let title = format!("Figure 7: dense pattern against 15×15 dots, {}", setting.name());
     let mut section = Section::new(&format!("dots-{}", setting.word()), title);
     section.text(
-        "Both are tracked from rendered images and calibrated with their own nine presses. Dots are followed by sub-pixel centroids \
-         and interpolated smoothly, so that they fail by what they cannot see, not by how they are followed.",
+        "Both are tracked from rendered images and calibrated with their own nine presses. Dots are located by sub-pixel centroids \
+         and their displacement is interpolated smoothly: their errors come from the gaps between dots, not from tracking.",
     );
     let better = |score: fn(&IndenterErrors) -> [f64; 2]| {
         measured.iter().filter(|measured| score(&measured.errors)[0] < score(&measured.errors)[1]).count()
@@ -154,16 +154,16 @@ fn against_dots(setting: Setting, measured: &[Measured]) -> Result<Section, Expe
     let line = better(|errors| [errors.dense.everywhere_mm, errors.dots.everywhere_mm]);
     let clipped = better(|errors| [errors.dense_clipped.everywhere_mm, errors.dots_clipped.everywhere_mm]);
     section.text(format!(
-        "Over the whole image the dense pattern errs less than the dots on {line} of {count} indenters with the published line, and on \
-         {clipped} of {count} with the clipped one. The dense pattern sees the rim's compression, which the plain line reads as negative \
-         depth; dots smooth it away, with the contact's border. The paper prints no numbers for this figure beside its maps, and finds \
-         the dense pattern better throughout: so it is where negative density counts as none.",
+        "Over the whole image the dense pattern has a smaller error than the dots on {line} of {count} indenters with the published line, \
+         and on {clipped} of {count} if negative depth is set to 0 (“clipped”). The dense pattern resolves the compression at the rim, \
+         which the published line turns into negative depth; dots smooth out both the compression and the border of contact. The paper \
+         prints no numbers for this figure and finds the dense pattern better throughout.",
         count = measured.len()
     ));
     for (caption, figure) in REGIONS {
         let mut table = HtmlTable::new(
             format!("Mean absolute error of depth {caption}, mm"),
-            ["indenter", "dense, line", "dots, line", "dense, clipped", "dots, clipped", "nothing"],
+            ["indenter", "dense, line", "dots, line", "dense, clipped", "dots, clipped", "depth 0 everywhere"],
         );
         for Measured { errors, .. } in measured {
             let scores = [errors.dense, errors.dots, errors.dense_clipped, errors.dots_clipped, errors.nothing];
@@ -190,12 +190,13 @@ fn by_elasticity(setting: Setting, measured: &[Measured]) -> Result<Section, Exp
     let title = format!("Beyond the paper: depth from elasticity, {}", setting.name());
     let mut section = Section::new(&format!("elastic-{}", setting.word()), title);
     section.text(
-        "The same flow, evaluated by perspective and the gel's elasticity instead of density: camera and gel are the scene's own, and no          press was calibrated with. It also estimates contact and force.",
+        "Depth from the same flow by perspective and the gel's elasticity instead of density. Camera and gel are those of the scene, and \
+         no calibration press is used. Contact and force are estimated as well.",
     );
     for (caption, figure) in REGIONS {
         let mut table = HtmlTable::new(
             format!("Mean absolute error of depth {caption}, mm"),
-            ["indenter", "density, line", "density, clipped", "elasticity", "nothing"],
+            ["indenter", "density, line", "density, clipped", "elasticity", "depth 0 everywhere"],
         );
         for Measured { errors, .. } in measured {
             let scores = [errors.dense, errors.dense_clipped, errors.elastic.depth, errors.nothing];

@@ -63,7 +63,7 @@ fn section(setting: Setting, fit: &DepthFit, law: &LawFit) -> Result<Section, Ex
         "The largest density feature of every frame against the known depth, and the pooled lines.",
     )?;
     let mut table = HtmlTable::new(
-        "Every press's own line: depth = slope · feature + intercept",
+        "A line fitted to each press: depth = slope · feature + intercept",
         ["press", "correlation", "slope, mm", "intercept, mm"],
     );
     for press in &fit.presses {
@@ -77,8 +77,9 @@ fn section(setting: Setting, fit: &DepthFit, law: &LawFit) -> Result<Section, Ex
     let least = law.correlations.iter().map(|(_, r)| *r).fold(1.0, f64::min);
     section.text(format!(
         "Paper: each press above {}, all together {}. Here: each {least:.3} or above, all together {:.2}; the slopes differ by a \
-         factor of {:.1}. Where a curve steps, the rim spreads so much that the tracker no longer trusts it, and the maximum moves \
-         from there to the face: calibrate depth --maximum robust leaves the rim out. What one line for all presses hangs on is below.",
+         factor of {:.1}. Where a curve has a step, the flow at the rim is no longer valid because the surface expands too much, and \
+         the maximum moves from the rim to the face: calibrate depth --maximum robust leaves the rim out. What the correlation of all \
+         presses together depends on is shown below.",
         published::EACH_CORRELATION,
         published::POOLED_CORRELATION,
         law.pooled,

@@ -47,8 +47,8 @@ pub(super) fn density_section() -> Result<Section, ExperimentError> {
     DensityEstimator::new(SIZE, SIZE, &params)?.estimate_into(&flow, &mut field);
     let mut section = Section::new("density", "Figure 2: density of moved points");
     section.text(format!(
-        "Every pixel's moved point is a Gaussian with σ = {} px; where the surface spreads, their sum falls below that of the \
-         resting gel. The feature is 1 − density: 0 at rest, positive where the surface spreads. The paper cuts the Gaussian at \
+        "A Gaussian with σ = {} px is placed at the moved point of every pixel; where the surface expands, their sum is smaller than \
+         in the gel at rest. The feature is 1 − density: 0 at rest, positive where the surface expands. The paper cuts the Gaussian at \
          3σ; here it is splatted with cubic B-splines, which is within 0.0005 of the full sum.",
         params.sigma_px
     ));

@@ -50,15 +50,15 @@ pub(super) fn measure(lab: &Lab) -> Result<(Vec<ReferenceErrors>, Section), Expe
     let measured = lab.extent.indenters().par_iter().map(|name| indenter(lab, name)).collect::<Result<Vec<_>, _>>()?;
     let mut section = Section::new("references", "Figure 4: flow with and without adaptive references");
     section.text(
-        "Length of the displacement in the last frame on the default sensor. The paper pushes a new reference whenever the coarse \
-         flow leaves a photometric error above 10 levels, and shows that a single reference loses a strong press. Here a single \
-         reference that starts from the frame before does not lose it: its affine patches follow the stretch. What a stack adds is \
-         the error of every reference that it is based on, which the paper does not measure. The default policy, anchored, finishes every \
-         frame against the first image.",
+        "Length of the displacement in the last frame on the default sensor. The paper adds a new reference whenever the photometric \
+         error of the coarse flow exceeds 10 grey levels, and shows that tracking with a single reference fails in a strong press. Here \
+         a single reference is sufficient, because the flow starts from that of the previous frame and affine patches follow the \
+         strain. A stack adds the errors of all references on it, which the paper does not measure. The default policy, anchored, \
+         matches every frame with the first image.",
     );
     let mut table = HtmlTable::new(
-        "Distance from the true displacement in the last frame over every seen pixel, px",
-        ["indenter", "largest motion", "policy", "mean", "95 %", "trusted"],
+        "Error of the displacement in the last frame over every visible pixel, px",
+        ["indenter", "largest motion", "policy", "mean", "95 %", "valid"],
     );
     for Measured { errors, .. } in &measured {
         for (number, policy) in errors.policies.iter().enumerate() {

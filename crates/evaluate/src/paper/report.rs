@@ -1,4 +1,4 @@
-//! All of it together.
+//! The whole reproduction: its numbers and its page.
 
 use std::fmt;
 
@@ -47,7 +47,7 @@ impl Reproduction {
             ),
             sections: self.sections.clone(),
             footer: format!(
-                "fingervision {}; every number is made by fingervision reproduce",
+                "fingervision {}; every number is computed by fingervision reproduce",
                 env!("CARGO_PKG_VERSION")
             ),
         }
@@ -61,16 +61,18 @@ impl fmt::Display for Reproduction {
             let least = law.correlations.iter().map(|(_, r)| *r).fold(1.0, f64::min);
             writeln!(
                 f,
-                "density line  {:?}: each press r {least:.3} or above, pooled {:.3}, slopes differ by a factor of {:.1}",
-                law.setting, law.pooled, law.slope_factor
+                "density line  {}: each press r {least:.3} or above, pooled {:.3}, slopes differ by a factor of {:.1}",
+                law.setting.name(),
+                law.pooled,
+                law.slope_factor
             )?;
         }
         for indenters in &self.indenters {
             for errors in &indenters.errors {
                 writeln!(
                     f,
-                    "depth error   {:?}, {}: dense {:.3} mm, dots {:.3} mm; clipped {:.3} and {:.3} mm; elastic {:.3} mm",
-                    indenters.setting,
+                    "depth error   {}, {}: dense {:.3} mm, dots {:.3} mm; negative depth set to 0 {:.3} and {:.3} mm; elastic {:.3} mm",
+                    indenters.setting.name(),
                     errors.indenter,
                     errors.dense.everywhere_mm,
                     errors.dots.everywhere_mm,
@@ -86,6 +88,11 @@ impl fmt::Display for Reproduction {
             "camera        residual {:.4} px before, {:.4} after, {:.4} on the test grid; {from_truth_px:.4} px from the truth",
             before.mean_px, after.mean_px, test.mean_px
         )?;
-        writeln!(f, "speed         {:.1} ms a frame, {:.0} frames/s", self.speed.median_ms, 1e3 / self.speed.median_ms)
+        writeln!(
+            f,
+            "speed         {:.1} ms per frame, {:.0} frames/s",
+            self.speed.median_ms,
+            1e3 / self.speed.median_ms
+        )
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn measure(lab: &Lab) -> Result<(Speed, Section), ExperimentError> {
     let [median_ms, percentile_95_ms] = [0.5, 0.95].map(|part| quantile(times.iter().copied(), part));
     let speed = Speed { size: recording.size(), median_ms, percentile_95_ms };
     let mut section = Section::new("speed", "Frame rate");
-    let mut table = HtmlTable::new("From image to filtered density", ["", "size, px", "ms a frame", "frames/s"]);
+    let mut table = HtmlTable::new("From image to filtered density", ["", "size, px", "ms per frame", "frames/s"]);
     let (width, height) = speed.size;
     let size = Cell::text(format!("{width}×{height}"));
     table.row(
@@ -44,8 +44,8 @@ pub(super) fn measure(lab: &Lab) -> Result<(Speed, Section), ExperimentError> {
     );
     section.table(table);
     section.text(
-        "The paper needs a graphics processor. Here every step is a kernel in explicit lanes, the template's gradients are made once a \
-         reference, and every frame starts from the one before.",
+        "The paper uses a graphics processor. Here every kernel uses the processor's vector instructions, the gradients of the template \
+         are computed once per reference, and every frame starts from the flow of the previous one.",
     );
     Ok((speed, section))
 }

@@ -1,4 +1,4 @@
-//! Reads the files that recordings come in.
+//! Reads the file formats of the recordings.
 
 use crate::EvaluateError;
 use fingervision_flow::FlowField;

@@ -1,4 +1,4 @@
-//! What the recorded press shows when the whole tracker follows it.
+//! Measures the whole tracker on the recorded press.
 
 use super::punyo::{FRAMES, Punyo};
 use crate::matcher::Matcher;

@@ -3,11 +3,11 @@
 //! The border runs between a pixel that is in contact and a neighbour that is not, half-way between their centres. Its
 //! points and the pixels are laid onto the undeformed surface by the camera, and a pixel belongs to the band if some
 //! border point is no farther than the band's reach: exact for any camera, tilted or distorted. The edge of the image
-//! and of what the camera sees of the gel is no border: what lies behind it is unknown.
+//! and of what the camera sees of the gel does not count as a border, because what lies beyond it is unknown.
 //!
-//! Around each border point only so many pixels are looked at as can lie within reach. That is cheaper than a distance
-//! transform of the whole image as long as contacts have some thousand border pixels, and a transform in px would be
-//! exact for an upright pinhole camera only.
+//! Around each border point only the pixels that can be within reach are examined. For contacts with some thousand
+//! border pixels this is cheaper than a distance transform of the whole image, which moreover would be exact for an
+//! upright pinhole camera only.
 
 use fingervision_image::Rect;
 use fingervision_optics::Camera;

@@ -1,4 +1,4 @@
-//! What keeps a run from being compared with its truth.
+//! Why a run cannot be compared with its truth.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Opens a run and its truth, and sees that they belong together.
+//! Opens a run and its truth, and checks that they belong together.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,5 @@
-//! Which of the truth's frames a run holds that tracked a part of a recording, or left out frames that could not be read.
+//! The frames of the truth that a run contains: a part of a recording may be tracked, and frames that cannot be read
+//! are left out.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! A point of the surface before the camera.
+//! A point of the surface, relative to the camera.
 
 /// A point of the surface relative to the camera.
 #[derive(Debug, Clone, Copy)]

@@ -1,4 +1,4 @@
-//! What a picture is coloured from.
+//! The inputs for the colours of a picture.
 
 use super::cells::CellTable;
 use super::lattice::Lattice;

@@ -1,4 +1,4 @@
-//! What the indenter, or a rigid board, does over time.
+//! The motion of the indenter, or of a rigid board, over time.
 
 use fingervision_elastic::Pose;
 use fingervision_settings::SettingsError;

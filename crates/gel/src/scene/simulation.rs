@@ -1,4 +1,4 @@
-//! A scene on its way from the file to frames.
+//! From a scene to its frames with their truth.
 
 use fingervision_elastic::{Pose, SurfaceState};
 use fingervision_image::Pixels;

@@ -1,5 +1,5 @@
-//! The tables of a scene file that a sensor's profile or the mechanics know too, here with the simulated sensor's values
-//! as defaults, which are used for missing values.
+//! The tables of a scene file that also occur in a profile or in the mechanics. Here missing values are those of the
+//! simulated sensor.
 
 use fingervision_elastic::{ContactLaw, GelBlock, Law};
 use fingervision_optics::{CameraParams, Distortion};

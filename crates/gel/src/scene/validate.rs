@@ -1,4 +1,4 @@
-//! Which scenes can be.
+//! Checks whether the values of a scene are possible.
 
 use fingervision_elastic::ContactLaw;
 use fingervision_optics::CameraError;

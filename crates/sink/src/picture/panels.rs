@@ -108,7 +108,7 @@ pub(super) fn draw_heat_up_to(canvas: &mut Canvas, panel: Panel, shown: &Stronge
     let (heading, scale, note) = match shown.quantity {
         Quantity::Depth => ("Depth, mm", HeatScale::around_zero(limit), "Red is pressed in, blue bulges out."),
         Quantity::Density => {
-            let note = "Red is where the surface spreads, blue where it contracts.";
+            let note = "Red is where the surface expands, blue where it contracts.";
             ("Density feature, dimensionless", HeatScale::around_zero(limit), note)
         }
         Quantity::FlowLength => ("Length of the flow, px", HeatScale::from_zero(limit), "No depth was computed."),

@@ -1,4 +1,4 @@
-//! The picture of a run: its strongest frame and how flow, depth and force went over time.
+//! The picture of a run: its strongest frame, and flow, depth and force over time.
 
 use std::path::Path;
 

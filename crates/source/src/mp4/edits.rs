@@ -1,4 +1,4 @@
-//! The edit list: which part of the media is the film, and when it starts.
+//! The edit list: which part of the media is shown, and when it starts.
 
 use super::boxes::{Bytes, find_path};
 use crate::fault::Fault;

@@ -30,7 +30,7 @@ pub(super) struct Answers {
     /// The gel's width, height and thickness, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     gel_mm: Option<[f64; 3]>,
-    /// Its Young's modulus, `MPa`.
+    /// Its Young's modulus, MPa.
     #[serde(skip_serializing_if = "Option::is_none")]
     youngs_modulus_mpa: Option<f64>,
 }

@@ -131,8 +131,10 @@ fn fit_gel(draft: &Path, described: GelBlock, presses: &[String], output: Output
     let fitted = report.table();
     let thickness_mm = fitted.and_then(|table| table.thickness_mm).unwrap_or(described.thickness_mm);
     if (thickness_mm / described.thickness_mm - 1.0).abs() > LARGEST_THICKNESS_ERROR {
-        let message =
-            format!("by the presses the gel is {thickness_mm:.2} mm thick, by --gel-mm {} mm", described.thickness_mm);
+        let message = format!(
+            "the presses give a gel of {thickness_mm:.2} mm thickness, but --gel-mm says {} mm",
+            described.thickness_mm
+        );
         return Err(Failure::new(
             message,
             "measure the gel's thickness again, and check the board's step, the distance and the depths: nothing was written",
@@ -155,10 +157,10 @@ fn check_view(camera: &CameraReport, answers: &Answers) -> Result<(), Failure> {
     {
         return Err(Failure::new(
             format!(
-                "with a step of {step} mm the image shows {seen_mm:.1} mm of the board from left to right, but by the ruler {view_mm} mm"
+                "with a step of {step} mm the image shows {seen_mm:.1} mm of the board from left to right, but --view-mm is {view_mm} mm"
             ),
             format!(
-                "if the ruler is right, the step was {:.2} mm: give it with --step-mm; otherwise measure --view-mm again",
+                "if --view-mm is right, the step was {:.2} mm: give it with --step-mm; otherwise measure --view-mm again",
                 step * view_mm / seen_mm
             ),
         ));
@@ -192,7 +194,7 @@ impl fmt::Display for Outcome {
         }
         writeln!(
             f,
-            "camera    residual {after:.4} px of the flow, {:.4} mm on the board; {test:.2} times that at nodes that were not fitted",
+            "camera    residual {after:.4} px of the flow, {:.4} mm on the board; at nodes not used for the fit {test:.2} times as much",
             camera.residual_mm
         )?;
         if after > LARGEST_RESIDUAL_PX {
@@ -215,21 +217,23 @@ impl fmt::Display for Outcome {
         for warning in &depth.warnings {
             writeln!(f, "warning   {warning}")?;
         }
+        self.write_gel(f)?;
         writeln!(f, "pictures  {}, {}", residuals.display(), curves.display())?;
-        writeln!(f, "profile   {profile}: [camera], and depth by the {} law\n", depth::law_name(law.method))?;
+        writeln!(f, "profile   {profile}: [camera], and depth.density as {}\n", depth::law_name(law.method))?;
         writeln!(f, "The sensor is calibrated. Track with it:")?;
-        writeln!(f, "  fingervision track RECORDING --out run --profile {profile}\n")?;
-        self.write_gel(f)
+        writeln!(f, "  fingervision track RECORDING --out run --profile {profile}")?;
+        if self.gel.is_none() {
+            writeln!(f, "\nFor depth from elasticity, contact and force, describe the gel:")?;
+            return writeln!(f, "  fingervision calibrate --folder {} --gel-mm WIDTH,HEIGHT,THICKNESS", self.folder());
+        }
+        writeln!(f, "Depth and contact come from elasticity; force as well if Young's modulus is known.")
     }
 }
 
 impl Outcome {
-    /// The result for the gel, or how to describe it.
+    /// The result for the gel, if it is described.
     fn write_gel(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(GelOutcome { fitted, remark, .. }) = &self.gel else {
-            writeln!(f, "For depth from elasticity, contact and force, describe the gel:")?;
-            return writeln!(f, "  fingervision calibrate --folder {} --gel-mm WIDTH,HEIGHT,THICKNESS", self.folder());
-        };
+        let Some(GelOutcome { fitted, remark, .. }) = &self.gel else { return Ok(()) };
         let values = fitted.map(|GelTable { poissons_ratio, thickness_mm, youngs_modulus_mpa }| {
             let named = [
                 ("Poisson's ratio", poissons_ratio, ""),
@@ -241,11 +245,10 @@ impl Outcome {
             named.into_iter().filter_map(text).collect::<Vec<_>>().join(", ")
         });
         match (values, remark) {
-            (Some(values), _) => writeln!(f, "gel       {values}, from the presses; the rest as you described it")?,
-            (None, Some(remark)) => writeln!(f, "gel       as you described it: {remark}")?,
-            (None, None) => writeln!(f, "gel       as you described it")?,
+            (Some(values), _) => writeln!(f, "gel       {values}, from the presses; the rest as you described it"),
+            (None, Some(remark)) => writeln!(f, "gel       as you described it: {remark}"),
+            (None, None) => writeln!(f, "gel       as you described it"),
         }
-        writeln!(f, "Its depth, contact and force come from elasticity.")
     }
 
     fn folder(&self) -> std::path::Display<'_> {

@@ -46,7 +46,7 @@ pub(crate) struct GuideArgs {
     /// stored
     #[arg(long, value_name = "W,H,T", value_parser = gel)]
     gel_mm: Option<Gel>,
-    /// The gel's Young's modulus, `MPa`, if it is known: force needs it, or a column `force_z_n` in the presses'
+    /// The gel's Young's modulus, MPa, if it is known: force needs it, or a column `force_z_n` in the presses'
     /// depth.csv; stored
     #[arg(long, value_name = "MPA", value_parser = modulus)]
     youngs_modulus_mpa: Option<f64>,
@@ -162,7 +162,7 @@ fn gel(text: &str) -> Result<Gel, String> {
     lengths.ok_or_else(|| "it takes width, height and thickness in mm, as in 30,30,10".into())
 }
 
-/// A stiffness, `MPa`.
+/// A stiffness, MPa.
 fn modulus(text: &str) -> Result<f64, String> {
     let modulus = text.trim().parse().ok().filter(|value: &f64| *value > 0.0 && *value <= 1e4);
     modulus.ok_or_else(|| "it takes a stiffness in MPa above 0, as in 0.6 for soft silicone".into())

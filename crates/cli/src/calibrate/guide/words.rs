@@ -31,9 +31,9 @@ fn write_row(f: &mut fmt::Formatter<'_>, step: &Step) -> fmt::Result {
         State::Redo => "redo",
         State::Next => "next",
         State::Later => "-",
-        State::Optional => "ask",
+        State::Optional => "optional",
     };
-    write!(f, "  {mark:4}  {:10}", step.name)?;
+    write!(f, "  {mark:8}  {:10}", step.name)?;
     if let Some(answer) = &step.answer {
         write!(f, "{answer}")?;
     }
@@ -45,8 +45,8 @@ fn write_row(f: &mut fmt::Formatter<'_>, step: &Step) -> fmt::Result {
         writeln!(f, "{check}")?;
     }
     for (number, fault) in check.faults.iter().enumerate() {
-        let indent = if number == 0 && check.images == 0 { "" } else { "                  " };
-        writeln!(f, "{indent}{fault}\n                  do: {}", fault.remedy)?;
+        let indent = if number == 0 && check.images == 0 { "" } else { "                      " };
+        writeln!(f, "{indent}{fault}\n                      do: {}", fault.remedy)?;
     }
     Ok(())
 }
@@ -70,10 +70,10 @@ fn write_next(f: &mut fmt::Formatter<'_>, step: &Step, folder: &Path) -> fmt::Re
 fn question(kind: Kind) -> &'static str {
     match kind {
         Kind::View => {
-            "the width of the gel between the image's left and right border, by a ruler: --view-mm 30 (checks the board's step)"
+            "the width of the gel between the image's left and right border, measured with a ruler: --view-mm 30 (to check the board's step)"
         }
         Kind::Gel => {
-            "the gel's width, height, thickness: --gel-mm 30,30,10 (for depth by elasticity, contact and force)"
+            "the gel's width, height and thickness: --gel-mm 30,30,10 (for depth from elasticity, contact and force)"
         }
         _ => "",
     }
@@ -83,22 +83,22 @@ fn question(kind: Kind) -> &'static str {
 fn how_to(kind: Kind) -> String {
     match kind {
         Kind::Still => format!(
-            "Build the sensor as it will be used. Focus on the pattern and lock focus, exposure, gain and white balance: from here\n\
-             on nothing about the camera changes. Touch nothing, and record the gel for some seconds: {STILL_IMAGES} images or more,\n\
+            "Build the sensor as it will be used. Focus on the pattern and lock focus, exposure, gain and white balance: do not\n\
+             change the camera after this. Touch nothing, and record the gel for some seconds: {STILL_IMAGES} images or more,\n\
              whole frames without loss (PNG). This shows whether exposure, focus, light and mounting are good enough."
         ),
         Kind::Board => format!(
-            "Put a flat board with a dense random pattern where the gel's surface is (fingervision pattern prints one); it fills\n\
-             the image at both ends of its way. Slide it along the image's x axis by equal steps of 0.5 mm, always from the same\n\
+            "Put a flat board with a dense random pattern where the gel's surface is (fingervision pattern prints one). It must\n\
+             fill the image at both ends of the slide. Slide it along the image's x axis by equal steps of 0.5 mm, always from the same\n\
              side, and take an image at rest after each: {BOARD_IMAGES} images. Another step or direction: --step-mm, --direction."
         ),
-        Kind::Distance => "The slide does not distinguish a near camera from a long lens. Measure from the lens (its middle) to the gel's surface, in\n\
-             mm, and add the standard deviation of the measurement."
+        Kind::Distance => "The images do not show the distance: a long lens far away gives the same images. Measure from the middle of the lens to the\n\
+             gel's surface, in mm, and add the standard deviation of the measurement."
             .into(),
         Kind::View | Kind::Gel => question(kind).into(),
         Kind::Press => "Press a small flat stamp, some mm wide, straight into the gel and stop at known depths, on a stage or with shims: the first\n\
              image untouched, then 5 to 10 depths down to 1 to 3 mm. One press at the centre, one midway, one towards a corner;\n\
-             nine, each place to 1, 2 and 3 mm, are better than three. Beside the images write depth.csv: a line frame,depth_mm,\n\
+             nine presses, 1, 2 and 3 mm deep at each place, are better than three. Beside the images write depth.csv: a line frame,depth_mm,\n\
              then a row for every image, from 0, as in 0,0.0 and 1,0.2. A third column, force_z_n, in N from a scale, gives force."
             .into(),
     }
