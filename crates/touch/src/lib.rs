@@ -13,6 +13,7 @@ mod density;
 mod depth_law;
 mod elastic_depth;
 mod error;
+mod fields;
 mod guided_filter;
 mod parameter_error;
 mod profile;
@@ -23,13 +24,14 @@ mod tracker;
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams};
 pub use depth_law::{DepthLaw, DepthLine, DepthMap, PerspectiveGain, perspective_slopes_mm};
 pub use elastic_depth::{
-    Around, Cells, CoarseGrid, ElasticDepth, ElasticFields, ElasticMode, ElasticParams, Limits, MOST_UNEXPLAINED, Seen,
-    Strain, TRAINING_RANGE, TractionGrid, Tractions,
+    Around, Cells, CoarseGrid, ElasticDepth, ElasticError, ElasticFields, ElasticMode, ElasticParams, Limits,
+    MOST_UNEXPLAINED, Seen, Strain, TRAINING_RANGE, TractionGrid, Tractions,
 };
 pub use error::TrackError;
+pub use fields::Fields;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
 pub use parameter_error::ParameterError;
 pub use profile::{DepthMethod, DepthSection, ImageSection, Profile, ProfileError, ProfileReview, Remark, Weight};
 pub use reading::{Flag, Flags, Reading};
 pub use references::{Policy, ReferenceParams};
-pub use tracker::{Fields, Tracker};
+pub use tracker::Tracker;

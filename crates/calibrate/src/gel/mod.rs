@@ -11,6 +11,7 @@
 //! deviates from linear elasticity with the square of depth over thickness.
 
 mod error;
+mod estimate;
 mod fit;
 mod forward;
 mod grid;
@@ -18,6 +19,7 @@ mod look;
 mod modulus;
 mod picture;
 mod press;
+mod press_report;
 mod report;
 #[cfg(test)]
 mod tests;
@@ -29,9 +31,11 @@ use fingervision_optics::Camera;
 use fingervision_touch::{ElasticDepth, MOST_UNEXPLAINED, Profile};
 
 pub use error::GelFitError;
+pub use estimate::GelEstimate;
 pub use grid::ResidualGrid;
 pub use press::{GelPress, GelPressRecorder};
-pub use report::{FrameReport, GelEstimate, GelPressReport, GelReport, GelTable};
+pub use press_report::{FrameReport, GelPressReport};
+pub use report::{GelReport, GelTable};
 
 use fit::{Fit, Settled};
 use forward::{Explained, Models};
@@ -151,7 +155,7 @@ fn looks(presses: &[GelPress], profile: &Profile, camera: &Camera, gel: &GelBloc
     for (press, recorded) in presses.iter().enumerate() {
         if inverse.as_ref().is_none_or(|(size, _)| *size != recorded.size) {
             let made = ElasticDepth::new(camera, gel, recorded.size, &profile.elastic)
-                .map_err(crate::depth::tracking(&recorded.name))?;
+                .map_err(|error| crate::depth::tracking(&recorded.name)(error.into()))?;
             inverse = Some((recorded.size, made));
         }
         let Some((_, inverse)) = &mut inverse else { continue };

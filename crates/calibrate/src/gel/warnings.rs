@@ -4,7 +4,9 @@ use fingervision_elastic::GelBlock;
 use fingervision_optics::Camera;
 use fingervision_touch::ElasticParams;
 
-use super::{GelEstimate, GelPress, GelPressReport};
+use super::GelPress;
+use super::estimate::GelEstimate;
+use super::press_report::GelPressReport;
 
 /// Motion that may stay unexplained, as a part of the depth, before a warning.
 const USUAL_UNEXPLAINED: f64 = 0.02;
