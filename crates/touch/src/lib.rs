@@ -9,6 +9,7 @@
 //! The parts can be used on their own: the references and their policies ([`ReferenceParams`]), the Gaussian density
 //! ([`DensityEstimator`]), the guided filter ([`GuidedFilter`]) and the law from the feature to depth ([`DepthLaw`]).
 
+mod columns;
 mod density;
 mod depth_law;
 mod elastic_depth;
@@ -21,6 +22,9 @@ mod reading;
 mod references;
 mod tracker;
 
+pub use columns::{
+    CONTACT_AREA_COLUMN, DEPTH_COLUMN, FORCE_COLUMNS, FRAME_COLUMN, MAX_DEPTH_COLUMN, SEQUENCE_COLUMN, TORQUE_COLUMN,
+};
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams};
 pub use depth_law::{DepthLaw, DepthLine, DepthMap, PerspectiveGain, perspective_slopes_mm};
 pub use elastic_depth::{
