@@ -38,7 +38,7 @@ impl CsvTable {
             // A row's position is where the one before ended: the rest of its line end and empty lines follow.
             let end = cells.position().map_or(counted, |position| position.byte() as usize);
             let begin = end + text[end..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
-            line += text[counted..begin].iter().filter(|&&byte| byte == b'\n').count();
+            line += text[counted..begin].split(|&byte| byte == b'\n').count() - 1;
             counted = begin;
             if cells.len() > 1 || cells.iter().any(|cell| !cell.is_empty()) {
                 rows.push(CsvRow { line, cells });

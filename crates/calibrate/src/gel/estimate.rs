@@ -3,9 +3,7 @@
 use serde::Serialize;
 
 use super::modulus::Modulus;
-
-/// Deviations beyond which a value is not determined: of ν, of ln thickness and of ln E.
-pub(super) const DETERMINED: [f64; 3] = [0.05, 0.1, 0.15];
+use super::thresholds::THRESHOLDS;
 
 /// One value of the gel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -84,7 +82,7 @@ pub(super) fn modulus_estimate(
         Some(stiff) if stiff.youngs_modulus_mpa > 0.0 => {
             let value = stiff.youngs_modulus_mpa;
             let deviations = (value * stiff.deviation.hypot(model), value * stiff.deviation);
-            estimate(key, before, Some(value), Some(deviations), value * DETERMINED[2], why)
+            estimate(key, before, Some(value), Some(deviations), value * THRESHOLDS.determined[2], why)
         }
         Some(_) => unknown("not determined: the forces are negative; a press is a positive force. Not changed"),
         None if is_asked => unknown("not determined: the forces are all zero; not changed"),

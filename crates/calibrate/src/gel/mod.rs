@@ -24,6 +24,7 @@ mod report;
 #[cfg(test)]
 mod tests;
 mod text;
+mod thresholds;
 mod warnings;
 
 use fingervision_elastic::GelBlock;
@@ -40,6 +41,7 @@ pub use report::{GelReport, GelTable};
 use fit::{Fit, Settled};
 use forward::{Explained, Models};
 use look::{Known, Look};
+use thresholds::THRESHOLDS;
 
 /// What is fitted; the rest keeps the profile's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,8 +63,6 @@ impl Unknowns {
 const MOST_ROUNDS: usize = 4;
 /// Changes of ν and ln thickness from one round to the next below which the rounds end.
 const SAME: [f64; 2] = [3e-3, 6e-3];
-/// Number of cells around contact that a frame needs to be compared.
-const LEAST_AROUND: usize = 100;
 
 /// Fits the gel of a profile to presses.
 ///
@@ -167,7 +167,7 @@ fn looks(presses: &[GelPress], profile: &Profile, camera: &Camera, gel: &GelBloc
             let Some(look) = Look::new(&inverse.cells(), known, gel) else { continue };
             found += 1;
             widest_mm = widest_mm.max(look.radius_mm());
-            looks.extend((look.around.len() >= LEAST_AROUND).then_some(look));
+            looks.extend((look.around.len() >= THRESHOLDS.least_around).then_some(look));
         }
         let name = &recorded.name;
         if found == 0 {

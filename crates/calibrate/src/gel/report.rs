@@ -4,12 +4,13 @@ use fingervision_elastic::GelBlock;
 use fingervision_image::Image;
 use serde::Serialize;
 
-use super::estimate::{DETERMINED, GelEstimate, Why, estimate, modulus_estimate};
+use super::estimate::{GelEstimate, Why, estimate, modulus_estimate};
 use super::fit::{self, Settled};
 use super::forward::Explained;
 use super::look::Look;
 use super::modulus::modulus;
 use super::press_report::{GelPressReport, press_reports};
+use super::thresholds::THRESHOLDS;
 use super::{Fitted, GelFitError, GelPress, ResidualGrid, Unknowns, warnings};
 
 /// Error of linear elasticity, of the search for contact and of the grid, whatever the data, one standard deviation: of
@@ -17,10 +18,6 @@ use super::{Fitted, GelFitError, GelPress, ResidualGrid, Unknowns, warnings};
 const MODEL: [f64; 3] = [0.015, 0.04, 0.05];
 /// Added to it per unit of the mismatch, as a logarithm, between the depth that was found and the known one.
 const BY_MISMATCH: [f64; 3] = [0.1, 0.5, 0.5];
-/// A correlation beyond which ν and thickness change the surface in the same way.
-const ALIKE: f64 = 0.97;
-/// Contact that is wider than this, as radius over thickness, moves little of the gel around it.
-const WIDE: f64 = 1.0;
 
 /// The values for the profile's `[gel]`: those fitted and determined.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -80,20 +77,27 @@ impl GelReport {
         let has_forces = looks.iter().any(|look| look.force_n.is_some());
         let modulus_mpa = stiff.map(|stiff| stiff.youngs_modulus_mpa).or(start.youngs_modulus_mpa);
         let correlation = after.correlation;
-        let is_wide = looks.iter().all(|look| look.radius_mm() > WIDE * gel.thickness_mm);
-        let is_alike = correlation.is_some_and(|correlation| correlation.abs() > ALIKE);
+        let is_wide = looks.iter().all(|look| look.radius_mm() > THRESHOLDS.wide * gel.thickness_mm);
+        let is_alike = correlation.is_some_and(|correlation| correlation.abs() > THRESHOLDS.alike);
         let why = Why::new(is_wide, is_alike);
         let [ratio, thickness] =
             [0, 1].map(|i| free[i].then(|| (covariance[i][i].sqrt(), after.covariance[i][i].sqrt())));
         let h = gel.thickness_mm;
         let estimates = [
-            estimate("poissons_ratio", Some(start.poissons_ratio), Some(gel.poissons_ratio), ratio, DETERMINED[0], why),
+            estimate(
+                "poissons_ratio",
+                Some(start.poissons_ratio),
+                Some(gel.poissons_ratio),
+                ratio,
+                THRESHOLDS.determined[0],
+                why,
+            ),
             estimate(
                 "thickness_mm",
                 Some(start.thickness_mm),
                 Some(h),
                 thickness.map(|(all, scatter)| (h * all, h * scatter)),
-                h * DETERMINED[1],
+                h * THRESHOLDS.determined[1],
                 why,
             ),
             modulus_estimate(

@@ -71,7 +71,8 @@ impl Fields {
 
     /// The names of the fields that are here, separated by commas.
     pub(super) fn names(&self) -> String {
-        let present = COMPARED.iter().zip(self.presence()).filter_map(|(field, is_here)| is_here.then(|| field.name()));
+        let present =
+            COMPARED.iter().zip(self.presence()).filter(|(_, is_here)| *is_here).map(|(field, _)| field.name());
         present.collect::<Vec<_>>().join(", ")
     }
 
