@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn cells_are_trimmed_and_may_be_quoted() {
-        let table = CsvTable::parse("a, b\n \"1\",2 \n,,\n").unwrap();
+        let table = CsvTable::parse("a, b\n\"1\", 2 \n,,\n").unwrap();
         assert!(table.names().eq(["a", "b"]) && table.rows()[1].cells().eq(["", "", ""]));
         assert_eq!((table.rows()[0].cell(0), table.rows()[0].cell(1), table.rows()[0].cell(2)), ("1", "2", ""));
     }
