@@ -10,8 +10,6 @@ use std::time::Duration;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use crate::failure::{Failure, Wording};
-
 /// A shell adds this to the number of the signal that ended a program.
 const EXIT_CODE_OF_SIGNALS: u8 = 128;
 /// Interval at which the signal is tested if it ends the command at once.
@@ -33,20 +31,16 @@ struct Heard {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Interrupt(());
 
-/// Installs the handlers; until [`Interrupt::listen`] a signal ends the command at once.
-pub(crate) fn watch(wording: Wording) -> Result<(), Failure> {
+/// Installs the handlers; until [`Interrupt::listen`] a signal ends the command at once, after this call.
+pub(crate) fn watch(before_the_end: impl FnOnce() + Send + 'static) -> io::Result<()> {
     for signal in [SIGINT, SIGTERM] {
-        listen_to(signal).map_err(|error| {
-            let hint = "start the command from a shell, where signals reach it";
-            Failure::new(format!("cannot listen to Ctrl-C: {error}"), hint)
-        })?;
+        listen_to(signal)?;
     }
     thread::spawn(move || {
         while !HEARD.is_asked.load(Ordering::Acquire) || HEARD.is_in_order.load(Ordering::Acquire) {
             thread::sleep(POLL);
         }
-        let failure = Failure::new("interrupted before the result was written", "run the command again");
-        let _ = failure.report(wording, &mut io::stderr().lock());
+        before_the_end();
         std::process::exit(exit_code().map_or(1, i32::from));
     });
     Ok(())

@@ -109,11 +109,23 @@ fn main() -> ExitCode {
         Err(error) if is_json && error.use_stderr() => return wrong_usage(&error),
         Err(error) => error.exit(),
     };
-    let done = interrupt::watch(wording)
+    let done = watch_for_signals(wording)
         .and_then(|()| expect_text(wording, &arguments))
         .and_then(|()| cli.threads.apply())
         .and_then(|()| cli.command.run(&mut io::stdout().lock()));
     done.map_or_else(|failure| failure.report(wording, &mut io::stderr().lock()), |()| ExitCode::SUCCESS)
+}
+
+/// Has a signal end the command with a line that says so.
+fn watch_for_signals(wording: Wording) -> Result<(), Failure> {
+    let tell = move || {
+        let failure = Failure::new("interrupted before the result was written", "run the command again");
+        failure.report(wording, &mut io::stderr().lock());
+    };
+    interrupt::watch(tell).map_err(|error| {
+        let hint = "start the command from a shell, where signals reach it";
+        Failure::new(format!("cannot listen to Ctrl-C: {error}"), hint)
+    })
 }
 
 /// Wrong usage, for a program: clap's first line, and the rest of its message as the hint.

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
-use fingervision_touch::{Flag, Reading};
-use serde::Serialize;
+use fingervision_touch::{FORCE_COLUMNS, Flag, Reading};
+use serde::{Serialize, Serializer};
 
 use crate::skipped::Skipped;
 
@@ -61,26 +61,25 @@ pub(crate) struct Deepest {
     pub(crate) torque_z_nmm: Option<f32>,
 }
 
-/// Force on the gel, N, named as in the tables.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Force<T> {
-    #[serde(rename = "force_x_n")]
-    x: T,
-    #[serde(rename = "force_y_n")]
-    y: T,
-    #[serde(rename = "force_z_n")]
-    z: T,
-}
+/// Force on the gel `(x, y, z)`, N, named as in the tables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Force<T>([T; 3]);
 
 impl<T> From<[T; 3]> for Force<T> {
-    fn from([x, y, z]: [T; 3]) -> Self {
-        Self { x, y, z }
+    fn from(force: [T; 3]) -> Self {
+        Self(force)
+    }
+}
+
+impl<T: Serialize> Serialize for Force<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(FORCE_COLUMNS.into_iter().zip(&self.0))
     }
 }
 
 impl<T: Copy + Into<f64>> fmt::Display for Force<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y, z] = [self.x, self.y, self.z].map(|part| rounded(part.into(), 2));
+        let [x, y, z] = self.0.map(|part| rounded(part.into(), 2));
         write!(f, "({x:.2}, {y:.2}, {z:.2}) N")
     }
 }

@@ -4,6 +4,7 @@ use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use clap::builder::PossibleValue;
 use fingervision_gel::PressCache;
 use fingervision_simulation::{SimulatedLocation, SimulatedSource, open, simulated_profile};
 use fingervision_sink::{Field, Precision};
@@ -86,47 +87,47 @@ impl From<NumberType> for Precision {
 }
 
 /// What `--fields` takes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum FieldName {
-    /// Displacement, px
-    Flow,
-    /// Density feature, dimensionless
-    Density,
-    /// Depth, mm; needs a profile with a camera and a gel, or with depth.density
-    Depth,
-    /// Expected error of an elastic depth, mm
-    #[value(name = "depth_deviation", alias = "depth-deviation")]
-    DepthDeviation,
-    /// 1 where the gel is touched; needs elastic depth
-    Contact,
-    /// Displacement x, y, z in gel space, mm; needs elastic depth
-    Displacement,
-    /// Traction x, y, z on a grid over the gel, MPa; needs elastic depth and `gel.youngs_modulus_mpa`
-    Traction,
-    /// Predicted standard deviation of the flow, px
-    Deviation,
-}
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct FieldName(Field);
 
-impl From<FieldName> for Field {
-    fn from(name: FieldName) -> Self {
-        match name {
-            FieldName::Flow => Self::Flow,
-            FieldName::Density => Self::Density,
-            FieldName::Depth => Self::Depth,
-            FieldName::DepthDeviation => Self::DepthDeviation,
-            FieldName::Contact => Self::Contact,
-            FieldName::Displacement => Self::Displacement,
-            FieldName::Traction => Self::Traction,
-            FieldName::Deviation => Self::Deviation,
-        }
+impl clap::ValueEnum for FieldName {
+    fn value_variants<'a>() -> &'a [Self] {
+        const FIELDS: [FieldName; 8] = [
+            FieldName(Field::Flow),
+            FieldName(Field::Density),
+            FieldName(Field::Depth),
+            FieldName(Field::DepthDeviation),
+            FieldName(Field::Contact),
+            FieldName(Field::Displacement),
+            FieldName(Field::Traction),
+            FieldName(Field::Deviation),
+        ];
+        &FIELDS
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let help = match self.0 {
+            Field::Flow => "Displacement, px",
+            Field::Density => "Density feature, dimensionless",
+            Field::Depth => "Depth, mm; needs a profile with a camera and a gel, or with depth.density",
+            Field::DepthDeviation => "Expected error of an elastic depth, mm",
+            Field::Contact => "1 where the gel is touched; needs elastic depth",
+            Field::Displacement => "Displacement x, y, z in gel space, mm; needs elastic depth",
+            Field::Traction => {
+                "Traction x, y, z on a grid over the gel, MPa; needs elastic depth and `gel.youngs_modulus_mpa`"
+            }
+            Field::Deviation => "Predicted standard deviation of the flow, px",
+            _ => return None,
+        };
+        let name = PossibleValue::new(self.0.name()).help(help);
+        Some(if self.0 == Field::DepthDeviation { name.alias("depth-deviation") } else { name })
     }
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let part = args.part.part()?;
     let (profile, mut source) = sensor(args)?;
-    let fields: Option<Vec<Field>> =
-        args.fields.as_ref().map(|fields| fields.iter().map(|&field| field.into()).collect());
+    let fields: Option<Vec<Field>> = args.fields.as_ref().map(|fields| fields.iter().map(|field| field.0).collect());
     args.profile.expect_effect(&profile, fields_to_compute(fields.as_deref()), args.output)?;
     let (folder, overwrite, output) = (args.out.clone(), args.overwrite, args.output);
     let (precision, overlay) = (args.dtype.into(), args.overlay.clone());

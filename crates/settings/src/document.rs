@@ -81,9 +81,8 @@ impl Document {
         for (path, text) in assignments {
             assign(&mut table, path, value_of(text))?;
         }
-        serde_path_to_error::deserialize(table).map_err(|error: serde_path_to_error::Error<toml::de::Error>| {
-            self.refused(Place::default(), error.path().to_string(), error.inner())
-        })
+        // As text: reading a table as well would double the code that a type of settings is compiled to.
+        self.parse(&self.to_text(&table)).map_err(SettingsError::without_line)
     }
 
     /// An integer that TOML cannot represent: one above `i64::MAX`.

@@ -111,6 +111,14 @@ impl SettingsError {
         self
     }
 
+    /// The same error without a line, of a text that the user does not see.
+    pub(crate) fn without_line(mut self) -> Self {
+        if let Some(place) = self.place_mut() {
+            place.line = None;
+        }
+        self
+    }
+
     /// Whether the document's file is missing.
     #[must_use]
     pub fn is_not_found(&self) -> bool {

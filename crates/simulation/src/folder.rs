@@ -5,9 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use fingervision_gel::Scene;
-use fingervision_sink::{
-    ArrayWriter, FORCE_COLUMNS, FolderKind, FolderLock, Rows, SinkError, TORQUE_COLUMN, write_file, write_pixels,
-};
+use fingervision_sink::{ArrayWriter, Field, FolderKind, FolderLock, Rows, SinkError, write_file, write_pixels};
+use fingervision_touch::{DEPTH_COLUMN, FORCE_COLUMNS, FRAME_COLUMN, TORQUE_COLUMN};
 
 use crate::frame::SimulatedFrame;
 use crate::profile::simulated_profile;
@@ -35,7 +34,8 @@ const SIMULATION: FolderKind = FolderKind {
 };
 
 /// The columns of `truth/force.csv`, in order.
-const COLUMNS: [&str; 6] = ["frame", "depth_mm", FORCE_COLUMNS[0], FORCE_COLUMNS[1], FORCE_COLUMNS[2], TORQUE_COLUMN];
+const COLUMNS: [&str; 6] =
+    [FRAME_COLUMN, DEPTH_COLUMN, FORCE_COLUMNS[0], FORCE_COLUMNS[1], FORCE_COLUMNS[2], TORQUE_COLUMN];
 
 /// A folder that takes a simulated press frame by frame, in constant memory.
 ///
@@ -95,10 +95,10 @@ impl SimulationFolder {
             path: path.to_owned(),
             has_frames,
             count: 0,
-            flow: ArrayWriter::create(&truth.join("flow.npy"), width, height)?,
-            depth: ArrayWriter::create(&truth.join("depth.npy"), width, height)?,
-            displacement: ArrayWriter::create(&truth.join("displacement.npy"), width, height)?,
-            contact: ArrayWriter::create(&truth.join("contact.npy"), width, height)?,
+            flow: ArrayWriter::create(&truth.join(Field::Flow.file_name()), width, height)?,
+            depth: ArrayWriter::create(&truth.join(Field::Depth.file_name()), width, height)?,
+            displacement: ArrayWriter::create(&truth.join(Field::Displacement.file_name()), width, height)?,
+            contact: ArrayWriter::create(&truth.join(Field::Contact.file_name()), width, height)?,
             visible: ArrayWriter::create(&truth.join("visible.npy"), width, height)?,
             forces: Rows::create(&truth.join("force.csv"), &COLUMNS)?,
             lock,

@@ -43,19 +43,25 @@ impl Field {
         Self::Deviation,
     ];
 
-    /// The field's name; its file has the extension `.npy`.
+    /// The field's name.
     #[must_use]
     pub fn name(self) -> &'static str {
+        self.file_name().trim_end_matches(".npy")
+    }
+
+    /// The field's file.
+    #[must_use]
+    pub const fn file_name(self) -> &'static str {
         match self {
-            Self::Flow => "flow",
-            Self::Density => "density",
-            Self::Depth => "depth",
-            Self::DepthValid => "depth_valid",
-            Self::DepthDeviation => "depth_deviation",
-            Self::Contact => "contact",
-            Self::Displacement => "displacement",
-            Self::Traction => "traction",
-            Self::Deviation => "deviation",
+            Self::Flow => "flow.npy",
+            Self::Density => "density.npy",
+            Self::Depth => "depth.npy",
+            Self::DepthValid => "depth_valid.npy",
+            Self::DepthDeviation => "depth_deviation.npy",
+            Self::Contact => "contact.npy",
+            Self::Displacement => "displacement.npy",
+            Self::Traction => "traction.npy",
+            Self::Deviation => "deviation.npy",
         }
     }
 

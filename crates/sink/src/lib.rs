@@ -27,4 +27,4 @@ pub use rows::Rows;
 pub use run_folder::{RunFolder, RunSummary};
 pub use run_options::{Precision, RunOptions};
 pub use sink::Sink;
-pub use table::{COLUMNS, FORCE_COLUMNS, TORQUE_COLUMN, Table};
+pub use table::{COLUMNS, Table};

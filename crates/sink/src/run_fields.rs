@@ -28,7 +28,7 @@ impl RunFields {
         let (scalars, vectors, masks) = (Vec::new(), Vec::new(), Vec::new());
         let mut arrays = Self { size: options.size, traction_size, flow: None, scalars, vectors, masks, valid };
         for field in Field::ALL.into_iter().filter(|field| options.fields.contains(field)) {
-            let path = folder.join(field.name()).with_extension("npy");
+            let path = folder.join(field.file_name());
             match field {
                 Field::Flow => arrays.flow = Some(FloatArray::create(&path, options.size, options)?),
                 Field::Density | Field::Depth | Field::DepthDeviation | Field::Deviation => {

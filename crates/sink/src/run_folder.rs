@@ -7,22 +7,22 @@ use fingervision_touch::Reading;
 
 use crate::claim::{FolderKind, FolderLock, write_file};
 use crate::run_fields::RunFields;
-use crate::{RunOptions, Sink, SinkError, Table};
+use crate::{Field, RunOptions, Sink, SinkError, Table};
 
 /// The contents of a run; `run.toml` describes how it was made.
 const RUN: FolderKind = FolderKind {
     noun: "run",
     marker: "run.toml",
     files: &[
-        "flow.npy",
-        "density.npy",
-        "depth.npy",
-        "depth_valid.npy",
-        "depth_deviation.npy",
-        "contact.npy",
-        "deviation.npy",
-        "displacement.npy",
-        "traction.npy",
+        Field::Flow.file_name(),
+        Field::Density.file_name(),
+        Field::Depth.file_name(),
+        Field::DepthValid.file_name(),
+        Field::DepthDeviation.file_name(),
+        Field::Contact.file_name(),
+        Field::Deviation.file_name(),
+        Field::Displacement.file_name(),
+        Field::Traction.file_name(),
         "valid.npy",
         "readings.csv",
         "preview.png",

@@ -3,25 +3,22 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use fingervision_touch::Reading;
+use fingervision_touch::{
+    CONTACT_AREA_COLUMN, FORCE_COLUMNS, MAX_DEPTH_COLUMN, Reading, SEQUENCE_COLUMN, TORQUE_COLUMN,
+};
 
 use crate::SinkError;
 use crate::rows::Rows;
 
-/// The columns of the force on the gel, `(x, y, z)`, N, in every table.
-pub const FORCE_COLUMNS: [&str; 3] = ["force_x_n", "force_y_n", "force_z_n"];
-/// The column of the torque on the gel about z, N mm, in every table.
-pub const TORQUE_COLUMN: &str = "torque_z_nmm";
-
 /// The columns of the table, in order.
 pub const COLUMNS: [&str; 13] = [
-    "sequence",
+    SEQUENCE_COLUMN,
     "capture_time_s",
     "reference_id",
     "reference_count",
     "photometric_error",
-    "max_depth_mm",
-    "contact_area_mm2",
+    MAX_DEPTH_COLUMN,
+    CONTACT_AREA_COLUMN,
     FORCE_COLUMNS[0],
     FORCE_COLUMNS[1],
     FORCE_COLUMNS[2],

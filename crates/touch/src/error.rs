@@ -1,4 +1,4 @@
-use crate::{ParameterError, ProfileError};
+use crate::{ElasticError, ParameterError, ProfileError};
 use fingervision_flow::FlowError;
 use fingervision_image::ImageError;
 
@@ -52,9 +52,9 @@ pub enum TrackError {
     /// The method for depth needs a gel surface that the camera does not see.
     #[error("depth: the camera sees the undeformed gel in no pixel of the region")]
     NoSurface,
-    /// The gel's elastic model cannot be made.
-    #[error("gel: {0}")]
-    Gel(#[from] fingervision_elastic::LayerError),
+    /// The gel's elasticity cannot be inverted.
+    #[error(transparent)]
+    Elastic(#[from] ElasticError),
 }
 
 impl TrackError {
@@ -78,11 +78,13 @@ impl TrackError {
             }
             Self::SizeChanged { .. } => Some("record with one camera mode, or track the parts separately".into()),
             Self::OutOfOrder { .. } => Some("pass frames in the order of capture".into()),
-            Self::NoSurface => Some(
+            Self::NoSurface | Self::Elastic(ElasticError::NoSurface) => Some(
                 "correct [camera], or set depth.method=density and give depth.density a slope_mm and an intercept_mm"
                     .into(),
             ),
-            Self::Gel(_) => Some("correct size_mm, thickness_mm and poissons_ratio in the profile's [gel]".into()),
+            Self::Elastic(ElasticError::Gel(_)) => {
+                Some("correct size_mm, thickness_mm and poissons_ratio in the profile's [gel]".into())
+            }
         }
     }
 }

@@ -9,10 +9,12 @@
 //! The parts can be used on their own: the references and their policies ([`ReferenceParams`]), the Gaussian density
 //! ([`DensityEstimator`]), the guided filter ([`GuidedFilter`]) and the law from the feature to depth ([`DepthLaw`]).
 
+mod columns;
 mod density;
 mod depth_law;
 mod elastic_depth;
 mod error;
+mod fields;
 mod guided_filter;
 mod parameter_error;
 mod profile;
@@ -20,16 +22,20 @@ mod reading;
 mod references;
 mod tracker;
 
+pub use columns::{
+    CONTACT_AREA_COLUMN, DEPTH_COLUMN, FORCE_COLUMNS, FRAME_COLUMN, MAX_DEPTH_COLUMN, SEQUENCE_COLUMN, TORQUE_COLUMN,
+};
 pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams};
 pub use depth_law::{DepthLaw, DepthLine, DepthMap, PerspectiveGain, perspective_slopes_mm};
 pub use elastic_depth::{
-    Around, Cells, CoarseGrid, ElasticDepth, ElasticFields, ElasticMode, ElasticParams, Limits, MOST_UNEXPLAINED, Seen,
-    Strain, TRAINING_RANGE, TractionGrid, Tractions,
+    Around, Cells, CoarseGrid, ElasticDepth, ElasticError, ElasticFields, ElasticMode, ElasticParams, Limits,
+    MOST_UNEXPLAINED, Seen, Strain, TRAINING_RANGE, TractionGrid, Tractions,
 };
 pub use error::TrackError;
+pub use fields::Fields;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
 pub use parameter_error::ParameterError;
 pub use profile::{DepthMethod, DepthSection, ImageSection, Profile, ProfileError, ProfileReview, Remark, Weight};
 pub use reading::{Flag, Flags, Reading};
 pub use references::{Policy, ReferenceParams};
-pub use tracker::{Fields, Tracker};
+pub use tracker::Tracker;

@@ -23,6 +23,7 @@ mod run_record;
 #[cfg(test)]
 mod tests;
 mod validate;
+mod view;
 
 use std::path::Path;
 
@@ -250,6 +251,18 @@ impl Profile {
         let params = self.camera.ok_or(absent("camera"))?;
         let gel = self.gel.ok_or(absent("gel"))?;
         Ok((Camera::new(&params).map_err(validate::impossible_camera)?, gel))
+    }
+
+    /// Whether depth is elastic and nothing that it needs is absent.
+    fn has_elastic_depth(&self) -> bool {
+        self.depth_method() == DepthMethod::Elastic && self.elastic_sensor().is_ok()
+    }
+
+    /// Whether gel and camera are outside the training range of the network behind elastic depth; absent without it.
+    fn is_outside_training_range(&self) -> Option<bool> {
+        let is_used = self.has_elastic_depth() && self.elastic.network;
+        let outside = |(camera, gel)| self.elastic.is_outside_training(&camera, &gel);
+        is_used.then(|| self.elastic_sensor().is_ok_and(outside))
     }
 
     /// Size of a pixel on the undeformed surface where the optical axis meets it, mm; absent without a camera.

@@ -4,38 +4,12 @@ mod density_stage;
 mod elastic_stage;
 
 use crate::references::References;
-use crate::{DepthMethod, Flag, Flags, Profile, Reading, TrackError};
+use crate::{DepthMethod, Fields, Flag, Flags, Profile, Reading, TrackError};
 use density_stage::DensityStage;
 use elastic_stage::ElasticStage;
 use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture};
 use fingervision_image::{Frame, Image, Rect};
 use std::time::Instant;
-
-/// Which fields a tracker computes in addition to the flow and its validity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "each field is asked for on its own")]
-pub struct Fields {
-    /// The density feature.
-    pub density: bool,
-    /// Depth, if the profile is calibrated for it; elastic depth with its contact, area and force.
-    pub depth: bool,
-    /// Displacement, with elastic depth.
-    pub displacement: bool,
-    /// Traction, with elastic depth and a known Young's modulus.
-    pub traction: bool,
-}
-
-impl Fields {
-    /// Only the flow and its validity.
-    pub const NONE: Self = Self { density: false, depth: false, displacement: false, traction: false };
-}
-
-/// Density and depth.
-impl Default for Fields {
-    fn default() -> Self {
-        Self { density: true, depth: true, ..Self::NONE }
-    }
-}
 
 /// Tracks the gel through a stream of frames.
 ///

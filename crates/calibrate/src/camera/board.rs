@@ -8,19 +8,10 @@ use fingervision_image::{Frame, Rect};
 use super::Slide;
 use super::error::{BoardError, LEAST_IMAGES};
 use super::steps::{check_slide, median, usual_step};
+use super::thresholds::THRESHOLDS;
 
 /// Nodes of the grid along each axis, as published.
 pub const GRID: usize = 100;
-/// Texture must cover this part of an image, and this part of the texture must be found again.
-const LEAST_TEXTURED: f32 = 0.2;
-const LEAST_MATCHED: f32 = 0.3;
-/// This part of the grid must be tracked.
-const LEAST_SEEN: f64 = 0.3;
-/// A node's flow is a mean over this part of the pairs at least.
-const LEAST_PAIRS: f64 = 0.5;
-/// Samples farther from a node's median than this many robust deviations, and this many px, are left out.
-const OUTLIER_DEVIATIONS: f64 = 4.0;
-const OUTLIER_PX: f64 = 0.1;
 
 /// The mean flow at a node of the grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,12 +106,12 @@ impl BoardTracker {
         let image = self.images - 1;
         self.estimator.prepare(&self.before, &mut self.reference);
         let textured = self.reference.textured();
-        if textured < LEAST_TEXTURED {
+        if textured < THRESHOLDS.least_textured {
             return Err(BoardError::NoTexture { image, textured });
         }
         self.estimator.estimate(&self.reference, &self.current, Start::Search(None), &mut self.estimate);
         let matched = self.estimate.matched;
-        if matched < LEAST_MATCHED {
+        if matched < THRESHOLDS.least_matched {
             return Err(BoardError::NoMatch { image, matched });
         }
         let mut flows = [Vec::new(), Vec::new()];
@@ -154,7 +145,7 @@ impl BoardTracker {
         }
         let usual_px = usual_step(&self.pairs)?;
         check_slide(usual_px, slide, known_flow_px)?;
-        let least = (LEAST_PAIRS * self.pairs.len() as f64).ceil() as usize;
+        let least = (THRESHOLDS.least_pairs * self.pairs.len() as f64).ceil() as usize;
         let nodes = self.samples.iter().enumerate().filter(|(_, samples)| samples.len() >= least);
         let nodes: Vec<Node> = nodes
             .map(|(node, samples)| {
@@ -164,7 +155,7 @@ impl BoardTracker {
             })
             .collect();
         let part = nodes.len() as f64 / (GRID * GRID) as f64;
-        if part < LEAST_SEEN {
+        if part < THRESHOLDS.least_seen {
             return Err(BoardError::TooLittleSeen { part });
         }
         Ok(BoardFlow { size: (self.region.width, self.region.height), images, slide, usual_px, nodes })
@@ -183,7 +174,7 @@ fn robust_mean(values: impl Iterator<Item = f32>) -> f64 {
     let middle = median(values.clone());
     // 1.4826 median deviations are a standard deviation of normal noise.
     let deviation = 1.4826 * median(values.iter().map(|value| (value - middle).abs()).collect());
-    let limit = OUTLIER_PX.max(OUTLIER_DEVIATIONS * deviation);
+    let limit = THRESHOLDS.outlier_px.max(THRESHOLDS.outlier_deviations * deviation);
     let near: Vec<f64> = values.into_iter().filter(|value| (value - middle).abs() <= limit).collect();
     near.iter().sum::<f64>() / near.len() as f64
 }

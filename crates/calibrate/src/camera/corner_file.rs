@@ -2,6 +2,7 @@
 
 use super::corner_error::{CornerError, HEADER};
 use super::corners::Corner;
+use crate::CsvTable;
 
 /// The corners of each image, in the order in which the images come.
 ///
@@ -9,21 +10,22 @@ use super::corners::Corner;
 ///
 /// [`CornerError::NoHeader`] and [`CornerError::Line`].
 pub fn read_corners(text: &str) -> Result<Vec<Vec<Corner>>, CornerError> {
-    let mut lines = text.lines().enumerate();
-    if lines.next().is_none_or(|(_, header)| header.replace(' ', "").trim() != HEADER) {
-        return Err(CornerError::NoHeader);
-    }
+    let table = CsvTable::parse(text).ok().filter(|table| table.names().eq(HEADER.split(',')));
+    let table = table.ok_or(CornerError::NoHeader)?;
     let (mut names, mut images): (Vec<&str>, Vec<Vec<Corner>>) = (Vec::new(), Vec::new());
-    for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let fault = || CornerError::Line { line: index + 1, text: line.into() };
-        let (name, rest) = line.split_once(',').ok_or_else(fault)?;
-        let numbers: Result<Vec<f64>, _> = rest.split(',').map(|number| number.trim().parse()).collect();
+    for row in table.rows() {
+        let fault = || {
+            let text = text.lines().nth(row.line - 1).unwrap_or_default();
+            CornerError::Line { line: row.line, text: text.into() }
+        };
+        let numbers: Result<Vec<f64>, _> = row.cells().skip(1).map(str::parse).collect();
         let Ok(&[x, y, u, v]) = numbers.as_deref() else { return Err(fault()) };
         if ![x, y, u, v].iter().all(|value: &f64| value.is_finite()) {
             return Err(fault());
         }
-        let image = names.iter().position(|known| *known == name.trim()).unwrap_or_else(|| {
-            names.push(name.trim());
+        let name = row.cell(0);
+        let image = names.iter().position(|known| *known == name).unwrap_or_else(|| {
+            names.push(name);
             images.push(Vec::new());
             images.len() - 1
         });

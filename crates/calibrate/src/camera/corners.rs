@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::Residuals;
 use super::corner_error::{CornerError, LEAST_CORNERS, LEAST_POSES};
+use super::thresholds::THRESHOLDS;
 use super::unknowns::{Unknowns, camera_params, row_by_unknowns};
 
 /// Focal length, principal point and distortion come first, then six numbers for each pose.
@@ -17,8 +18,6 @@ pub(super) const LENS_PLACES: [usize; LENS] = [6, 7, 8, 9, 10, 11, 12];
 pub(super) const POSE_PLACES: [usize; POSE] = [0, 1, 2, 3, 4, 5];
 /// Residual of a corner behind the camera, px.
 const UNSEEN_PX: f64 = 1e4;
-/// A camera that misses the corners by more than this on average is rejected, px.
-const MOST_RESIDUAL_PX: f64 = 2.0;
 
 /// A corner that was detected in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,7 +64,7 @@ pub fn fit_corners(images: &[Vec<Corner>], radial: Radial) -> Result<CornerFit, 
     let method = LevenbergMarquardt::new().with_tol(1e-12).with_patience(20);
     let (solved, _) = method.minimize(CornerProblem { images, radial, at: start });
     let reprojection = solved.reprojection();
-    if reprojection.mean_px.is_nan() || reprojection.mean_px > MOST_RESIDUAL_PX {
+    if reprojection.mean_px.is_nan() || reprojection.mean_px > THRESHOLDS.most_corner_residual_px {
         return Err(CornerError::NotConverged { residual_px: reprojection.mean_px });
     }
     let params = camera_params(&solved.camera_unknowns(0), radial);

@@ -9,6 +9,7 @@ use super::observability::{Knowledge, knowledge};
 use super::prior::{PUBLISHED_START, Priors};
 use super::problem::{Ending, Problem, Sample};
 use super::residuals::{ResidualMap, Residuals, correlated_samples};
+use super::thresholds::THRESHOLDS;
 use super::unknowns::{Coordinates, Unknown, Unknowns, camera_params};
 use super::{BoardError, BoardFlow};
 
@@ -19,8 +20,6 @@ const SPLIT_SEED: u64 = 1;
 /// Standard deviation of a component of a node's flow relative to the priors, px: more than its noise, which neighbours
 /// share.
 const COUNTED_DEVIATION_PX: f64 = 0.05;
-/// A camera that leaves more than this part of the flow unexplained is rejected.
-const UNEXPLAINED_PART: f64 = 0.05;
 /// Least assumed deviation, px: the flow is not more accurate.
 const LEAST_DEVIATION_PX: f64 = 1e-4;
 
@@ -123,7 +122,7 @@ pub fn fit_camera(flows: &[BoardFlow], priors: &Priors, options: FitOptions) -> 
     let residuals = |samples: &[Sample], camera| Residuals::of(samples.iter().map(|sample| sample.residual_px(camera)));
     let after = residuals(&fitted, &camera);
     let longest_px = flows.iter().map(|flow| flow.usual_px[0].hypot(flow.usual_px[1])).fold(0.0, f64::max);
-    if after.mean_px.is_nan() || after.mean_px > UNEXPLAINED_PART * longest_px {
+    if after.mean_px.is_nan() || after.mean_px > THRESHOLDS.most_unexplained * longest_px {
         return Err(fit.lost(&Ending { reason: "no camera explains the flow".into(), ..ending }));
     }
     let shared = flows.iter().map(|flow| correlated_samples(flow, &camera)).fold(1.0, f64::max);

@@ -16,6 +16,7 @@ mod residuals;
 mod slide;
 mod steps;
 mod text;
+mod thresholds;
 mod unknowns;
 
 pub use board::{BoardFlow, BoardTracker, GRID, Node};

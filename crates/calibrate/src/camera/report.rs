@@ -5,15 +5,8 @@ use serde::Serialize;
 
 use super::observability::Knowledge;
 use super::prior::Priors;
+use super::thresholds::THRESHOLDS;
 use super::{BoardError, BoardFlow, CameraFit, Prior, ResidualMap, ResidualTable, Unknown};
-
-/// A camera with a residual above this for a step's flow, px, is not the one that took the images: a good recording has a
-/// hundredth.
-const MOST_RESIDUAL_PX: f64 = 0.5;
-/// Distances from a lens to a gel, mm.
-const DISTANCES_MM: [f64; 2] = [1.0, 2000.0];
-/// Focal lengths over the image's width: a fisheye lens has less, a telephoto lens more.
-const FOCAL_LENGTHS: [f64; 2] = [0.15, 20.0];
 
 /// A fitted camera with everything reported about it. `Display` is the report for people.
 #[derive(Debug, Clone, Serialize)]
@@ -99,14 +92,14 @@ impl CameraReport {
     /// [`BoardError::Impossible`] or [`BoardError::Useless`].
     pub fn check(&self) -> Result<(), BoardError> {
         let residual_px = self.residuals.after.mean_px;
-        if residual_px > MOST_RESIDUAL_PX {
-            return Err(BoardError::Useless { residual_px, most_px: MOST_RESIDUAL_PX });
+        if residual_px > THRESHOLDS.most_residual_px {
+            return Err(BoardError::Useless { residual_px, most_px: THRESHOLDS.most_residual_px });
         }
         let Some(slide) = self.slides.first() else { return Ok(()) };
         let widths = self.camera.focal_length_px[0] / slide.size.0 as f64;
         let values = [
-            ("distance to the board", self.camera.translation_mm[2], "mm", DISTANCES_MM),
-            ("focal length", widths, "widths of the image", FOCAL_LENGTHS),
+            ("distance to the board", self.camera.translation_mm[2], "mm", THRESHOLDS.distances_mm),
+            ("focal length", widths, "widths of the image", THRESHOLDS.focal_lengths),
         ];
         match values.into_iter().find(|(_, value, _, range)| !(range[0]..=range[1]).contains(value)) {
             Some((what, value, unit, range)) => Err(BoardError::Impossible { what, value, unit, range }),

@@ -1,23 +1,15 @@
 //! Checks whether a recording shows the slide that was given.
 
+use super::thresholds::THRESHOLDS;
 use super::{BoardError, Slide};
-
-/// A step that differs from the usual one by more than this part is a fault.
-const STEP_TOLERANCE: f64 = 0.1;
-/// Below this the board is at rest, px.
-const LEAST_FLOW_PX: f64 = 0.3;
-/// Allowed deviation of the direction, degrees.
-const DIRECTION_TOLERANCE_DEG: f64 = 30.0;
-/// Allowed deviation from a known camera, as a factor.
-const SCALE_TOLERANCE: f64 = 1.25;
 
 /// Checks the steps between consecutive images, given by the median flow of each pair, px; returns the usual one.
 pub(super) fn usual_step(pairs: &[[f64; 2]]) -> Result<[f64; 2], BoardError> {
     let usual = [0, 1].map(|axis| median(pairs.iter().map(|pair| pair[axis]).collect()));
     let length = usual[0].hypot(usual[1]);
     let fastest = pairs.iter().map(|pair| pair[0].hypot(pair[1])).fold(0.0, f64::max);
-    if length < LEAST_FLOW_PX {
-        return Err(BoardError::Still { flow_px: if fastest < LEAST_FLOW_PX { fastest } else { length } });
+    if length < THRESHOLDS.least_flow_px {
+        return Err(BoardError::Still { flow_px: if fastest < THRESHOLDS.least_flow_px { fastest } else { length } });
     }
     let in_steps = |pair: &[f64; 2]| {
         let along = (pair[0] * usual[0] + pair[1] * usual[1]) / length.powi(2);
@@ -26,7 +18,7 @@ pub(super) fn usual_step(pairs: &[[f64; 2]]) -> Result<[f64; 2], BoardError> {
     };
     let fault = |(index, pair): (usize, &[f64; 2])| {
         let (along, across) = in_steps(pair);
-        let is_usual = (along - 1.0).hypot(across) <= STEP_TOLERANCE;
+        let is_usual = (along - 1.0).hypot(across) <= THRESHOLDS.step_tolerance;
         (!is_usual).then_some(BoardError::UnevenStep { image: index + 1, steps: along })
     };
     // A step back explains the long ones beside it.
@@ -43,12 +35,12 @@ pub(super) fn check_slide(usual: [f64; 2], slide: Slide, known_flow_px: Option<[
     let angle = |[x, y]: [f64; 2]| y.atan2(x).to_degrees();
     let (found_deg, expected_deg) = (angle(usual), angle([x, y]));
     let apart = (found_deg - expected_deg + 540.0).rem_euclid(360.0) - 180.0;
-    if apart.abs() > DIRECTION_TOLERANCE_DEG {
+    if apart.abs() > THRESHOLDS.direction_tolerance_deg {
         return Err(BoardError::WrongDirection { found_deg, expected_deg });
     }
     let Some([x, y]) = known_flow_px else { return Ok(()) };
     let ratio = usual[0].hypot(usual[1]) / x.hypot(y);
-    if (SCALE_TOLERANCE.recip()..=SCALE_TOLERANCE).contains(&ratio) {
+    if (THRESHOLDS.scale_tolerance.recip()..=THRESHOLDS.scale_tolerance).contains(&ratio) {
         Ok(())
     } else {
         Err(BoardError::WrongStep { found_mm: ratio * slide.step_mm, step_mm: slide.step_mm })

@@ -6,10 +6,8 @@ use super::corners::{CornerFit, LENS_PLACES, POSE_PLACES};
 use super::observability::{BlindDirection, Estimate};
 use super::report::CameraReport;
 use super::residuals::Residuals;
+use super::thresholds::THRESHOLDS;
 use super::unknowns::{Unknown, unknowns_of};
-
-/// Below this the slides removed so little of the prior's variance that the value is that of the prior.
-const DETERMINED: f64 = 0.5;
 
 impl fmt::Display for CameraReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -71,7 +69,7 @@ impl CameraReport {
                 writeln!(f, "{name:<18} {value:>11.5}             -   {source}")?;
                 continue;
             };
-            let is_prior = determined.is_some_and(|determined| determined < DETERMINED);
+            let is_prior = determined.is_some_and(|determined| determined < THRESHOLDS.determined);
             let remark = if is_prior { ", which determines it: the slides contain little information" } else { "" };
             writeln!(f, "{name:<18} {value:>11.5} {uncertainty:>13.5}   {prior}{remark}")?;
         }

@@ -7,14 +7,11 @@ use super::Check;
 use super::exposure::Exposure;
 use super::fault::{Fault, RecordingCheck, What};
 use super::samples::{Samples, unsharp};
+use super::thresholds::THRESHOLDS;
 use crate::camera::{BoardError, BoardTracker, Slide};
 
 /// The published number of images: 20 steps, whose mean has a quarter of one step's noise.
 pub const BOARD_IMAGES: usize = 21;
-/// A step below this, px, is smaller than the unevenness of a hand-driven stage.
-const LEAST_STEP_PX: f64 = 0.5;
-/// A step above this part of the image's smaller side leaves too little of the board in both images.
-const LARGEST_STEP: f64 = 0.2;
 
 /// Checks a recording of the sliding board.
 #[derive(Debug)]
@@ -66,11 +63,16 @@ impl BoardCheck {
             Err(error) => return Err((&error).into()),
         };
         let measured = format!("the board moves by {length:.2} px a step");
-        let largest = LARGEST_STEP * self.least_side as f64;
-        if length < LEAST_STEP_PX {
+        let largest = THRESHOLDS.most_step * self.least_side as f64;
+        if length < THRESHOLDS.least_step_px {
             let remedy =
                 "take a longer step and give its length with --step-mm: it should move the board by 3 to 30 px";
-            return Err(Fault::new(What::StepTooSmall, measured, format!("at least {LEAST_STEP_PX} px"), remedy));
+            return Err(Fault::new(
+                What::StepTooSmall,
+                measured,
+                format!("at least {} px", THRESHOLDS.least_step_px),
+                remedy,
+            ));
         }
         if length > largest {
             let remedy =

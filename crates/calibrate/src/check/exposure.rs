@@ -3,13 +3,8 @@
 use fingervision_image::{Frame, Rect};
 
 use super::fault::{Fault, RecordingCheck, What};
+use super::thresholds::THRESHOLDS;
 
-/// At most this part of an image's values may be at either end of their range. A pattern whose colours fill the whole
-/// range has half of it there.
-const LARGEST_CLIPPED: f64 = 0.01;
-/// Range of the mean grey level in which a pattern is exposed well. A camera's noise does not shrink with the light, so
-/// below the minimum the pattern has less than half of the possible contrast over noise.
-const MEAN_LEVELS: [f64; 2] = [40.0, 215.0];
 /// Distance between the tested pixels along both axes.
 const STEP: usize = 2;
 
@@ -109,18 +104,18 @@ impl Exposure {
         let clipped = |part: f64, image: usize, end: &str| {
             format!("{:.1} % of the values of image {image} are at the {end} of their range", 100.0 * part)
         };
-        let least_clipped = format!("at most {:.0} %", 100.0 * LARGEST_CLIPPED);
+        let least_clipped = format!("at most {:.0} %", 100.0 * THRESHOLDS.most_clipped);
         let level = format!("the mean grey level is {mean:.0}");
-        let [least, most] = MEAN_LEVELS;
+        let [least, most] = THRESHOLDS.mean_levels;
         let levels = format!("{least:.0} to {most:.0} of 255");
         match () {
             () if self.means.is_empty() => None,
-            () if saturated > LARGEST_CLIPPED => {
+            () if saturated > THRESHOLDS.most_clipped => {
                 Some(Fault::new(What::TooBright, clipped(saturated, bright_image, "top"), least_clipped, darker))
             }
             () if mean > most => Some(Fault::new(What::TooBright, level, levels, darker)),
             () if mean < least => Some(Fault::new(What::TooDark, level, levels, brighter)),
-            () if black > LARGEST_CLIPPED => {
+            () if black > THRESHOLDS.most_clipped => {
                 Some(Fault::new(What::TooDark, clipped(black, dark_image, "bottom"), least_clipped, brighter))
             }
             () => None,

@@ -11,6 +11,7 @@ mod press;
 mod rest;
 mod samples;
 mod still;
+mod thresholds;
 
 use fingervision_image::Frame;
 

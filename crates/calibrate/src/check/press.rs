@@ -9,16 +9,8 @@ use super::exposure::Exposure;
 use super::fault::{Fault, RecordingCheck, What};
 use super::rest::RestImage;
 use super::samples::{Samples, unsharp};
+use super::thresholds::THRESHOLDS;
 use crate::depth::{DepthFitError, LEAST_CORRELATION, PressFolder, check_depths, disorder};
-
-/// A press whose largest motion is below this, px, contains little information about depth.
-const LEAST_MOTION_PX: f64 = 0.5;
-/// If more than this part of the images is lost, the curve has gaps.
-const LARGEST_LOST: f64 = 0.1;
-/// The border is this part of the image's smaller side.
-const BORDER: f64 = 0.05;
-/// A press whose motion at the border is this part of its largest does not end within the image.
-const LARGEST_AT_BORDER: f64 = 0.9;
 
 /// Checks a recording of a press.
 #[derive(Debug)]
@@ -120,20 +112,30 @@ impl PressCheck {
             let remedy = "begin the recording before the indenter touches the gel";
             return Some(Fault::new(What::PressedAtStart, measured, "an untouched gel in the first image", remedy));
         }
-        if lost as f64 > LARGEST_LOST * frames as f64 {
+        if lost as f64 > THRESHOLDS.most_lost * frames as f64 {
             let measured = format!("{lost} of {frames} images cannot be followed");
             let remedy = "press in smaller steps, take an image after each, and do not change light and exposure";
-            return Some(Fault::new(What::Lost, measured, format!("at most {:.0} %", 100.0 * LARGEST_LOST), remedy));
+            return Some(Fault::new(
+                What::Lost,
+                measured,
+                format!("at most {:.0} %", 100.0 * THRESHOLDS.most_lost),
+                remedy,
+            ));
         }
-        if largest < LEAST_MOTION_PX {
+        if largest < THRESHOLDS.least_motion_px {
             let measured = format!("nothing moves by more than {largest:.2} px");
             let remedy = "press deeper, within the camera's field of view";
-            return Some(Fault::new(What::MotionTooSmall, measured, format!("at least {LEAST_MOTION_PX} px"), remedy));
+            return Some(Fault::new(
+                What::MotionTooSmall,
+                measured,
+                format!("at least {} px", THRESHOLDS.least_motion_px),
+                remedy,
+            ));
         }
         let measured = format!("the surface moves by {at_border:.1} px at the border, and by at most {largest:.1} px");
         let remedy = "press farther from the image's border, or with a smaller indenter";
-        let allowed = format!("below {:.0} %", 100.0 * LARGEST_AT_BORDER);
-        let is_cut = at_border > LARGEST_AT_BORDER * largest;
+        let allowed = format!("below {:.0} %", 100.0 * THRESHOLDS.most_at_border);
+        let is_cut = at_border > THRESHOLDS.most_at_border * largest;
         self.order_fault().or_else(|| is_cut.then(|| Fault::new(What::CutByBorder, measured, allowed, remedy)))
     }
 }
@@ -171,7 +173,7 @@ impl Check for PressCheck {
         let samples = Samples::of(&reading.flow, &reading.deviation, &reading.valid);
         self.deviation_px.get_or_insert(samples.deviation_px);
         let (width, height) = reading.flow.size();
-        let [all, border] = samples.largest(BORDER * width.min(height) as f64);
+        let [all, border] = samples.largest(THRESHOLDS.border * width.min(height) as f64);
         self.motions.extend(depth_mm.map(|depth_mm| [depth_mm, all]));
         if all > self.largest[0] {
             self.largest = [all, border];

@@ -5,14 +5,7 @@ use fingervision_image::{Frame, Rect};
 
 use super::fault::{Fault, What};
 use super::samples::Samples;
-
-/// If less than this part of the pattern is found, it is another pattern.
-const LEAST_MATCHED: f32 = 0.5;
-/// Allowed motion of the whole image since the gel was recorded untouched, px.
-const LARGEST_SHIFT_PX: f64 = 2.0;
-/// Allowed motion of all but this part of the image, px.
-const LARGEST_MOTION_PX: f64 = 0.5;
-const MOVING_PART: f64 = 0.02;
+use super::thresholds::THRESHOLDS;
 
 /// The untouched gel.
 #[derive(Debug)]
@@ -47,7 +40,7 @@ impl RestImage {
         self.picture.load(&first.pixels, self.region).ok()?;
         self.estimator.estimate(&self.reference, &self.picture, Start::Search(None), &mut self.estimate);
         let matched = self.estimate.matched;
-        if matched < LEAST_MATCHED {
+        if matched < THRESHOLDS.least_matched_at_rest {
             let measured =
                 format!("only {:.0} % of the first image matches the image of the untouched gel", 100.0 * matched);
             let remedy = "put a recording of this sensor here, or record still again if camera or gel were changed";
@@ -56,16 +49,17 @@ impl RestImage {
         let samples = Samples::of(&self.estimate.flow, &self.estimate.deviation, &self.estimate.valid);
         let [x, y] = samples.median();
         let shift = x.hypot(y);
-        if shift > LARGEST_SHIFT_PX {
+        if shift > THRESHOLDS.most_shift_px {
             let measured = format!("the first image is shifted by {shift:.1} px from that of the untouched gel");
             let remedy = "fix camera, lens and gel in one rigid frame, then record still and the presses again";
-            return Some(Fault::new(What::Drift, measured, format!("at most {LARGEST_SHIFT_PX} px"), remedy));
+            return Some(Fault::new(What::Drift, measured, format!("at most {} px", THRESHOLDS.most_shift_px), remedy));
         }
-        let motion = samples.apart_from([x, y], MOVING_PART);
+        let motion = samples.apart_from([x, y], THRESHOLDS.moving_part);
         let measured =
             format!("in the first image a part of the gel is displaced by {motion:.1} px from the untouched gel");
         let remedy = "begin the recording before the indenter touches the gel, and check that the images are in order";
-        let allowed = format!("at most {LARGEST_MOTION_PX} px");
-        (motion > LARGEST_MOTION_PX).then(|| Fault::new(What::PressedAtStart, measured, allowed, remedy))
+        let allowed = format!("at most {} px", THRESHOLDS.most_motion_at_rest_px);
+        (motion > THRESHOLDS.most_motion_at_rest_px)
+            .then(|| Fault::new(What::PressedAtStart, measured, allowed, remedy))
     }
 }

@@ -4,13 +4,11 @@ use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
 use super::fault::{Fault, What};
+use super::thresholds::THRESHOLDS;
 use crate::camera::median;
 
 /// Distance between samples along both axes: half a patch.
 const STEP: usize = 8;
-/// If the flow's deviation exceeds this over half of the image, px, the texture is too weak: a tenth of the least motion
-/// that a calibration uses.
-const LARGEST_DEVIATION_PX: f64 = 0.05;
 
 /// Samples of one flow.
 #[derive(Debug)]
@@ -76,6 +74,6 @@ pub(super) fn unsharp(deviation_px: f64) -> Option<Fault> {
     };
     let remedy = "bring the pattern into focus and lock it, and keep still while the image is taken; if it is sharp, more light and less \
          gain lower the noise, and fingervision pattern --score shows which cell size suits this camera";
-    let allowed = format!("at most {LARGEST_DEVIATION_PX} px");
-    (deviation_px > LARGEST_DEVIATION_PX).then(|| Fault::new(What::Unsharp, measured, allowed, remedy))
+    let allowed = format!("at most {} px", THRESHOLDS.most_deviation_px);
+    (deviation_px > THRESHOLDS.most_deviation_px).then(|| Fault::new(What::Unsharp, measured, allowed, remedy))
 }

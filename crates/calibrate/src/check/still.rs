@@ -7,22 +7,10 @@ use super::Check;
 use super::exposure::Exposure;
 use super::fault::{Fault, RecordingCheck, What};
 use super::samples::{Samples, unsharp};
+use super::thresholds::THRESHOLDS;
 
 /// Fewer images do not show whether light and camera are steady.
 pub const STILL_IMAGES: usize = 10;
-/// Allowed motion of the whole image, px: with more, a calibration to a hundredth of a pixel is impossible.
-const LARGEST_DRIFT_PX: f64 = 0.02;
-/// Allowed motion of all but this part of the image against the rest, px: several deviations of the least accurate flow
-/// that passes.
-const LARGEST_MOTION_PX: f64 = 0.25;
-const MOVING_PART: f64 = 0.02;
-/// Allowed relative change of the mean level: well above noise, well below what the flow tolerates.
-const LARGEST_FLICKER: f64 = 0.03;
-/// Where this part of the first image has texture, this part of it must be found again.
-const LEAST_TEXTURED: f32 = 0.2;
-const LEAST_MATCHED: f32 = 0.5;
-/// No camera has less noise than this, grey levels.
-const LEAST_NOISE_LEVELS: f64 = 0.01;
 
 /// Checks a recording of the untouched gel. All images are matched with the first.
 #[derive(Debug)]
@@ -72,28 +60,28 @@ impl StillCheck {
     fn light_fault(&self) -> Option<Fault> {
         let flicker = self.exposure.flicker();
         let measured = format!("the mean level changes by {:.1} % within the recording", 100.0 * flicker);
-        let allowed = format!("at most {:.0} %", 100.0 * LARGEST_FLICKER);
+        let allowed = format!("at most {:.0} %", 100.0 * THRESHOLDS.most_flicker);
         let remedy = "switch automatic exposure, gain and white balance off, drive the lamp with direct current, keep daylight out";
-        (flicker > LARGEST_FLICKER).then(|| Fault::new(What::Light, measured, allowed, remedy))
+        (flicker > THRESHOLDS.most_flicker).then(|| Fault::new(What::Light, measured, allowed, remedy))
     }
 
     fn motion_fault(&self) -> Option<Fault> {
         let [_, drift, motion] = self.worst;
-        if self.exposure.noise_levels().is_some_and(|noise| noise < LEAST_NOISE_LEVELS) {
+        if self.exposure.noise_levels().is_some_and(|noise| noise < THRESHOLDS.least_noise_levels) {
             let remedy = "save consecutive images of the camera, not the same image several times";
             return Some(Fault::new(What::Copies, "all images are the same", "images with the camera's noise", remedy));
         }
-        if drift > LARGEST_DRIFT_PX || self.other.is_some() {
+        if drift > THRESHOLDS.most_drift_px || self.other.is_some() {
             let moved = || format!("the whole image moves by {drift:.3} px");
             let measured = self.other.map_or_else(moved, |image| format!("image {image} does not match image 1"));
             let remedy =
                 "fix camera, lens and gel in one rigid frame, lock the focus, let everything warm up for some minutes";
-            return Some(Fault::new(What::Drift, measured, format!("at most {LARGEST_DRIFT_PX} px"), remedy));
+            return Some(Fault::new(What::Drift, measured, format!("at most {} px", THRESHOLDS.most_drift_px), remedy));
         }
         let measured = format!("a part of the image moves by {motion:.2} px");
         let remedy = "do not touch the gel; after a press, wait until it has come to rest";
-        let fault = || Fault::new(What::Touched, measured, format!("at most {LARGEST_MOTION_PX} px"), remedy);
-        (motion > LARGEST_MOTION_PX).then(fault)
+        let fault = || Fault::new(What::Touched, measured, format!("at most {} px", THRESHOLDS.most_motion_px), remedy);
+        (motion > THRESHOLDS.most_motion_px).then(fault)
     }
 }
 
@@ -109,7 +97,7 @@ impl Check for StillCheck {
             return;
         }
         self.estimator.estimate(&self.reference, &self.picture, Start::Search(None), &mut self.estimate);
-        if self.reference.textured() >= LEAST_TEXTURED && self.estimate.matched < LEAST_MATCHED {
+        if self.reference.textured() >= THRESHOLDS.least_textured && self.estimate.matched < THRESHOLDS.least_matched {
             self.other.get_or_insert(self.exposure.images());
             return;
         }
@@ -118,7 +106,7 @@ impl Check for StillCheck {
         if !samples.is_empty() {
             let [x, y] = samples.median();
             self.worst[1] = self.worst[1].max(x.hypot(y));
-            self.worst[2] = self.worst[2].max(samples.apart_from([x, y], MOVING_PART));
+            self.worst[2] = self.worst[2].max(samples.apart_from([x, y], THRESHOLDS.moving_part));
         }
     }
 

@@ -8,11 +8,7 @@ use super::DepthFitError;
 use super::limits::check_depths;
 use super::maximum::{Maximum, MaximumFinder};
 use super::order::{disorder, largest_motion_px};
-
-/// Largest predicted deviation of a pixel that is used for [`Maximum::Robust`], px, if the profile is stricter. Under a
-/// deep sliding face most pixels exceed the usual limit, though most errors are a third of the prediction; a median
-/// tolerates these, but not the holes that they would leave.
-const MEDIAN_DEVIATION_PX: f32 = 2.0;
+use super::thresholds::THRESHOLDS;
 
 /// One frame of a press.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -92,7 +88,7 @@ impl PressRecorder {
         profile.depth.density = None;
         if maximum == Maximum::Robust {
             let limit_px = &mut profile.flow.validity.max_deviation_px;
-            *limit_px = limit_px.max(MEDIAN_DEVIATION_PX);
+            *limit_px = limit_px.max(THRESHOLDS.median_deviation_px);
         }
         let fields = Fields { density: true, ..Fields::NONE };
         let tracker = Tracker::new(&profile, frame_size, is_colour, fields).map_err(tracking(press))?;

@@ -4,15 +4,8 @@ use fingervision_touch::{DepthLaw, DepthLine, PerspectiveGain};
 use serde::Serialize;
 
 use super::regression::{LineFit, OriginFit, fit_line, fit_through_origin};
+use super::thresholds::THRESHOLDS;
 use super::{DepthFitError, PressCurve, PressPoint};
-
-/// Slopes that differ by more than this factor do not belong to a common line.
-const LARGEST_FACTOR: f64 = 1.5;
-/// A pooled correlation that is lower by this than the least one of a single press does not belong to a common line
-/// either.
-const LARGEST_DROP: f64 = 0.05;
-/// Presses whose feature follows their depth less than this are named in a warning, dimensionless.
-const USUAL_CORRELATION: f64 = 0.6;
 
 /// A form of the law from the density feature to depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -189,7 +182,7 @@ fn slope_factor(presses: &[PressFit]) -> f64 {
 
 fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<String> {
     let by_slope = |a: &&PressFit, b: &&PressFit| a.line.slope.total_cmp(&b.line.slope);
-    let poor = presses.iter().filter(|press| press.line.correlation < USUAL_CORRELATION);
+    let poor = presses.iter().filter(|press| press.line.correlation < THRESHOLDS.usual_correlation);
     let mut warnings: Vec<String> = poor
         .map(|press| {
             format!(
@@ -200,7 +193,7 @@ fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<St
         })
         .collect();
     if let (Some(flat), Some(steep)) = (presses.iter().min_by(by_slope), presses.iter().max_by(by_slope))
-        && slope_factor > LARGEST_FACTOR
+        && slope_factor > THRESHOLDS.most_factor
     {
         warnings.push(format!(
             "one line does not fit all presses: their slopes differ by a factor of {slope_factor:.1}, from {:.1} mm \
@@ -209,7 +202,7 @@ fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<St
         ));
     }
     let least = presses.iter().map(|press| press.line.correlation).fold(1.0, f64::min);
-    if pooled.correlation < least - LARGEST_DROP {
+    if pooled.correlation < least - THRESHOLDS.most_drop {
         warnings.push(format!(
             "depth by one line is uncertain: the correlation of all presses together is {:.3}, of each alone {least:.3} or more",
             pooled.correlation

@@ -4,14 +4,8 @@
 
 use fingervision_touch::{DepthLaw, Profile};
 
+use super::thresholds::THRESHOLDS;
 use super::{DepthFit, DepthFitError, FittedLaw};
-
-/// Error on presses that were left out over the deepest depth. A law without any information has 0.6.
-const MOST_ERROR: f64 = 0.5;
-/// Gains over that of perspective alone: simulated sensors have 0.5 to 2.
-const GAINS: [f64; 2] = [0.05, 20.0];
-/// Slopes allowed without a camera, mm: half the distance to the camera by perspective alone.
-const SLOPES_MM: [f64; 2] = [0.1, 1000.0];
 
 impl DepthFit {
     /// Refuses a law of this fit that no sensor can have, or that does not reproduce the depths of the presses.
@@ -22,21 +16,21 @@ impl DepthFit {
     pub fn check(&self, law: &FittedLaw, profile: &Profile) -> Result<(), DepthFitError> {
         // The slope of the line through the origin over that by perspective alone for the same presses.
         let gain = self.perspective.map(|perspective| perspective.slope);
-        if let Some(gain) = gain.filter(|gain| !(GAINS[0]..=GAINS[1]).contains(gain)) {
+        if let Some(gain) = gain.filter(|gain| !(THRESHOLDS.gains[0]..=THRESHOLDS.gains[1]).contains(gain)) {
             let expected_mm = profile.camera.map_or(f64::NAN, |camera| 0.5 * camera.translation_mm[2]);
             return Err(DepthFitError::Impossible { slope_mm: self.origin.slope, expected_mm, factor: gain });
         }
         if let DepthLaw::Line(line) = law.law
-            && !(SLOPES_MM[0]..=SLOPES_MM[1]).contains(&line.slope_mm)
+            && !(THRESHOLDS.slopes_mm[0]..=THRESHOLDS.slopes_mm[1]).contains(&line.slope_mm)
         {
-            let expected_mm = line.slope_mm.clamp(SLOPES_MM[0], SLOPES_MM[1]);
+            let expected_mm = line.slope_mm.clamp(THRESHOLDS.slopes_mm[0], THRESHOLDS.slopes_mm[1]);
             let factor = line.slope_mm / expected_mm;
             return Err(DepthFitError::Impossible { slope_mm: line.slope_mm, expected_mm, factor });
         }
         let depths = self.presses.iter().flat_map(|press| &press.curve.points).map(|point| point.depth_mm);
         let deepest_mm = depths.fold(0.0, f64::max);
         let error_mm = law.left_out_error_mm.unwrap_or(law.error_mm);
-        if error_mm > MOST_ERROR * deepest_mm {
+        if error_mm > THRESHOLDS.most_error * deepest_mm {
             return Err(DepthFitError::Useless { error_mm, deepest_mm });
         }
         Ok(())

@@ -6,13 +6,7 @@
 use fingervision_touch::Profile;
 
 use super::DepthFitError;
-
-/// The first depth of a press may differ from zero by this part of its largest: the accuracy of a hand-set zero.
-const REST: f64 = 0.02;
-/// No gel is pressed deeper, mm.
-const DEEPEST_MM: f64 = 50.0;
-/// A shallower press moves the pattern by less than noise, mm.
-const SHALLOWEST_MM: f64 = 0.02;
+use super::thresholds::THRESHOLDS;
 
 /// Refuses depths that are not those of a press on this sensor.
 pub(crate) fn check_depths(press: &str, depths_mm: &[f64], profile: &Profile) -> Result<(), DepthFitError> {
@@ -22,7 +16,7 @@ pub(crate) fn check_depths(press: &str, depths_mm: &[f64], profile: &Profile) ->
     if least >= most {
         return Err(DepthFitError::Constant { press, depth_mm: first });
     }
-    let rest_mm = REST * most.abs();
+    let rest_mm = THRESHOLDS.most_depth_at_rest * most.abs();
     if let Some(frame) = depths_mm.iter().position(|&depth| depth < -rest_mm) {
         return Err(DepthFitError::Negative { press, frame, depth_mm: depths_mm[frame] });
     }
@@ -30,8 +24,8 @@ pub(crate) fn check_depths(press: &str, depths_mm: &[f64], profile: &Profile) ->
     if most > most_mm {
         return Err(DepthFitError::TooDeep { press, depth_mm: most, most_mm, limit });
     }
-    if most < SHALLOWEST_MM {
-        return Err(DepthFitError::TooShallow { press, depth_mm: most, least_mm: SHALLOWEST_MM });
+    if most < THRESHOLDS.shallowest_mm {
+        return Err(DepthFitError::TooShallow { press, depth_mm: most, least_mm: THRESHOLDS.shallowest_mm });
     }
     if first.abs() > rest_mm {
         return Err(DepthFitError::PressedAtStart { press, depth_mm: Some(first) });
@@ -43,8 +37,8 @@ pub(crate) fn check_depths(press: &str, depths_mm: &[f64], profile: &Profile) ->
 fn deepest(profile: &Profile) -> (f64, &'static str) {
     let gel = profile.gel.map(|gel| (gel.thickness_mm, "the gel's thickness"));
     let camera = profile.camera.map(|camera| (camera.translation_mm[2], "the distance to the camera"));
-    let limits = [Some((DEEPEST_MM, "more than any gel")), gel, camera].into_iter().flatten();
-    limits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((DEEPEST_MM, "more than any gel"))
+    let limits = [Some((THRESHOLDS.deepest_mm, "more than any gel")), gel, camera].into_iter().flatten();
+    limits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((THRESHOLDS.deepest_mm, "more than any gel"))
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ mod picture;
 mod regression;
 mod report;
 mod table;
+mod thresholds;
 
 pub use curve::{Place, PressCurve, PressPoint, PressRecorder};
 pub(crate) use curve::{check_camera, tracking};

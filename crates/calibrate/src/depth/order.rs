@@ -3,11 +3,11 @@
 use fingervision_touch::Reading;
 
 use super::regression::fit_line;
+use super::thresholds::THRESHOLDS;
 
 /// Correlation of motion and depth that a press has at least, dimensionless.
-pub(crate) const LEAST_CORRELATION: f64 = 0.7;
-/// Fewer frames show no order.
-const LEAST_COUNTED: usize = 4;
+pub(crate) const LEAST_CORRELATION: f64 = THRESHOLDS.least_correlation;
+
 /// Every this many pixels the motion is read along both axes.
 const STEP: usize = 4;
 
@@ -27,6 +27,6 @@ pub(crate) fn largest_motion_px(reading: &Reading) -> f64 {
 /// The correlation of depth, mm, and largest motion, px, of a press's frames if it is that of images in another order; none
 /// where there are too few frames, or depth or motion does not change.
 pub(crate) fn disorder(motions: &[[f64; 2]]) -> Option<f64> {
-    let line = fit_line(motions).filter(|line| line.count >= LEAST_COUNTED)?;
+    let line = fit_line(motions).filter(|line| line.count >= THRESHOLDS.least_counted)?;
     (line.correlation < LEAST_CORRELATION).then_some(line.correlation)
 }

@@ -3,12 +3,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use fingervision_touch::{DEPTH_COLUMN, FORCE_COLUMNS};
+
 use super::error::{DEPTH_FILE, DepthFitError};
+use crate::{CsvFault, CsvTable};
 
 /// The table that a simulation writes.
 const TRUTH_FILE: &str = "truth/force.csv";
-const DEPTH: &str = "depth_mm";
-const FORCE: &str = "force_z_n";
+/// The column of the normal force.
+const NORMAL_FORCE: &str = FORCE_COLUMNS[2];
 
 /// A recorded press: the folder of its images, and its depth in each.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,28 +60,19 @@ struct Columns {
     forces_n: Option<Vec<f64>>,
 }
 
-/// The columns of a table; or the line, from 1, and what is wrong there.
-fn columns(text: &str) -> Result<Columns, (usize, String)> {
-    let mut rows =
-        text.lines().enumerate().map(|(i, line)| (i + 1, line.split(',').map(str::trim).collect::<Vec<_>>()));
-    let (_, names) = rows.next().unwrap_or_default();
-    let place = |name: &str| names.iter().position(|column| *column == name);
-    let depth = place(DEPTH).ok_or_else(|| (1, format!("there is no column {DEPTH}")))?;
-    let (frame, force) = (place("frame"), place(FORCE));
+/// The columns of a table; or the line, from 1, and what is wrong there. Rows of empty cells are left out.
+fn columns(text: &str) -> Result<Columns, CsvFault> {
+    let table = CsvTable::parse(text)?;
+    let (depth, force) = (table.needed(DEPTH_COLUMN)?, table.place(NORMAL_FORCE));
     let (mut depths_mm, mut forces_n) = (Vec::new(), force.map(|_| Vec::new()));
-    for (line, cells) in rows.filter(|(_, cells)| cells.iter().any(|cell| !cell.is_empty())) {
-        if cells.len() != names.len() {
-            return Err((line, format!("{} cells, expected {} as in the first line", cells.len(), names.len())));
-        }
-        let expected = depths_mm.len();
-        if let Some(number) = frame.map(|frame| cells[frame]).filter(|number| number.parse() != Ok(expected)) {
-            return Err((line, format!("frame {number}, expected {expected}: every frame needs a row, from 0")));
-        }
-        let value = |place: usize| cells[place].parse::<f64>().ok().filter(|value| value.is_finite());
-        let no_length = || (line, format!("{DEPTH} = {} is not a length", cells[depth]));
-        depths_mm.push(value(depth).ok_or_else(no_length)?);
+    for row in table.rows().iter().filter(|row| row.cells().any(|cell| !cell.is_empty())) {
+        table.check(row, depths_mm.len())?;
+        let value = |place: usize| row.cell(place).parse::<f64>().ok().filter(|value| value.is_finite());
+        let not_a =
+            |what: &str, name: &str, place: usize| row.fault(format!("{name} = {} is not a {what}", row.cell(place)));
+        depths_mm.push(value(depth).ok_or_else(|| not_a("length", DEPTH_COLUMN, depth))?);
         if let (Some(force), Some(forces_n)) = (force, &mut forces_n) {
-            forces_n.push(value(force).ok_or_else(|| (line, format!("{FORCE} = {} is not a force", cells[force])))?);
+            forces_n.push(value(force).ok_or_else(|| not_a("force", NORMAL_FORCE, force))?);
         }
     }
     Ok(Columns { depths_mm, forces_n })

@@ -9,6 +9,7 @@ use fingervision_image::Image;
 
 use super::forward::{Explained, Models};
 use super::look::{Look, SECTORS};
+use super::thresholds::THRESHOLDS;
 use super::{GelFitError, Unknowns};
 
 /// Steps of the derivatives, of ν and of ln thickness: large compared with the solver's tolerance, small compared with
@@ -20,14 +21,8 @@ const SETTLED: [f64; 2] = [5e-4, 1e-3];
 const NEAR: [f64; 2] = [0.03, 0.08];
 /// The largest steps.
 const LARGEST: [f64; 2] = [0.08, 0.2];
-/// Allowed Poisson's ratios.
-pub(super) const RATIOS: [f64; 2] = [0.05, 0.499];
-/// The largest change of the thickness, as a factor.
-const MOST_FACTOR: f64 = 2.5;
 const MOST_STEPS: usize = 20;
 const MOST_HALVINGS: usize = 4;
-/// From this number of presses on, their scatter gives the error; with fewer, the sectors around contact do.
-const LEAST_PRESSES: usize = 4;
 
 /// The result of a fit.
 #[derive(Debug, Clone)]
@@ -89,7 +84,7 @@ pub(super) fn unexplained_by(looks: &[Look], explained: &[Explained]) -> f64 {
 impl<'a> Fit<'a> {
     pub(super) fn new(looks: &'a [Look], models: &'a mut Models, start: &GelBlock, unknowns: Unknowns) -> Self {
         let free = [unknowns.poissons_ratio, unknowns.thickness];
-        let thicknesses_mm = [start.thickness_mm / MOST_FACTOR, start.thickness_mm * MOST_FACTOR];
+        let thicknesses_mm = [start.thickness_mm / THRESHOLDS.most_factor, start.thickness_mm * THRESHOLDS.most_factor];
         Self { looks, models, free, thicknesses_mm }
     }
 
@@ -134,7 +129,7 @@ impl<'a> Fit<'a> {
         let [thin, thick] = self.thicknesses_mm;
         let mut next = *gel;
         if self.free[0] {
-            next.poissons_ratio = (gel.poissons_ratio + ratio).clamp(RATIOS[0], RATIOS[1]);
+            next.poissons_ratio = (gel.poissons_ratio + ratio).clamp(THRESHOLDS.ratios[0], THRESHOLDS.ratios[1]);
         }
         if self.free[1] {
             next.thickness_mm = (gel.thickness_mm * thickness.exp()).clamp(thin, thick);
@@ -215,7 +210,7 @@ impl<'a> Fit<'a> {
     fn covariance(&self, slopes: &Slopes, explained: &[Explained]) -> [[f64; 2]; 2] {
         let Some(inverse) = inverse(slopes.matrix, self.free) else { return [[f64::INFINITY; 2]; 2] };
         let presses = self.looks.iter().map(|look| look.press + 1).max().unwrap_or(0);
-        let sectors = if presses < LEAST_PRESSES { SECTORS } else { 1 };
+        let sectors = if presses < THRESHOLDS.least_presses { SECTORS } else { 1 };
         let mut clusters = vec![[0.0; 2]; presses * sectors];
         for (look, (explained, rows)) in self.looks.iter().zip(explained.iter().zip(&slopes.rows)) {
             let cells = residuals(look, explained).zip(rows).zip(&look.around);

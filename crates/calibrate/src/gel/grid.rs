@@ -4,9 +4,10 @@ use fingervision_elastic::GelBlock;
 use serde::Serialize;
 
 use super::GelFitError;
-use super::fit::{RATIOS, unexplained_by};
+use super::fit::unexplained_by;
 use super::forward::{Explained, Models};
 use super::look::Look;
+use super::thresholds::THRESHOLDS;
 
 /// Gels along each axis whose motion is computed; between them it is interpolated by a polynomial through all.
 const NODES: usize = 3;
@@ -36,7 +37,8 @@ impl ResidualGrid {
     ) -> Result<Self, GelFitError> {
         let reach = |i: usize| (3.0 * covariance[i][i].sqrt()).clamp(LEAST[i], 2.0 * LEAST[i]);
         let (ratio, thickness) = (reach(0), reach(1));
-        let middle = gel.poissons_ratio.clamp(RATIOS[0] + ratio, RATIOS[1] - ratio);
+        let [least, most] = THRESHOLDS.ratios;
+        let middle = gel.poissons_ratio.clamp(least + ratio, most - ratio);
         let ratios = |count| (0..count).map(move |step| middle + ratio * part(step, count));
         let thicknesses = |count| (0..count).map(move |step| gel.thickness_mm * (thickness * part(step, count)).exp());
         let mut nodes = Vec::with_capacity(NODES * NODES);

@@ -1,13 +1,9 @@
 //! One frame of a press, cell by cell: contact, and the camera's measurement of the surface around it.
 
+use super::thresholds::THRESHOLDS;
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 use fingervision_touch::{Cells, CoarseGrid, Seen};
 
-/// Distance from contact, in thicknesses, beyond which the surface is compared with linear elasticity: nearer, strain is
-/// too large.
-const AWAY: f64 = 0.5;
-/// Least distance from a side of the gel, in thicknesses: the compliance does not resolve what is nearer.
-const FROM_SIDE: f64 = 0.125;
 /// Error of the flow as the mean of a cell, px; it is correlated over some cells.
 const NOISE_PX: f64 = 0.02;
 /// Error of linear elasticity around contact, as a part of the depth.
@@ -152,8 +148,8 @@ fn around(grid: SurfaceGrid, seen: &[Seen], touches: &[bool], gel: &GelBlock) ->
     let touched: Vec<[f64; 2]> =
         centres.iter().zip(touches).filter(|(_, touches)| **touches).map(|(c, _)| *c).collect();
     let middle = [0, 1].map(|axis| touched.iter().map(|centre| centre[axis]).sum::<f64>() / touched.len() as f64);
-    let away = (AWAY * gel.thickness_mm).powi(2);
-    let inner = gel.size_mm.map(|size| 0.5 * size - FROM_SIDE * gel.thickness_mm);
+    let away = (THRESHOLDS.away * gel.thickness_mm).powi(2);
+    let inner = gel.size_mm.map(|size| 0.5 * size - THRESHOLDS.from_side * gel.thickness_mm);
     let counts = |&cell: &usize| {
         let [x, y] = centres[cell];
         let is_far = || touched.iter().all(|[i, j]| (x - i).powi(2) + (y - j).powi(2) > away);

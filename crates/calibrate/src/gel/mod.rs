@@ -11,6 +11,7 @@
 //! deviates from linear elasticity with the square of depth over thickness.
 
 mod error;
+mod estimate;
 mod fit;
 mod forward;
 mod grid;
@@ -18,10 +19,12 @@ mod look;
 mod modulus;
 mod picture;
 mod press;
+mod press_report;
 mod report;
 #[cfg(test)]
 mod tests;
 mod text;
+mod thresholds;
 mod warnings;
 
 use fingervision_elastic::GelBlock;
@@ -29,13 +32,16 @@ use fingervision_optics::Camera;
 use fingervision_touch::{ElasticDepth, MOST_UNEXPLAINED, Profile};
 
 pub use error::GelFitError;
+pub use estimate::GelEstimate;
 pub use grid::ResidualGrid;
 pub use press::{GelPress, GelPressRecorder};
-pub use report::{FrameReport, GelEstimate, GelPressReport, GelReport, GelTable};
+pub use press_report::{FrameReport, GelPressReport};
+pub use report::{GelReport, GelTable};
 
 use fit::{Fit, Settled};
 use forward::{Explained, Models};
 use look::{Known, Look};
+use thresholds::THRESHOLDS;
 
 /// What is fitted; the rest keeps the profile's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,8 +63,6 @@ impl Unknowns {
 const MOST_ROUNDS: usize = 4;
 /// Changes of ν and ln thickness from one round to the next below which the rounds end.
 const SAME: [f64; 2] = [3e-3, 6e-3];
-/// Number of cells around contact that a frame needs to be compared.
-const LEAST_AROUND: usize = 100;
 
 /// Fits the gel of a profile to presses.
 ///
@@ -151,7 +155,7 @@ fn looks(presses: &[GelPress], profile: &Profile, camera: &Camera, gel: &GelBloc
     for (press, recorded) in presses.iter().enumerate() {
         if inverse.as_ref().is_none_or(|(size, _)| *size != recorded.size) {
             let made = ElasticDepth::new(camera, gel, recorded.size, &profile.elastic)
-                .map_err(crate::depth::tracking(&recorded.name))?;
+                .map_err(|error| crate::depth::tracking(&recorded.name)(error.into()))?;
             inverse = Some((recorded.size, made));
         }
         let Some((_, inverse)) = &mut inverse else { continue };
@@ -163,7 +167,7 @@ fn looks(presses: &[GelPress], profile: &Profile, camera: &Camera, gel: &GelBloc
             let Some(look) = Look::new(&inverse.cells(), known, gel) else { continue };
             found += 1;
             widest_mm = widest_mm.max(look.radius_mm());
-            looks.extend((look.around.len() >= LEAST_AROUND).then_some(look));
+            looks.extend((look.around.len() >= THRESHOLDS.least_around).then_some(look));
         }
         let name = &recorded.name;
         if found == 0 {

@@ -7,11 +7,10 @@ use fingervision_touch::{Fields, Flag, Profile, Tracker};
 use crate::depth::{DepthFitError, check_camera, check_depths, tracking};
 
 use super::GelFitError;
+use super::thresholds::THRESHOLDS;
 
 /// Frames of a press that are kept.
 const FRAMES: usize = 4;
-/// Their depths, in thicknesses: shallower ones contain little information, deeper ones are not linear.
-const DEPTHS: [f64; 2] = [0.04, 0.12];
 
 /// A tracked press.
 #[derive(Debug, Clone)]
@@ -70,7 +69,7 @@ impl GelPressRecorder {
         let gel = profile.gel.ok_or(GelFitError::Absent { table: "gel" })?;
         profile.camera.ok_or(GelFitError::Absent { table: "camera" })?;
         check_depths(name, depths_mm, profile)?;
-        let range_mm = DEPTHS.map(|part| part * gel.thickness_mm);
+        let range_mm = THRESHOLDS.depths.map(|part| part * gel.thickness_mm);
         let chosen = choose(depths_mm, range_mm);
         if chosen.is_empty() {
             let deepest_mm = depths_mm.iter().copied().fold(0.0, f64::max);

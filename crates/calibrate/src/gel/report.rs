@@ -4,10 +4,13 @@ use fingervision_elastic::GelBlock;
 use fingervision_image::Image;
 use serde::Serialize;
 
+use super::estimate::{GelEstimate, Why, estimate, modulus_estimate};
 use super::fit::{self, Settled};
 use super::forward::Explained;
 use super::look::Look;
-use super::modulus::{Modulus, modulus};
+use super::modulus::modulus;
+use super::press_report::{GelPressReport, press_reports};
+use super::thresholds::THRESHOLDS;
 use super::{Fitted, GelFitError, GelPress, ResidualGrid, Unknowns, warnings};
 
 /// Error of linear elasticity, of the search for contact and of the grid, whatever the data, one standard deviation: of
@@ -15,59 +18,6 @@ use super::{Fitted, GelFitError, GelPress, ResidualGrid, Unknowns, warnings};
 const MODEL: [f64; 3] = [0.015, 0.04, 0.05];
 /// Added to it per unit of the mismatch, as a logarithm, between the depth that was found and the known one.
 const BY_MISMATCH: [f64; 3] = [0.1, 0.5, 0.5];
-/// Deviations beyond which a value is not determined: of ν, of ln thickness and of ln E.
-const DETERMINED: [f64; 3] = [0.05, 0.1, 0.15];
-/// A correlation beyond which ν and thickness change the surface in the same way.
-const ALIKE: f64 = 0.97;
-/// Contact that is wider than this, as radius over thickness, moves little of the gel around it.
-const WIDE: f64 = 1.0;
-
-/// One value of the gel.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct GelEstimate {
-    /// Its key in the profile's `[gel]`.
-    pub key: &'static str,
-    /// The profile's value.
-    pub before: Option<f64>,
-    /// The fitted value; the profile's value where it is fixed, none where there is neither.
-    pub value: Option<f64>,
-    /// Its standard deviation, including the error of the linear model; none where it is fixed.
-    pub deviation: Option<f64>,
-    /// The part of it from the scatter between presses, or around contact where they are few.
-    pub scatter: Option<f64>,
-    /// Whether the presses determine it: only then is it written.
-    pub is_determined: bool,
-    /// A remark.
-    pub remark: String,
-}
-
-/// The result for one frame.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct FrameReport {
-    /// The known depth, mm.
-    pub depth_mm: f64,
-    /// The depth found in the images before it was scaled to the known one, mm.
-    pub found_mm: f64,
-    /// The radius of a circle as large as contact, mm.
-    pub contact_radius_mm: f64,
-    /// Motion around contact that the profile's gel leaves unexplained, root mean square over the depth.
-    pub unexplained_before: Option<f64>,
-    /// The same by the fitted gel.
-    pub unexplained: f64,
-    /// Measured normal force, N.
-    pub force_n: Option<f64>,
-    /// Normal force by the fitted gel, N; none where its modulus is not known.
-    pub predicted_force_n: Option<f64>,
-}
-
-/// The result for one press.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct GelPressReport {
-    /// Its name.
-    pub name: String,
-    /// The frames that were used.
-    pub frames: Vec<FrameReport>,
-}
 
 /// The values for the profile's `[gel]`: those fitted and determined.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -127,20 +77,27 @@ impl GelReport {
         let has_forces = looks.iter().any(|look| look.force_n.is_some());
         let modulus_mpa = stiff.map(|stiff| stiff.youngs_modulus_mpa).or(start.youngs_modulus_mpa);
         let correlation = after.correlation;
-        let is_wide = looks.iter().all(|look| look.radius_mm() > WIDE * gel.thickness_mm);
-        let is_alike = correlation.is_some_and(|correlation| correlation.abs() > ALIKE);
+        let is_wide = looks.iter().all(|look| look.radius_mm() > THRESHOLDS.wide * gel.thickness_mm);
+        let is_alike = correlation.is_some_and(|correlation| correlation.abs() > THRESHOLDS.alike);
         let why = Why::new(is_wide, is_alike);
         let [ratio, thickness] =
             [0, 1].map(|i| free[i].then(|| (covariance[i][i].sqrt(), after.covariance[i][i].sqrt())));
         let h = gel.thickness_mm;
         let estimates = [
-            estimate("poissons_ratio", Some(start.poissons_ratio), Some(gel.poissons_ratio), ratio, DETERMINED[0], why),
+            estimate(
+                "poissons_ratio",
+                Some(start.poissons_ratio),
+                Some(gel.poissons_ratio),
+                ratio,
+                THRESHOLDS.determined[0],
+                why,
+            ),
             estimate(
                 "thickness_mm",
                 Some(start.thickness_mm),
                 Some(h),
                 thickness.map(|(all, scatter)| (h * all, h * scatter)),
-                h * DETERMINED[1],
+                h * THRESHOLDS.determined[1],
                 why,
             ),
             modulus_estimate(
@@ -206,97 +163,4 @@ fn maps(looks: &[Look], after: &Settled, before: &[(Look, Explained)]) -> [Image
         before.iter().map(|(look, made)| (look, made)).max_by(deepest).map_or_else(empty, map),
         looks.iter().zip(&after.explained).max_by(deepest).map_or_else(empty, map),
     ]
-}
-
-/// Why the surface may not determine the gel.
-#[derive(Debug, Clone, Copy)]
-struct Why {
-    /// Whether it does not, however small the deviations are.
-    is_certain: bool,
-    text: &'static str,
-}
-
-impl Why {
-    fn new(is_wide: bool, is_alike: bool) -> Self {
-        let text = if is_wide {
-            "every contact is wider than the gel is thick, and the gel beside it hardly moves: use a smaller indenter"
-        } else if is_alike {
-            "Poisson's ratio and thickness move the surface in the same way here: fix one that you measured"
-        } else {
-            "the presses contradict each other or contain too little information: check their depths, or press at other places and with other shapes"
-        };
-        Self { is_certain: is_wide || is_alike, text }
-    }
-
-    /// The same for Young's modulus, whose deviation includes that of the surface.
-    fn of_forces(self) -> Self {
-        Self { is_certain: false, ..self }
-    }
-}
-
-fn estimate(
-    key: &'static str,
-    before: Option<f64>,
-    value: Option<f64>,
-    deviation: Option<(f64, f64)>,
-    limit: f64,
-    why: Why,
-) -> GelEstimate {
-    let is_determined = deviation.is_some_and(|(all, _)| all <= limit) && !why.is_certain;
-    let remark = match deviation {
-        None => "fixed at the profile's value".into(),
-        Some(_) if is_determined => "determined".into(),
-        Some(_) => format!("not determined: {}", why.text),
-    };
-    let (deviation, scatter) = (deviation.map(|(all, _)| all), deviation.map(|(_, scatter)| scatter));
-    GelEstimate { key, before, value, deviation, scatter, is_determined, remark }
-}
-
-/// Young's modulus; `is_asked` and `has_forces` say whether it was to be fitted and could be.
-fn modulus_estimate(
-    before: Option<f64>,
-    stiff: Option<Modulus>,
-    (is_asked, has_forces): (bool, bool),
-    model: f64,
-    why: Why,
-) -> GelEstimate {
-    let key = "youngs_modulus_mpa";
-    let unknown = |remark: &str| GelEstimate { remark: remark.into(), ..estimate(key, before, before, None, 0.0, why) };
-    match stiff {
-        Some(stiff) if stiff.youngs_modulus_mpa > 0.0 => {
-            let value = stiff.youngs_modulus_mpa;
-            let deviations = (value * stiff.deviation.hypot(model), value * stiff.deviation);
-            estimate(key, before, Some(value), Some(deviations), value * DETERMINED[2], why)
-        }
-        Some(_) => unknown("not determined: the forces are negative; a press is a positive force. Not changed"),
-        None if is_asked => unknown("not determined: the forces are all zero; not changed"),
-        None if has_forces => unknown("fixed at the profile's value"),
-        None => unknown("not determined: there are no forces; not changed"),
-    }
-}
-
-fn press_reports(
-    presses: &[GelPress],
-    (looks, after): (&[Look], &Settled),
-    before: &[(Look, Explained)],
-    modulus_mpa: Option<f64>,
-) -> Vec<GelPressReport> {
-    let unexplained_before = |look: &Look| {
-        let same = |other: &Look| other.press == look.press && other.frame == look.frame;
-        before.iter().find(|(other, _)| same(other)).map(|(look, made)| fit::unexplained(look, made))
-    };
-    let report = |(number, press): (usize, &GelPress)| {
-        let of = looks.iter().zip(&after.explained).filter(|(look, _)| look.press == number);
-        let frame = |(look, made): (&Look, _)| FrameReport {
-            depth_mm: look.depth_mm,
-            found_mm: look.found_mm,
-            contact_radius_mm: look.radius_mm(),
-            unexplained_before: unexplained_before(look),
-            unexplained: fit::unexplained(look, made),
-            force_n: look.force_n,
-            predicted_force_n: modulus_mpa.map(|modulus| modulus * made.force_per_modulus_mm2),
-        };
-        GelPressReport { name: press.name.clone(), frames: of.map(frame).collect() }
-    };
-    presses.iter().enumerate().map(report).collect()
 }

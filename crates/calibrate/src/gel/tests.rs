@@ -133,9 +133,9 @@ fn motion_that_no_gel_makes_is_refused_with_what_to_check() {
 #[test]
 fn a_contact_as_wide_as_the_gel_leaves_nothing_around_it() {
     let wide = press(8.0, [0.0, 0.0]);
-    assert!(look(&wide, 0, &GEL, None).around.len() < super::LEAST_AROUND);
+    assert!(look(&wide, 0, &GEL, None).around.len() < super::THRESHOLDS.least_around);
     let small = press(2.5, [0.0, 0.0]);
-    assert!(look(&small, 0, &GEL, None).around.len() > super::LEAST_AROUND);
+    assert!(look(&small, 0, &GEL, None).around.len() > super::THRESHOLDS.least_around);
 }
 
 #[test]

@@ -4,16 +4,10 @@ use fingervision_elastic::GelBlock;
 use fingervision_optics::Camera;
 use fingervision_touch::ElasticParams;
 
-use super::{GelEstimate, GelPress, GelPressReport};
-
-/// Motion that may stay unexplained, as a part of the depth, before a warning.
-const USUAL_UNEXPLAINED: f64 = 0.02;
-/// A modulus that changes by more than this factor gives a warning: forces in another unit do that.
-const MOST_STIFFER: f64 = 5.0;
-/// Depths in the images that differ by more than this factor from the known ones give a warning.
-const MOST_FACTOR: f64 = 1.5;
-/// Poisson's ratio above which a fit has reached the end of its range.
-const MOST_RATIO: f64 = 0.498;
+use super::GelPress;
+use super::estimate::GelEstimate;
+use super::press_report::GelPressReport;
+use super::thresholds::THRESHOLDS;
 
 /// The warnings about the presses and the fit.
 pub(super) fn of_presses(
@@ -23,8 +17,8 @@ pub(super) fn of_presses(
     [ratio, _, modulus]: &[GelEstimate; 3],
 ) -> Vec<String> {
     let released = presses.iter().filter(|press| press.was_released).map(of_release);
-    let misfit = (unexplained > USUAL_UNEXPLAINED).then(|| of_misfit(unexplained));
-    let is_at_end = ratio.value.is_some_and(|ratio| ratio > MOST_RATIO);
+    let misfit = (unexplained > THRESHOLDS.usual_unexplained).then(|| of_misfit(unexplained));
+    let is_at_end = ratio.value.is_some_and(|ratio| ratio > THRESHOLDS.end_of_ratios);
     let at_end = is_at_end.then(|| "Poisson's ratio is at the upper end, 0.499: nearly incompressible".into());
     released
         .chain(misfit)
@@ -55,7 +49,7 @@ fn of_misfit(unexplained: f64) -> String {
         "{:.1} % of the depth remain unexplained, usual are at most {:.0} %: is the gel bonded to a flat window, the camera \
          calibrated, the depth right?",
         100.0 * unexplained,
-        100.0 * USUAL_UNEXPLAINED
+        100.0 * THRESHOLDS.usual_unexplained
     )
 }
 
@@ -63,7 +57,7 @@ fn of_misfit(unexplained: f64) -> String {
 fn of_depths(press: &GelPressReport) -> Option<String> {
     let deepest = press.frames.iter().max_by(|a, b| a.depth_mm.total_cmp(&b.depth_mm))?;
     let factor = deepest.found_mm / deepest.depth_mm;
-    (!(1.0 / MOST_FACTOR..MOST_FACTOR).contains(&factor)).then(|| {
+    (!(1.0 / THRESHOLDS.most_depth_factor..THRESHOLDS.most_depth_factor).contains(&factor)).then(|| {
         format!(
             "{}: at {:.2} mm the depth in its images is {:.2} mm: check its depths, and the distance in [camera]",
             press.name, deepest.depth_mm, deepest.found_mm
@@ -74,7 +68,7 @@ fn of_depths(press: &GelPressReport) -> Option<String> {
 /// A modulus that differs much from the profile's.
 fn of_modulus(modulus: &GelEstimate) -> Option<String> {
     let (before, now) = modulus.before.zip(modulus.value)?;
-    (now.max(before) > MOST_STIFFER * now.min(before)).then(|| {
+    (now.max(before) > THRESHOLDS.most_stiffer * now.min(before)).then(|| {
         format!("Young's modulus changes from {before:.4} to {now:.4} MPa: are the forces in N? (1 g is 0.00981 N)")
     })
 }

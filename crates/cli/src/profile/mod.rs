@@ -1,6 +1,7 @@
 //! `fingervision profile`: starts, shows and checks the file that describes a sensor.
 
 mod check;
+mod known;
 mod new;
 mod show;
 mod template;

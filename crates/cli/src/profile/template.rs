@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 
-use super::new::Known;
+use super::known::Known;
 
 /// The text of a profile with the known values.
 ///

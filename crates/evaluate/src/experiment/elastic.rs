@@ -2,7 +2,7 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
-use fingervision_touch::{ElasticDepth, ElasticFields};
+use fingervision_touch::{ElasticDepth, ElasticFields, TrackError};
 use serde::Serialize;
 
 use super::{DepthScore, ExperimentError, Recording, Scorer};
@@ -36,7 +36,8 @@ impl ElasticScore {
         scorer: &Scorer,
     ) -> Result<(Self, Image<f32>), ExperimentError> {
         let (camera, gel) = recording.profile.elastic_sensor()?;
-        let mut inverse = ElasticDepth::new(&camera, &gel, flow.size(), &recording.profile.elastic)?;
+        let inverse = ElasticDepth::new(&camera, &gel, flow.size(), &recording.profile.elastic);
+        let mut inverse = inverse.map_err(TrackError::from)?;
         let found = inverse.solve(flow, deviation, valid);
         let (depth_mm, holds) = if found.is_unexplained {
             (Image::filled(valid.width(), valid.height(), 0.0), Image::filled(valid.width(), valid.height(), 0))

@@ -45,11 +45,12 @@ pub(super) fn values_16(file: &Path) -> Result<Image<u16>, EvaluateError> {
 
 /// The rows of numbers of a comma-separated file; a first line of words is left out.
 pub(super) fn numbers(file: &Path) -> Result<Vec<Vec<f64>>, EvaluateError> {
-    let text = fs::read_to_string(file).map_err(|error| EvaluateError::file(file, error.to_string()))?;
-    let row = |line: &str| line.split(',').map(|cell| cell.trim().parse().ok()).collect::<Option<Vec<f64>>>();
-    let is_heading = text.lines().next().is_some_and(|line| row(line).is_none());
-    let rows: Option<Vec<_>> = text.lines().skip(usize::from(is_heading)).map(row).collect();
-    rows.ok_or_else(|| EvaluateError::file(file, "a row holds something else than numbers"))
+    let reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_path(file);
+    let rows = reader.and_then(|reader| {
+        let rows = reader.into_deserialize().enumerate();
+        rows.filter(|(number, row)| *number > 0 || row.is_ok()).map(|(_, row)| row).collect()
+    });
+    rows.map_err(|error| EvaluateError::file(file, error.to_string()))
 }
 
 /// A Middlebury flow file: "PIEH", width and height, then u and v of every pixel, all little-endian in four bytes.

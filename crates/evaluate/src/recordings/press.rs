@@ -3,6 +3,7 @@
 use super::punyo::{FRAMES, Punyo};
 use crate::matcher::Matcher;
 use crate::{Asked, EvaluateError, Table};
+use fingervision_calibrate::depth::fit_line;
 use fingervision_flow::{Estimate, FlowField, FlowParams, Preset};
 use fingervision_image::{Between, Frame, Image};
 use fingervision_touch::{Fields, Flag, Profile, Reading, Tracker};
@@ -233,33 +234,6 @@ fn correlation_with_force(
     frames: RangeInclusive<usize>,
 ) -> f64 {
     let pairs = flows_px.iter().filter(|(index, _)| frames.contains(index));
-    let pairs: Vec<_> = pairs.map(|(index, flow_px)| (flow_px[way], punyo.force_n[*index])).collect();
-    correlation(&pairs)
-}
-
-/// Pearson's correlation.
-fn correlation(pairs: &[(f64, f64)]) -> f64 {
-    let count = pairs.len() as f64;
-    let (x, y) = pairs.iter().fold((0.0, 0.0), |(x, y), pair| (x + pair.0 / count, y + pair.1 / count));
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for pair in pairs {
-        let (dx, dy) = (pair.0 - x, pair.1 - y);
-        xx += dx * dx;
-        xy += dx * dy;
-        yy += dy * dy;
-    }
-    xy / (xx * yy).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn correlation_is_one_on_a_line() {
-        let line = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0), (5.0, 11.0)];
-        assert!((correlation(&line) - 1.0).abs() < 1e-12);
-        let bent = [(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)];
-        assert!(correlation(&bent).abs() < 1e-12);
-    }
+    let pairs: Vec<_> = pairs.map(|(index, flow_px)| [flow_px[way], punyo.force_n[*index]]).collect();
+    fit_line(&pairs).map_or(f64::NAN, |line| line.correlation)
 }

@@ -2,14 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use fingervision_sink::Field;
+
 use super::RunError;
 use super::array::FrameArray;
 
-/// The names of the fields that can be compared.
-const NAMES: [&str; 4] = ["flow", "depth", "displacement", "contact"];
+/// The fields that can be compared.
+const COMPARED: [Field; 4] = [Field::Flow, Field::Depth, Field::Displacement, Field::Contact];
 
 /// The file of [`Fields::depth_mask`].
-pub(super) const DEPTH_MASK: &str = "depth_valid.npy";
+pub(super) const DEPTH_MASK: &str = Field::DepthValid.file_name();
 
 /// The arrays of a run or of a truth. What a folder lacks is absent.
 #[derive(Debug)]
@@ -31,11 +33,12 @@ pub(super) struct Fields {
 impl Fields {
     /// Opens what the folder holds.
     pub(super) fn open(folder: &Path, mask: &str) -> Result<Self, RunError> {
+        let file = |field: Field| folder.join(field.file_name());
         let fields = Self {
-            flow: FrameArray::open(&folder.join("flow.npy"), 2)?,
-            depth: FrameArray::open(&folder.join("depth.npy"), 1)?,
-            displacement: FrameArray::open(&folder.join("displacement.npy"), 3)?,
-            contact: FrameArray::open(&folder.join("contact.npy"), 1)?,
+            flow: FrameArray::open(&file(Field::Flow), 2)?,
+            depth: FrameArray::open(&file(Field::Depth), 1)?,
+            displacement: FrameArray::open(&file(Field::Displacement), 3)?,
+            contact: FrameArray::open(&file(Field::Contact), 1)?,
             mask: FrameArray::open(&folder.join(mask), 1)?,
             depth_mask: FrameArray::open(&folder.join(DEPTH_MASK), 1)?,
         };
@@ -61,14 +64,15 @@ impl Fields {
         numbers.chain(self.masks().map(|array| (array.path().to_owned(), array.frames()))).collect()
     }
 
-    /// Which of the fields are here, in the order of [`NAMES`].
+    /// Which of the fields are here, in the order of [`COMPARED`].
     fn presence(&self) -> [bool; 4] {
         [self.flow.is_some(), self.depth.is_some(), self.displacement.is_some(), self.contact.is_some()]
     }
 
     /// The names of the fields that are here, separated by commas.
     pub(super) fn names(&self) -> String {
-        let present = NAMES.into_iter().zip(self.presence()).filter_map(|(name, is_here)| is_here.then_some(name));
+        let present =
+            COMPARED.iter().zip(self.presence()).filter(|(_, is_here)| *is_here).map(|(field, _)| field.name());
         present.collect::<Vec<_>>().join(", ")
     }
 

@@ -4,13 +4,16 @@
 use std::fs;
 use std::path::Path;
 
+use fingervision_calibrate::CsvTable;
+use fingervision_touch::SEQUENCE_COLUMN;
+
 /// The numbers of the run's frames by the column `sequence` of its table of readings; none where the run holds the first frames
 /// of so many, one after another, or the table does not say.
 pub(super) fn part(table: &Path, frames: u64) -> Option<Vec<u64>> {
     let text = fs::read_to_string(table).ok()?;
-    let mut lines = text.lines().map(|line| line.split(',').map(str::trim));
-    let place = lines.next()?.position(|column| column == "sequence")?;
-    let numbers: Vec<u64> = lines.map(|mut cells| cells.nth(place)?.parse().ok()).collect::<Option<_>>()?;
+    let table = CsvTable::parse(&text).ok()?;
+    let place = table.place(SEQUENCE_COLUMN)?;
+    let numbers: Vec<u64> = table.rows().iter().map(|row| row.cell(place).parse().ok()).collect::<Option<_>>()?;
     let is_part = numbers.is_sorted_by(|a, b| a < b) && numbers.last().is_some_and(|&last| last < frames);
     let is_beginning = numbers.iter().zip(0..).all(|(&number, row)| number == row);
     (is_part && !is_beginning).then_some(numbers)

@@ -4,7 +4,8 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
-use fingervision_sink::{FORCE_COLUMNS, TORQUE_COLUMN};
+use fingervision_calibrate::{CsvFault, CsvTable};
+use fingervision_touch::{FORCE_COLUMNS, TORQUE_COLUMN};
 
 use super::RunError;
 
@@ -18,39 +19,27 @@ pub(super) fn read_forces(path: &Path) -> Result<Option<Forces>, RunError> {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         read => read.map_err(RunError::reading(path))?,
     };
-    let fault = |line: usize, reason: String| RunError::Table { file: path.to_owned(), line: line + 1, reason };
-    let mut lines = text.lines().map(|line| line.trim_end_matches('\r').split(',').map(str::trim));
-    let columns: Vec<&str> = lines.next().into_iter().flatten().collect();
-    let place = |name: &str| columns.iter().position(|column| *column == name);
-    let mut places = [None, None, None, place(TORQUE_COLUMN)];
-    for (at, name) in places.iter_mut().zip(FORCE_COLUMNS) {
-        *at = Some(place(name).ok_or_else(|| fault(0, format!("there is no column {name}")))?);
-    }
-    let frame_place = place("frame");
-    let mut forces = Vec::new();
-    for (row, cells) in lines.enumerate() {
-        let cells: Vec<&str> = cells.collect();
-        if cells.len() != columns.len() {
-            let reason = format!("{} cells, expected {} as in the first line", cells.len(), columns.len());
-            return Err(fault(row + 1, reason));
-        }
-        let frame = frame_place.map(|place| cells[place]);
-        if let Some(frame) = frame.filter(|frame| frame.parse() != Ok(row)) {
-            return Err(fault(row + 1, format!("frame {frame}, expected {row}: every frame has its row, from 0")));
-        }
-        let number = |place: usize| match cells[place] {
-            "" => Ok(None),
-            cell => cell.parse::<f64>().map(|value| value.is_finite().then_some(value)),
-        };
+    let forces = CsvTable::parse(&text).and_then(|table| forces(&table));
+    forces.map(Some).map_err(|(line, reason)| RunError::Table { file: path.to_owned(), line, reason })
+}
+
+fn forces(table: &CsvTable) -> Result<Forces, CsvFault> {
+    let [x, y, z] = FORCE_COLUMNS.map(|name| table.needed(name).map(|place| Some((name, place))));
+    let columns = [x?, y?, z?, table.place(TORQUE_COLUMN).map(|place| (TORQUE_COLUMN, place))];
+    let mut forces = Forces::new();
+    for row in table.rows() {
+        table.check(row, forces.len())?;
         let mut force = [None; 4];
-        for (value, place) in force.iter_mut().zip(places) {
-            let Some(place) = place else { continue };
-            let no_number = |_| fault(row + 1, format!("{} = {} is no number", columns[place], cells[place]));
-            *value = number(place).map_err(no_number)?;
+        for (value, column) in force.iter_mut().zip(columns) {
+            let Some((name, cell)) = column.map(|(name, place)| (name, row.cell(place))) else { continue };
+            if !cell.is_empty() {
+                let number = cell.parse::<f64>().map_err(|_| row.fault(format!("{name} = {cell} is no number")))?;
+                *value = number.is_finite().then_some(number);
+            }
         }
         forces.push(force);
     }
-    Ok(Some(forces))
+    Ok(forces)
 }
 
 #[cfg(test)]

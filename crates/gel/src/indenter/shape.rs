@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use fingervision_elastic::GelBlock;
-use serde::{Deserialize, Serialize};
 
 use super::face::Face;
 use super::grid::HeightGrid;
@@ -30,8 +29,7 @@ use super::{IndenterError, IndenterRelief, letter};
 /// assert!(relief.at(0.0, 0.0).height_mm > 6.0 && !relief.is_face(0.0, 0.0));
 /// # Ok::<(), fingervision_gel::IndenterError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "super::table::Table", into = "super::table::Table")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Indenter {
     /// Its shape and size.
     pub shape: IndenterShape,

@@ -2,14 +2,15 @@
 
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Indenter, IndenterShape};
 
 /// An [`Indenter`] as a flat table in a file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Table {
+struct Table {
     shape: Kind,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     radius_mm: Option<f64>,
@@ -146,6 +147,18 @@ fn needed<T>(value: Option<T>, key: &str, shape: Kind) -> Result<T, String> {
     value.ok_or_else(|| format!("missing {key}, which the shape {} takes", shape.name()))
 }
 
+impl Serialize for Indenter {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Table::from(self).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Indenter {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::try_from(Table::deserialize(deserializer)?).map_err(D::Error::custom)
+    }
+}
+
 impl TryFrom<Table> for Indenter {
     type Error = String;
 
@@ -187,9 +200,9 @@ impl TryFrom<Table> for Indenter {
     }
 }
 
-impl From<Indenter> for Table {
-    fn from(indenter: Indenter) -> Self {
-        let table = |shape: Kind| Self::new(shape, &indenter);
+impl From<&Indenter> for Table {
+    fn from(indenter: &Indenter) -> Self {
+        let table = |shape: Kind| Self::new(shape, indenter);
         match indenter.shape.clone() {
             IndenterShape::Circle { radius_mm } => Self { radius_mm: Some(radius_mm), ..table(Kind::Circle) },
             IndenterShape::Sphere { radius_mm } => Self { radius_mm: Some(radius_mm), ..table(Kind::Sphere) },

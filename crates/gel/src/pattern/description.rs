@@ -2,8 +2,6 @@
 
 use std::fmt::Display;
 
-use serde::{Deserialize, Serialize};
-
 use super::{ColourPattern, PatternError, Texture, discs};
 use fingervision_image::Image;
 
@@ -15,8 +13,7 @@ const MOST_CELLS: usize = 4096;
 /// As a table: `kind` is `"colour"`, `"dots"` or `"speckle"`; `cell_mm` belongs to the first, `dots` and
 /// `dot_diameter_mm` to the second, `speckle_diameter_mm` and `coverage` to the third. Keys left out take the default; a
 /// key of another kind is refused.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "super::table::Table", into = "super::table::Table")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Pattern {
     /// The repeated element.
     pub motif: Motif,

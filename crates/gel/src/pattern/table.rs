@@ -1,13 +1,14 @@
 //! A pattern as a flat table in a file.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Motif, Pattern};
 
 /// A [`Pattern`] as a flat table in a file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct Table {
+struct Table {
     kind: Kind,
     #[serde(skip_serializing_if = "Option::is_none")]
     cell_mm: Option<f64>,
@@ -35,12 +36,12 @@ enum Kind {
 impl Default for Table {
     /// A colour pattern whose cell size is left open.
     fn default() -> Self {
-        Self { cell_mm: None, ..Pattern::default().into() }
+        Self { cell_mm: None, ..(&Pattern::default()).into() }
     }
 }
 
-impl From<Pattern> for Table {
-    fn from(Pattern { motif, levels, seed, rotation_rad }: Pattern) -> Self {
+impl From<&Pattern> for Table {
+    fn from(&Pattern { motif, levels, seed, rotation_rad }: &Pattern) -> Self {
         let mut table = Self {
             kind: Kind::Colour,
             cell_mm: None,
@@ -63,6 +64,18 @@ impl From<Pattern> for Table {
             }
         }
         table
+    }
+}
+
+impl Serialize for Pattern {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Table::from(self).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Pattern {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::try_from(Table::deserialize(deserializer)?).map_err(D::Error::custom)
     }
 }
 

@@ -16,6 +16,7 @@
 mod coarse;
 mod contact;
 mod drag;
+mod error;
 mod face_search;
 mod fields;
 mod held;
@@ -30,6 +31,7 @@ mod thresholds;
 mod traction;
 
 pub use coarse::{Around, CoarseGrid};
+pub use error::ElasticError;
 pub use fields::{ElasticFields, TractionGrid};
 pub use network::TRAINING_RANGE;
 pub use params::{ElasticMode, ElasticParams};
@@ -46,8 +48,6 @@ use fingervision_optics::Camera;
 use held::HeldGel;
 use surface::{KNOWN, Surface};
 use thresholds::THRESHOLDS;
-
-use crate::TrackError;
 
 /// Cells along the gel's longer side.
 const CELLS: usize = 120;
@@ -103,15 +103,15 @@ impl ElasticDepth {
     ///
     /// # Errors
     ///
-    /// [`TrackError::NoSurface`] if the camera sees no point of the gel, [`TrackError::Gel`] if its elastic model
+    /// [`ElasticError::NoSurface`] if the camera sees no point of the gel, [`ElasticError::Gel`] if its elastic model
     /// cannot be made.
     pub fn new(
         camera: &Camera,
         gel: &GelBlock,
         size: (usize, usize),
         params: &ElasticParams,
-    ) -> Result<Self, TrackError> {
-        let surface = Surface::new(camera, gel, size, CELLS).ok_or(TrackError::NoSurface)?;
+    ) -> Result<Self, ElasticError> {
+        let surface = Surface::new(camera, gel, size, CELLS).ok_or(ElasticError::NoSurface)?;
         let contact = ContactFinder::new(&surface, gel, *params);
         let (part, limits) = match params.mode {
             // The network estimates depth everywhere: tractions give only force and shear, and larger cells suffice.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::review::ProfileReview;
+use super::view::View;
 use super::{DepthMethod, Profile};
 use crate::TRAINING_RANGE;
 
@@ -47,12 +47,12 @@ impl Remark {
 }
 
 /// All remarks, faults first.
-pub(super) fn all(profile: &Profile, review: &ProfileReview, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
+pub(super) fn all(profile: &Profile, view: &View, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
     let mut remarks = does_not_fit(profile, frame_size);
     remarks.extend(lengths(profile));
-    remarks.extend(lens(profile, review));
-    remarks.extend(view(review));
-    remarks.extend(training_range(review));
+    remarks.extend(lens(profile, view));
+    remarks.extend(misses(view));
+    remarks.extend(training_range(profile));
     remarks.extend(missing(profile));
     remarks.sort_by_key(|remark| remark.weight);
     remarks
@@ -111,12 +111,12 @@ fn rounded(value: f64) -> f64 {
 }
 
 /// Focal length, principal point and rotation.
-fn lens(profile: &Profile, review: &ProfileReview) -> Vec<Remark> {
+fn lens(profile: &Profile, view: &View) -> Vec<Remark> {
     let Some(camera) = profile.camera else { return Vec::new() };
     let mut remarks = Vec::new();
     let ([fx, fy], [cx, cy]) = (camera.focal_length_px, camera.principal_point_px);
-    if let Some([_, _, width, height]) = review.region_of_interest {
-        let [width, height] = [width, height].map(|length| length as f64);
+    if let Some(region) = view.region {
+        let [width, height] = [region.width, region.height].map(|length| length as f64);
         let angle = 2.0 * (0.5 * width / fx).atan().to_degrees();
         if !ANGLES_DEGREES.contains(&angle) {
             remarks.push(Remark::new(
@@ -147,8 +147,8 @@ fn lens(profile: &Profile, review: &ProfileReview) -> Vec<Remark> {
 }
 
 /// Camera and gel that miss each other.
-fn view(review: &ProfileReview) -> Option<Remark> {
-    let (gel_seen, region_on_gel) = review.gel_seen.zip(review.region_on_gel)?;
+fn misses(view: &View) -> Option<Remark> {
+    let (gel_seen, region_on_gel) = view.gel_seen.zip(view.region_on_gel)?;
     let percent = |part: f64| 100.0 * part;
     let hint = "check gel.size_mm (mm), and of [camera] focal_length_px (px), principal_point_px (px of the region) and \
                 translation_mm (mm, x, y and distance to the gel's centre)";
@@ -165,8 +165,8 @@ fn view(review: &ProfileReview) -> Option<Remark> {
     })
 }
 
-fn training_range(review: &ProfileReview) -> Option<Remark> {
-    (review.is_outside_training_range == Some(true)).then(|| {
+fn training_range(profile: &Profile) -> Option<Remark> {
+    (profile.is_outside_training_range() == Some(true)).then(|| {
         Remark::new(
             Weight::Warning,
             format!("gel and camera are outside the network's training range: {TRAINING_RANGE}"),

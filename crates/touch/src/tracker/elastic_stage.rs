@@ -2,8 +2,7 @@
 
 use fingervision_image::Image;
 
-use super::Fields;
-use crate::{ElasticDepth, ElasticFields, Flag, Profile, Reading, TrackError};
+use crate::{ElasticDepth, ElasticFields, Fields, Flag, Profile, Reading, TrackError};
 
 /// Fills the fields of a reading that follow from elasticity.
 #[derive(Debug)]

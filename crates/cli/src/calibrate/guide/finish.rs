@@ -204,8 +204,13 @@ impl fmt::Display for Outcome {
                 residuals.display()
             )?;
         }
-        for blind in &camera.knowledge.blind {
-            writeln!(f, "not determined  {}", blind.meaning)?;
+        // Along x and along y the same may be open: it is said once.
+        let mut meanings: Vec<&str> = Vec::new();
+        for meaning in camera.knowledge.blind.iter().map(|blind| blind.meaning) {
+            if !meanings.contains(&meaning) {
+                writeln!(f, "not determined  {meaning}")?;
+                meanings.push(meaning);
+            }
         }
         let least = depth.presses.iter().map(|press| press.line.correlation).fold(1.0, f64::min);
         let error = law.left_out_error_mm.unwrap_or(law.error_mm);

@@ -1,0 +1,141 @@
+//! A comma-separated file whose first line names its columns.
+//!
+//! A cell may be quoted. Spaces around cells, empty lines and a byte order mark are left out.
+
+use csv::{ReaderBuilder, StringRecord, Trim};
+use fingervision_touch::FRAME_COLUMN;
+
+/// A line, counted from 1, and what is wrong there.
+pub type CsvFault = (usize, String);
+
+/// A table whose first line names its columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CsvTable {
+    names: CsvRow,
+    rows: Vec<CsvRow>,
+}
+
+/// A row of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CsvRow {
+    /// Its line in the file, counted from 1.
+    pub line: usize,
+    cells: StringRecord,
+}
+
+impl CsvTable {
+    /// The table in a text.
+    ///
+    /// # Errors
+    ///
+    /// The line, counted from 1, and what is wrong there.
+    pub fn parse(text: &str) -> Result<Self, CsvFault> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text).as_bytes();
+        let reader = ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).from_reader(text);
+        let (mut rows, mut line, mut counted) = (Vec::new(), 1, 0);
+        for cells in reader.into_records() {
+            let cells = cells.map_err(|error| (line, error.to_string()))?;
+            // A row's position is where the one before ended: the rest of its line end and empty lines follow.
+            let end = cells.position().map_or(counted, |position| position.byte() as usize);
+            let begin = end + text[end..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
+            line += text[counted..begin].split(|&byte| byte == b'\n').count() - 1;
+            counted = begin;
+            if cells.len() > 1 || cells.iter().any(|cell| !cell.is_empty()) {
+                rows.push(CsvRow { line, cells });
+            }
+        }
+        let mut rows = rows.into_iter();
+        let names = rows.next().unwrap_or(CsvRow { line: 1, cells: StringRecord::new() });
+        Ok(Self { names, rows: rows.collect() })
+    }
+
+    /// The names of the columns.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.cells.iter()
+    }
+
+    /// The rows below the names.
+    #[must_use]
+    pub fn rows(&self) -> &[CsvRow] {
+        &self.rows
+    }
+
+    /// The place of a column, if there is one of this name.
+    #[must_use]
+    pub fn place(&self, name: &str) -> Option<usize> {
+        self.names().position(|column| column == name)
+    }
+
+    /// The place of a column that has to be there.
+    ///
+    /// # Errors
+    ///
+    /// The line of the names, and that there is no such column.
+    pub fn needed(&self, name: &str) -> Result<usize, CsvFault> {
+        self.place(name).ok_or_else(|| self.names.fault(format!("there is no column {name}")))
+    }
+
+    /// Checks that a row is as long as the first line and, if there is a column `frame`, that it is that frame's.
+    ///
+    /// # Errors
+    ///
+    /// The row's line and what is wrong there.
+    pub fn check(&self, row: &CsvRow, frame: usize) -> Result<(), CsvFault> {
+        let (cells, expected) = (row.cells.len(), self.names.cells.len());
+        if cells != expected {
+            return Err(row.fault(format!("{cells} cells, expected {expected} as in the first line")));
+        }
+        match self.place(FRAME_COLUMN).map(|place| row.cell(place)) {
+            Some(number) if number.parse() != Ok(frame) => {
+                Err(row.fault(format!("frame {number}, expected {frame}: every frame needs a row, from 0")))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+impl CsvRow {
+    /// The cells.
+    pub fn cells(&self) -> impl Iterator<Item = &str> {
+        self.cells.iter()
+    }
+
+    /// The cell of a column; empty if the row is too short.
+    #[must_use]
+    pub fn cell(&self, place: usize) -> &str {
+        self.cells.get(place).unwrap_or_default()
+    }
+
+    /// What is wrong in this row, with its line.
+    #[must_use]
+    pub fn fault(&self, reason: String) -> CsvFault {
+        (self.line, reason)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_counted_whatever_ends_them() {
+        for (text, lines) in [
+            ("a,b\n1,2\n3,4", [2, 3]),
+            ("a,b\r\n1,2\r\n3,4\r\n", [2, 3]),
+            ("\u{feff}a,b\r\n\r\n1,2\r\n  \r\n\n3,4\r\n", [3, 6]),
+            ("a,b\n\"1\n\",2\n\n3,4\n", [2, 5]),
+        ] {
+            let table = CsvTable::parse(text).unwrap();
+            assert!(table.names().eq(["a", "b"]), "{text:?}");
+            assert_eq!(table.rows().iter().map(|row| row.line).collect::<Vec<_>>(), lines, "{text:?}");
+            assert!(table.rows()[0].cells().eq(["1", "2"]) && table.rows()[1].cells().eq(["3", "4"]), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn cells_are_trimmed_and_may_be_quoted() {
+        let table = CsvTable::parse("a, b\n\"1\", 2 \n,,\n").unwrap();
+        assert!(table.names().eq(["a", "b"]) && table.rows()[1].cells().eq(["", "", ""]));
+        assert_eq!((table.rows()[0].cell(0), table.rows()[0].cell(1), table.rows()[0].cell(2)), ("1", "2", ""));
+    }
+}
