@@ -220,7 +220,7 @@ impl Tally {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fingervision_optics::CameraParams;
+    use fingervision_optics::{CameraParams, Distortion};
 
     const SIZE: (usize, usize) = (96, 64);
 
@@ -246,7 +246,8 @@ mod tests {
             focal_length_px: [250.0; 2],
             principal_point_px: [47.5, 31.5],
             translation_mm: [0.0, 0.0, 25.0],
-            ..CameraParams::default()
+            rotation_rad: [0.0; 3],
+            distortion: Distortion::default(),
         };
         let regions = Regions::of(&truth(), &Camera::new(&camera).unwrap());
         let bands: Vec<u8> = [47, 48, 45, 50, 43, 52, 38, 57, 28, 67].map(|x| regions.band.at(x, 30)).to_vec();
