@@ -122,7 +122,7 @@ impl Run {
     }
 
     fn tracker(&self, first: &Frame, frame_size: (usize, usize)) -> Result<Tracker, Failure> {
-        let (by_default, fields) = (self.fields.is_none(), fields_to_compute(self.fields.as_deref()));
+        let (by_default, fields) = (self.fields.is_none(), fields_to_compute(self.fields.as_deref(), self.profile.depth_method()));
         let tracker = Tracker::new(&self.profile, frame_size, first.pixels.is_colour(), fields)?;
         let absent = self.fields.iter().flatten().find(|field| !field.is_in(tracker.reading()));
         if let Some(field) = absent {
@@ -291,12 +291,13 @@ impl Run {
     }
 }
 
-/// The fields that the tracker computes; absent: all that the profile is calibrated for.
-pub(crate) fn fields_to_compute(asked: Option<&[Field]>) -> Fields {
+/// The fields that the tracker computes; absent: depth if the profile is calibrated for it, and density where depth is not
+/// elastic.
+pub(crate) fn fields_to_compute(asked: Option<&[Field]>, method: DepthMethod) -> Fields {
     let is_asked = |field| asked.is_some_and(|fields| fields.contains(&field));
     let by_default = asked.is_none();
     Fields {
-        density: by_default || is_asked(Field::Density),
+        density: (by_default && method == DepthMethod::Density) || is_asked(Field::Density),
         depth: by_default || is_asked(Field::Depth) || is_asked(Field::DepthDeviation) || is_asked(Field::Contact),
         displacement: is_asked(Field::Displacement),
         traction: is_asked(Field::Traction),

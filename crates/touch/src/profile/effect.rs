@@ -49,15 +49,15 @@ impl Profile {
             "search.finest_level" if self.flow.finest_level.is_some() => {
                 Some(("flow.finest_level is set and takes precedence".into(), "set flow.finest_level instead".into()))
             }
-            _ if key.starts_with("search") && is_affine && policy == Policy::Single => Some((
-                "references.policy = \"single\" with flow.preset = \"affine\" never searches".into(),
+            _ if key.starts_with("search.refine") && is_affine && policy == Policy::Single => Some((
+                "references.policy = \"single\" with flow.preset = \"affine\" searches lost areas only, without refinement".into(),
                 "set references.policy=anchored, or flow.preset=medium".into(),
             )),
             "affine.coarsest_level" | "affine.steps" | "affine.search_steps" | "affine.iterations" if !is_affine => {
                 Some(of_affine())
             }
             "affine.search_steps" if policy == Policy::Single => Some((
-                "references.policy = \"single\" never searches".into(),
+                "references.policy = \"single\" never searches whole images".into(),
                 "set flow.affine.steps, or references.policy=anchored".into(),
             )),
             "affine.colour_row_step" if !self.flow.colour => {

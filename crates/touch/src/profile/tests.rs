@@ -307,7 +307,7 @@ fn a_setting_without_effect_is_named_with_what_would_use_it() {
         (&stack, "flow.finest_level", "flow.preset=medium"),
         (&single, "references.min_matched", "references.policy=anchored"),
         (&single, "flow.affine.search_steps", "flow.affine.steps"),
-        (&single, "flow.search.patch_size", "references.policy=anchored"),
+        (&single, "flow.search.refine.passes", "references.policy=anchored"),
         (&medium, "flow.affine.iterations", "flow.preset=affine"),
         (&grey, "flow.affine.colour_row_step", "flow.colour=true"),
     ] {
@@ -321,6 +321,7 @@ fn a_setting_without_effect_is_named_with_what_would_use_it() {
         (&stack, "references.min_matched"),
         (&stack, "flow.affine.steps"),
         (&stack, "references.push_error"),
+        (&single, "flow.search.iterations"),
         (&uncalibrated, "references.rest_frames"),
         (&uncalibrated, "flow.noise_levels"),
         (&uncalibrated, "density.sigma_px"),
