@@ -122,7 +122,8 @@ impl Run {
     }
 
     fn tracker(&self, first: &Frame, frame_size: (usize, usize)) -> Result<Tracker, Failure> {
-        let (by_default, fields) = (self.fields.is_none(), fields_to_compute(self.fields.as_deref(), self.profile.depth_method()));
+        let (by_default, fields) =
+            (self.fields.is_none(), fields_to_compute(self.fields.as_deref(), self.profile.depth_method()));
         let tracker = Tracker::new(&self.profile, frame_size, first.pixels.is_colour(), fields)?;
         let absent = self.fields.iter().flatten().find(|field| !field.is_in(tracker.reading()));
         if let Some(field) = absent {

@@ -8,7 +8,7 @@ mod follow;
 mod tally;
 
 pub use follow::{PACES, Press, Variant};
-pub use tally::{BANDS_MM, Tally};
+pub use tally::{BANDS_MM, Sums, Tally};
 
 use crate::experiment::ExperimentError;
 use crate::{Asked, Table};
@@ -101,10 +101,10 @@ fn rim(tallies: &[Tally]) -> Table {
     names.push("farther".into());
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut table = Table::new("By distance from the border of the contact, one step between two images", &names);
-    let sums = tallies.iter().fold(Tally::default(), |sum, tally| sum.with(tally));
-    table.push("mean error of all visible pixels, px", None, sums.bands().map(|band| band.mean_px()).collect());
-    table.push("mean error of the valid ones, px", None, sums.bands().map(|band| band.mean_valid_px()).collect());
-    table.push("valid part", None, sums.bands().map(|band| band.valid()).collect());
+    let sums = tallies.iter().fold(Tally::default(), Tally::with);
+    table.push("mean error of all visible pixels, px", None, sums.bands().map(Sums::mean_px).collect());
+    table.push("mean error of the valid ones, px", None, sums.bands().map(Sums::mean_valid_px).collect());
+    table.push("valid part", None, sums.bands().map(Sums::valid).collect());
     table
 }
 
@@ -113,7 +113,7 @@ fn deviation(all: &[Vec<Tally>]) -> Table {
     let columns = ["contact", "rim", "outside"];
     let mut table =
         Table::new("Part of the valid pixels whose error is within the predicted deviation, all paces", &columns);
-    let sums = all.iter().flatten().fold(Tally::default(), |sum, tally| sum.with(tally));
+    let sums = all.iter().flatten().fold(Tally::default(), Tally::with);
     for (k, asked) in [(0, 0.68), (1, 0.95)] {
         let name = format!("within {}", if k == 0 { "one" } else { "two" });
         table.push(name, Some(Asked::AtLeast(asked)), sums.places().map(|place| place.covered(k)).collect());
