@@ -27,7 +27,7 @@ impl Preset {
             Self::Fast => SearchParams::fast(),
             Self::Medium => SearchParams::medium(),
             // The affine patches start from the search only where no better start is known, so it can be thorough.
-            Self::Affine => SearchParams { finest_level: 0, ..SearchParams::medium() },
+            Self::Affine => SearchParams { finest_level: 0, coarse_reach: 10, ..SearchParams::medium() },
         }
     }
 }

@@ -20,6 +20,12 @@ const AREA: usize = 2;
 /// costs half.
 const LEAST_FOUND: f32 = 0.25;
 
+/// How often patches that still fail are tried again from their neighbours, at most.
+const MOST_TRIALS: usize = 6;
+
+/// Part of the failed patches that may still fail after a trial for another one to follow.
+const STILL_FAILED: f32 = 0.9;
+
 /// The lost areas of a picture and scratch memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Recovery {
@@ -70,14 +76,31 @@ impl Recovery {
             Some((node, search.motion_at(finest, (PatchGrid::centre(i), PatchGrid::centre(j)), STRIDE)?))
         });
         patches.resettle(reference, current, found);
-        let left = self.find_cores(patches, reference);
+        let mut left = self.find_cores(patches, reference);
         self.rests = left as f32 > (1.0 - LEAST_FOUND) * lost as f32;
+        if self.rests {
+            return area_px2(left);
+        }
+        let mut failed = self.failed();
+        for _ in 0..MOST_TRIALS {
+            patches.retry(reference, current);
+            left = self.find_cores(patches, reference);
+            let before = std::mem::replace(&mut failed, self.failed());
+            if left == 0 || failed as f32 > STILL_FAILED * before as f32 {
+                break;
+            }
+        }
         area_px2(left)
     }
 
     /// The area that is lost at the patches as they are, px².
     pub(crate) fn lost_px2(&mut self, patches: &AffinePatches, reference: &AffineReference) -> f32 {
         area_px2(self.find_cores(patches, reference))
+    }
+
+    /// Number of failed patches.
+    fn failed(&self) -> usize {
+        self.failed.iter().filter(|failed| **failed).count()
     }
 
     /// Finds the failed patches and the cores of lost areas; returns the number of cores.

@@ -56,9 +56,6 @@ struct LevelState {
 /// Most additional steps at full size of a frame.
 const MORE_STEPS: usize = 4;
 
-/// How often patches that were searched again and still fail are tried from their neighbours.
-const SECOND_TRIALS: usize = 2;
-
 /// Least width and height of a level that holds patches, px.
 const LEAST_SIZE: usize = 16;
 
@@ -151,8 +148,7 @@ impl AffinePatches {
         self.levels[0].refinement.trust_all();
         let first_steps = usize::from(steps > 1);
         self.finish(&reference.grey[0], Current { image: current.grey.level(0), gain }, first_steps);
-        let LevelState { refinement, field, .. } = &mut self.levels[0];
-        field.heal(refinement.trust(), &mut self.rings);
+        self.heal();
         self.finish_full(reference, current, steps - first_steps);
     }
 
@@ -161,10 +157,7 @@ impl AffinePatches {
     pub(crate) fn settle(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
         self.follow(reference, current, 1, 1);
         for _ in 1..steps {
-            let LevelState { refinement, field, .. } = &mut self.levels[0];
-            field.heal(refinement.trust(), &mut self.rings);
-            refinement.trust_all();
-            self.finish_full(reference, current, 1);
+            self.retry(reference, current);
         }
     }
 
@@ -176,8 +169,7 @@ impl AffinePatches {
         move |node| own[node] <= limit && refinement.is_inside[node] && refinement.trust()[node] <= 0.0
     }
 
-    /// Moves patches to where they were found, and takes steps at full size with all of them. Those that fail then get the
-    /// value that their neighbours suggest, and are tried once more.
+    /// Moves patches to where they were found, and takes a step at full size with all patches.
     pub(crate) fn resettle(
         &mut self,
         reference: &AffineReference,
@@ -190,12 +182,19 @@ impl AffinePatches {
         }
         refinement.trust_all();
         self.finish_full(reference, current, 1);
-        for _ in 0..SECOND_TRIALS {
-            let LevelState { refinement, field, .. } = &mut self.levels[0];
-            field.heal(refinement.trust(), &mut self.rings);
-            refinement.trust_all();
-            self.finish_full(reference, current, 1);
-        }
+    }
+
+    /// Gives failed patches the value that their neighbours suggest, and tries all once more.
+    pub(crate) fn retry(&mut self, reference: &AffineReference, current: &Picture) {
+        self.heal();
+        self.levels[0].refinement.trust_all();
+        self.finish_full(reference, current, 1);
+    }
+
+    /// Gives failed patches the value that their neighbours suggest.
+    fn heal(&mut self) {
+        let LevelState { refinement, field, .. } = &mut self.levels[0];
+        field.heal(refinement.trust(), &mut self.rings);
     }
 
     fn finish_full(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {

@@ -14,7 +14,8 @@ use fingervision_image::Image;
 
 /// The level on which every place in reach is compared, and the reach, px there: 40 px at full size. A random pattern looks
 /// like itself in one place only, and Gauss–Newton steps find it from a px or two away.
-const EVERYWHERE: (usize, i32) = (2, 10);
+const LEVEL: usize = 2;
+const REACH_PX: i32 = 10;
 
 /// Distance of matches, px, within which they belong to one motion.
 const SAME_MOTION_PX: f32 = 1.5;
@@ -95,9 +96,10 @@ impl InverseSearch {
     ) {
         let finest = self.finest_level(current);
         let simd = self.simd;
-        let rules = SearchRules { iterations: self.params.iterations, tolerance: self.params.tolerance_px };
         for k in (0..self.levels.len()).rev() {
             let (fine, coarse) = self.levels.split_at_mut(k + 1);
+            let rules =
+                SearchRules { reach: if finest + k == LEVEL { REACH_PX } else { 0 }, ..self.params.rules(false) };
             let area = Area { lost, guess, level: finest + k };
             let (template, image) = (&reference.templates[k], current.grey.level(finest + k));
             let level = &mut fine[k];
@@ -113,22 +115,27 @@ impl InverseSearch {
         let scale = (1u32 << finest) as f32;
         let reach = (REACH * cell_px as f32).max(PATCH as f32 * scale) / scale;
         let (x, y) = ((x + 0.5) / scale - 0.5, (y + 0.5) / scale - 0.5);
-        let near = || level.layout.near(x, y, reach).map(|patch| (patch, &level.matches[patch.2]));
-        let found = || near().filter(|(_, found)| found.is_found());
+        let near = || level.layout.near(x, y, reach).map(|(px, py, patch)| (px, py, &level.matches[patch]));
+        let found = || near().filter(|(.., found)| found.is_found());
         let apart = |a: &Match, b: &Match| (a.u - b.u).abs().max((a.v - b.v).abs());
-        // Votes: how much agreement with how little residual.
-        let votes = |centre: &Match| -> f32 {
-            let agree = found().filter(|(_, other)| apart(centre, other) < SAME_MOTION_PX);
-            agree.map(|(_, other)| 1.0 / (1.0 + other.error)).sum()
-        };
-        let (_, best) = found().max_by(|(_, a), (_, b)| votes(a).total_cmp(&votes(b)))?;
-        let group = || found().filter(|(_, other)| apart(best, other) < SAME_MOTION_PX);
+        let weight = |found: &Match| 1.0 / (1.0 + found.error);
+        // The match with most agreement: the sum of the weights of those that agree with it.
+        let mut best: Option<(&Match, f32)> = None;
+        for (.., centre) in found() {
+            let agree = found().filter(|(.., other)| apart(centre, other) < SAME_MOTION_PX);
+            let votes: f32 = agree.map(|(.., other)| weight(other)).sum();
+            if best.is_none_or(|(_, most)| votes > most) {
+                best = Some((centre, votes));
+            }
+        }
+        let (best, _) = best?;
+        let group = || found().filter(|(.., other)| apart(best, other) < SAME_MOTION_PX);
         if group().count() < LEAST_MATCHES {
             return None;
         }
         let mut fit = Plane::default();
-        for ((px, py, _), found) in group() {
-            fit.add([px - x, py - y], [found.u, found.v], 1.0 / (1.0 + found.error));
+        for (px, py, found) in group() {
+            fit.add([px - x, py - y], [found.u, found.v], weight(found));
         }
         let CellMotion { displacement, gradient } = fit.solve();
         Some(CellMotion { displacement: displacement.map(|d| d * scale), gradient })
@@ -194,8 +201,8 @@ impl SearchLevel {
                     }
                 }
                 // Neighbours share what every second patch finds.
-                if area.level == EVERYWHERE.0 && (i + j) % 2 == 0 {
-                    starts[7] = best_place(simd, template, current, (i, j), guess, EVERYWHERE.1);
+                if rules.reach > 0 && (i + j) % 2 == 0 {
+                    starts[7] = best_place(simd, template, current, (i, j), guess, rules.reach);
                 }
                 self.matches[node] = search(simd, template, current, (i, j), &starts, rules);
             }

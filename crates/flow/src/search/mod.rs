@@ -12,7 +12,7 @@ mod variational;
 use crate::{FlowError, FlowField, Picture};
 use densify::Densifier;
 use fearless_simd::{Level, Simd, dispatch};
-use patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules, fill_unfound, reconsider, search};
+use patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules, best_place, fill_unfound, reconsider, search};
 use resize::{double_into, shrink_into};
 use serde::{Deserialize, Serialize};
 use variational::VariationalRefinement;
@@ -32,6 +32,9 @@ pub struct SearchParams {
     pub iterations: usize,
     /// A patch step shorter than this ends the patch's search, px on its level.
     pub tolerance_px: f32,
+    /// Reach of the comparison of every second patch with all places on the coarsest level, px there; 0 for none. It finds
+    /// motion of the whole picture that is too long for steps, up to this many coarse pixels.
+    pub coarse_reach: usize,
     /// Smallest eigenvalue of a textured patch's mean structure tensor, grey levels² per px².
     pub min_texture: f32,
     /// The variational refinement at the end of every level.
@@ -60,6 +63,7 @@ impl SearchParams {
             stride: 3,
             iterations: 6,
             tolerance_px: 0.01,
+            coarse_reach: 0,
             min_texture: 0.5,
             refine: RefineParams::default(),
         }
@@ -80,6 +84,7 @@ impl SearchParams {
         ] {
             check((least..=1000).contains(&count), name, count as f64, "at most 1000, and 1 iteration at least")?;
         }
+        check(self.coarse_reach <= 64, "search.coarse_reach", self.coarse_reach as f64, "0 to 64 px")?;
         check(self.finest_level <= 8, "search.finest_level", self.finest_level as f64, "0 to 8")?;
         let tolerance = f64::from(self.tolerance_px);
         check(tolerance > 0.0 && tolerance < 1.0, "search.tolerance_px", tolerance, "between 0 and 1 px")?;
@@ -97,6 +102,14 @@ impl SearchParams {
             check(weight >= 0.0 && weight.is_finite(), name, f64::from(weight), "0 or more")?;
         }
         Ok(())
+    }
+}
+
+impl SearchParams {
+    /// What the patches of a level follow.
+    fn rules(&self, is_coarsest: bool) -> SearchRules {
+        let reach = if is_coarsest { self.coarse_reach as i32 } else { 0 };
+        SearchRules { iterations: self.iterations, tolerance: self.tolerance_px, reach }
     }
 }
 
@@ -202,8 +215,9 @@ impl InverseSearch {
                 shrink_into(start, finest + k, &mut level.start);
             }
             let (template, image) = (&reference.templates[k], current.grey.level(finest + k));
-            let has_start = start.is_some();
-            dispatch!(simd, simd => level.run(simd, template, image, has_start, &self.params));
+            let (has_start, is_coarsest) = (start.is_some(), coarse.is_empty());
+            let rules = self.params.rules(is_coarsest);
+            dispatch!(simd, simd => level.run(simd, template, image, has_start, rules));
             level.refinement.refine(&self.params.refine, &template.grey, image, &mut level.flow);
         }
         self.enlarge(finest, flow);
@@ -235,9 +249,8 @@ impl SearchLevel {
         template: &PatchTemplate,
         current: &fingervision_image::Image<f32>,
         has_start: bool,
-        params: &SearchParams,
+        rules: SearchRules,
     ) {
-        let rules = SearchRules { iterations: params.iterations, tolerance: params.tolerance_px };
         let columns = self.layout.columns;
         for j in 0..self.layout.rows {
             for i in 0..columns {
@@ -245,7 +258,7 @@ impl SearchLevel {
                 let (x, y) = (left + PATCH / 2, top + PATCH / 2);
                 let at = |flow: &FlowField| (flow.u.at(x, y), flow.v.at(x, y));
                 let coarser = at(&self.flow);
-                let mut starts = [coarser; 4];
+                let mut starts = [coarser; 5];
                 if has_start {
                     starts[1] = at(&self.start);
                 }
@@ -256,6 +269,10 @@ impl SearchLevel {
                 if j > 0 {
                     let above = self.matches[(j - 1) * columns + i];
                     starts[3] = (above.u, above.v);
+                }
+                // Neighbours share what every second patch finds.
+                if rules.reach > 0 && (i + j) % 2 == 0 {
+                    starts[4] = best_place(simd, template, current, (i, j), coarser, rules.reach);
                 }
                 self.matches[j * columns + i] = search(simd, template, current, (i, j), &starts, rules);
             }

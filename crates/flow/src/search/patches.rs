@@ -155,6 +155,8 @@ pub(crate) struct SearchRules {
     pub(crate) iterations: usize,
     /// A step shorter than this ends the search, px.
     pub(crate) tolerance: f32,
+    /// Reach of the comparison with all places, px; 0 for none.
+    pub(crate) reach: i32,
 }
 
 /// Moves one patch from the best of several starts and returns where it ends.
@@ -353,7 +355,7 @@ mod tests {
         let mut template = PatchTemplate::new(PatchLayout::over(40, 40, 4));
         template.prepare(&wave(0.0, 0.0), 0.1);
         let current = wave(1.3, -0.8);
-        let rules = SearchRules { iterations: 5, tolerance: 1e-3 };
+        let rules = SearchRules { iterations: 5, tolerance: 1e-3, reach: 0 };
         let found = dispatch!(Level::new(), simd => search(simd, &template, &current, (3, 4), &[(0.0, 0.0)], rules));
         assert!((found.u - 1.3).abs() < 0.03 && (found.v + 0.8).abs() < 0.03, "{found:?}");
     }
@@ -363,7 +365,7 @@ mod tests {
         let flat = Image::filled(40, 40, 77.0);
         let mut template = PatchTemplate::new(PatchLayout::over(40, 40, 4));
         template.prepare(&flat, 0.1);
-        let rules = SearchRules { iterations: 5, tolerance: 1e-3 };
+        let rules = SearchRules { iterations: 5, tolerance: 1e-3, reach: 0 };
         let found = dispatch!(Level::new(), simd => search(simd, &template, &flat, (3, 4), &[(0.5, 0.25)], rules));
         assert_eq!((found.u, found.v), (0.5, 0.25));
     }
@@ -373,7 +375,7 @@ mod tests {
         let mut template = PatchTemplate::new(PatchLayout::over(40, 40, 4));
         template.prepare(&wave(0.0, 0.0), 0.1);
         let current = wave(0.0, 0.0);
-        let rules = SearchRules { iterations: 5, tolerance: 1e-3 };
+        let rules = SearchRules { iterations: 5, tolerance: 1e-3, reach: 0 };
         for start in [(-50.0, 0.0), (0.0, f32::NAN), (f32::INFINITY, 0.0)] {
             let found = dispatch!(Level::new(), simd => search(simd, &template, &current, (3, 4), &[start], rules));
             assert!(found.error.is_infinite(), "{start:?}: {found:?}");

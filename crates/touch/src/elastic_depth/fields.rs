@@ -41,7 +41,7 @@ pub struct ElasticFields {
     pub is_outside_training: bool,
     /// Whether the flow is valid in less than a tenth of contact.
     pub is_untracked: bool,
-    /// Whether the flow's deviation is more than 2.5 times that of the network's training images.
+    /// Whether the flow's deviation is more than 1.8 times that of the network's training images.
     pub is_flow_uncertain: bool,
     /// Deviation of depth at rest in images of the usual noise, mm.
     rest_deviation_mm: f32,

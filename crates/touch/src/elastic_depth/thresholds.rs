@@ -66,7 +66,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     noise_px: 0.04,
     noise_over_deviation: 1.7,
     training_deviation_px: 0.025,
-    most_over_training: 2.0,
+    most_over_training: 1.8,
     least_matching: 0.6,
     most_residual: 0.8,
     most_face_deviation: 0.005,

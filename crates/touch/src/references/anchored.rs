@@ -41,6 +41,8 @@ pub(crate) struct Anchored {
     from_key: Estimate,
     trial: Estimate,
     frames_lost: u64,
+    /// Consecutive frames of which a large area is lost.
+    frames_incomplete: u64,
     frames_since_key: u64,
     start_up: StartUp,
 }
@@ -63,6 +65,7 @@ impl Anchored {
             from_key: Estimate::new(width, height),
             trial: Estimate::new(width, height),
             frames_lost: 0,
+            frames_incomplete: 0,
             frames_since_key: 0,
             start_up: StartUp::new(params.rest_frames, centre_px),
         }
@@ -93,6 +96,8 @@ impl Anchored {
         let mut reference_id = self.first_id;
         if out.matched < self.params.min_matched {
             reference_id = self.rescue(estimator, current, out);
+        } else {
+            self.complete(estimator, current, out);
         }
         if out.matched >= self.params.min_matched {
             self.frames_lost = 0;
@@ -104,6 +109,22 @@ impl Anchored {
             reference_id,
             reference_count: 1 + usize::from(self.keyframe.is_some()),
             photometric_error: out.residual_levels,
+        }
+    }
+
+    /// Searches the whole frame if too large an area was lost for a search of that area alone, and takes what matches better.
+    fn complete(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) {
+        let pixels = out.valid.values().len() as f32;
+        if out.lost_px2 <= THRESHOLDS.most_lost * pixels {
+            self.frames_incomplete = 0;
+            return;
+        }
+        self.frames_incomplete += 1;
+        if (self.frames_incomplete - 1).is_multiple_of(self.params.search_interval) {
+            estimator.estimate(&self.first, current, Start::Search(Some(&out.flow)), &mut self.trial);
+            if self.trial.matched > out.matched {
+                out.copy_from(&self.trial);
+            }
         }
     }
 

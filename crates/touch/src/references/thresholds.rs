@@ -30,6 +30,8 @@ pub(super) struct Thresholds {
     pub(super) still_px: f32,
     /// Consecutive frames that elasticity explains as a press before the gel of the first image is taken to be at rest.
     pub(super) explained_frames: u64,
+    /// Part of the image that may be lost before the whole frame is searched.
+    pub(super) most_lost: f32,
     /// Part of the textured patches that must match before a frame becomes a keyframe.
     pub(super) keyframe_matched: f32,
     /// Least number of frames between two keyframes.
@@ -50,6 +52,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     most_unexplained: 0.2,
     still_px: 0.05,
     explained_frames: 5,
+    most_lost: 0.05,
     keyframe_matched: 0.9,
     keyframe_interval: 10,
 };
