@@ -4,7 +4,7 @@ use crate::workspace;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use fingervision_evaluate::recordings::{FOLDER_VARIABLE, Punyo, Recordings, measure_pairs};
-use fingervision_evaluate::{Table, motion, pairs, sequences};
+use fingervision_evaluate::{Table, motion, pairs, resolution, sequences};
 use fingervision_gel::{MeshParams, PressCache, Resolution};
 use std::fs;
 use std::io::Write;
@@ -38,6 +38,8 @@ enum Tables {
     Real,
     /// Simulated sequences.
     Sequences,
+    /// The star: which periods are resolved.
+    Resolution,
     /// Presses at several speeds, and the rim of their contact: hours, so only where it is asked for.
     Motion,
 }
@@ -66,6 +68,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     }
     if is_asked(Tables::Sequences) {
         show(sequences::measure(&sequences::POLICIES)?, out)?;
+    }
+    if is_asked(Tables::Resolution) {
+        show(resolution::measure()?, out)?;
     }
     if args.only == Some(Tables::Motion) {
         let mesh = if args.draft { Resolution::Draft } else { MeshParams::default().resolution };

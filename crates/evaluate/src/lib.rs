@@ -1,11 +1,12 @@
 //! Readings against truth: the accuracy tables of the tracker.
 //!
-//! Four kinds of test images, each with the required and the measured figure:
+//! Five kinds of test images, each with the required and the measured figure:
 //!
 //! - [`pairs`]: simulated pairs with exact truth, several patterns each, and whether the predicted deviation holds.
 //! - [`recordings`]: recorded pairs and a recorded press. They are not part of the project: they lie in a folder of
 //!   their own, and where that is missing there is nothing to measure.
 //! - [`sequences`]: simulated presses, frame by frame through the whole tracker under every reference policy.
+//! - [`resolution`]: a star with exact truth: which periods of a displacement are resolved, and with how much noise.
 //! - [`motion`]: simulated presses at several speeds: the flow in contact, at its rim and elsewhere.
 //!
 //! Everything is seeded: the same code gives the same tables.
@@ -34,6 +35,7 @@ pub mod page;
 pub mod pairs;
 pub mod paper;
 pub mod recordings;
+pub mod resolution;
 pub mod run;
 pub mod sequences;
 mod table;

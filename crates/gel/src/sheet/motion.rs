@@ -1,6 +1,6 @@
 //! Analytic motions of the image plane: the truth, and the way back from the current image to the reference.
 //!
-//! Except for the shift, a motion stretches every ray from a centre `c`:
+//! Except for the shift and the star, a motion stretches every ray from a centre `c`:
 //!
 //! ```text
 //! X = c + (x − c) (1 + h(n)),   n = ‖x − c‖
@@ -11,6 +11,7 @@
 
 use crate::GelError;
 use fingervision_image::Image;
+use std::f64::consts::TAU;
 
 /// The direction of [`Motion::shift`], clockwise from the x axis.
 const SHIFT_ANGLE_DEGREES: f64 = 33.0;
@@ -48,6 +49,18 @@ pub enum Motion {
         decay_px: f64,
         /// `s`, dimensionless; 1 is at rest.
         scale: f64,
+    },
+    /// A wave along y whose period grows along x: `v(x, y) = A cos(2π (y − m) / p(x))`, the star of the DIC Challenge 2.0
+    /// ([Reu2022]). It shows which periods a method resolves.
+    Star {
+        /// `A`, the amplitude, px.
+        amplitude_px: f64,
+        /// `m`, the row of a crest at every period, px.
+        crest_px: f64,
+        /// `p` at the left border and at the right one, px.
+        periods_px: [f64; 2],
+        /// Distance between these borders, px.
+        width_px: f64,
     },
 }
 
@@ -92,6 +105,7 @@ impl Motion {
             Self::Shift { by_px } => *by_px = by_px.map(|by| fraction * by),
             Self::RadialBump { amplitude_px, .. } => *amplitude_px *= fraction,
             Self::ScaledSquare { scale, .. } => *scale = 1.0 + fraction * (*scale - 1.0),
+            Self::Star { amplitude_px, .. } => *amplitude_px *= fraction,
         }
         self
     }
@@ -101,6 +115,7 @@ impl Motion {
     pub fn displacement(&self, x: f64, y: f64) -> (f64, f64) {
         match *self {
             Self::Shift { by_px } => (by_px[0], by_px[1]),
+            Self::Star { .. } => (0.0, self.wave(x, y).0),
             Self::RadialBump { centre_px, .. } | Self::ScaledSquare { centre_px, .. } => {
                 let (dx, dy) = (x - centre_px[0], y - centre_px[1]);
                 let (h, _) = self.ray_stretch(self.norm(dx, dy));
@@ -117,6 +132,7 @@ impl Motion {
     pub fn reference_point(&self, x: f64, y: f64) -> (f64, f64) {
         match *self {
             Self::Shift { by_px } => (x - by_px[0], y - by_px[1]),
+            Self::Star { .. } => (x, self.crossed_row(x, y)),
             Self::RadialBump { centre_px, .. } | Self::ScaledSquare { centre_px, .. } => {
                 let (dx, dy) = (x - centre_px[0], y - centre_px[1]);
                 let (h, _) = self.ray_stretch(self.reference_norm(self.norm(dx, dy)));
@@ -144,6 +160,9 @@ impl Motion {
         // The ratio is monotone between these norms, so its least value is at one of them.
         let turns = match *self {
             Self::Shift { .. } => return 1.0,
+            Self::Star { amplitude_px, periods_px: [left, right], .. } => {
+                return 1.0 - amplitude_px.abs() * TAU / left.min(right);
+            }
             Self::RadialBump { radius_px, .. } => [0.0, 3.0_f64.sqrt() * radius_px],
             Self::ScaledSquare { half_side_px, decay_px, .. } => {
                 // Just outside the side, where the decay has begun; a small square has its turn farther out.
@@ -159,6 +178,39 @@ impl Motion {
         if stretch > 0.0 { Ok(()) } else { Err(GelError::Folds { stretch }) }
     }
 
+    /// The star's displacement along y and its derivative by y; 0 for other motions.
+    fn wave(&self, x: f64, y: f64) -> (f64, f64) {
+        let Self::Star { amplitude_px, crest_px, periods_px: [left, right], width_px } = *self else {
+            return (0.0, 0.0);
+        };
+        let period = left + (right - left) * (x / width_px).clamp(0.0, 1.0);
+        let (sin, cos) = (TAU * (y - crest_px) / period).sin_cos();
+        (amplitude_px * cos, -amplitude_px * TAU / period * sin)
+    }
+
+    /// Solves `y + v(x, y) = current` for y by Newton steps within the amplitude of `current`.
+    fn crossed_row(&self, x: f64, current: f64) -> f64 {
+        let Self::Star { amplitude_px, .. } = *self else { return current };
+        let (mut low, mut high) = (current - amplitude_px.abs(), current + amplitude_px.abs());
+        let mut row = current;
+        while high - low > TOLERANCE_PX {
+            let (v, slope) = self.wave(x, row);
+            let residual = row + v - current;
+            if residual > 0.0 {
+                high = row;
+            } else {
+                low = row;
+            }
+            let newton = row - residual / (1.0 + slope);
+            let middle = 0.5 * (low + high);
+            if (newton - row).abs() <= TOLERANCE_PX || middle <= low || middle >= high {
+                return newton;
+            }
+            row = if newton > low && newton < high { newton } else { middle };
+        }
+        row
+    }
+
     fn norm(&self, dx: f64, dy: f64) -> f64 {
         if matches!(self, Self::ScaledSquare { .. }) { dx.abs().max(dy.abs()) } else { dx.hypot(dy) }
     }
@@ -166,7 +218,7 @@ impl Motion {
     /// `h(n)` and the stretch along the ray, `d(n (1 + h(n)))/dn`.
     fn ray_stretch(&self, norm: f64) -> (f64, f64) {
         match *self {
-            Self::Shift { .. } => (0.0, 1.0),
+            Self::Shift { .. } | Self::Star { .. } => (0.0, 1.0),
             Self::RadialBump { radius_px, amplitude_px, .. } => {
                 let square = (norm / radius_px).powi(2);
                 let h = amplitude_px / radius_px * (0.5 * (1.0 - square)).exp();
@@ -219,10 +271,13 @@ mod tests {
 
     const CENTRE: [f64; 2] = [304.5, 224.5];
 
+    const STAR: Motion =
+        Motion::Star { amplitude_px: 0.5, crest_px: 224.5, periods_px: [10.0, 300.0], width_px: 609.0 };
+
     fn motions() -> Vec<Motion> {
         let bumps = [-20.0, 5.0, 25.0, 40.0].map(|amplitude| Motion::radial_bump(CENTRE, amplitude));
         let squares = [0.8, 1.1, 1.2].map(|scale| Motion::scaled_square(CENTRE, scale));
-        [Motion::STILL, Motion::shift(0.5), Motion::shift(20.0)].into_iter().chain(bumps).chain(squares).collect()
+        [Motion::STILL, Motion::shift(0.5), Motion::shift(20.0), STAR].into_iter().chain(bumps).chain(squares).collect()
     }
 
     fn points() -> impl Iterator<Item = (f64, f64)> {
@@ -261,12 +316,23 @@ mod tests {
 
     #[test]
     fn the_smallest_stretch_is_the_least_along_a_ray() {
-        for motion in motions() {
+        for motion in motions().into_iter().filter(|motion| *motion != STAR) {
             let ray = (0..4000).map(|k| motion.ray_stretch(0.1 * f64::from(k)).1);
             let least = ray.fold(f64::INFINITY, f64::min);
             let stated = motion.smallest_stretch();
             assert!(stated <= least && least - stated < 0.01, "{motion:?}: {stated} stated, {least} found");
         }
+    }
+
+    #[test]
+    fn the_star_is_stretched_least_where_its_period_is_least() {
+        let stretch =
+            |x: f64, y: f64| 1.0 + 1e6 * (STAR.displacement(x, y + 5e-7).1 - STAR.displacement(x, y - 5e-7).1);
+        let least = points().map(|(x, y)| stretch(x, y)).fold(f64::INFINITY, f64::min);
+        let stated = STAR.smallest_stretch();
+        assert!((-1e-6..0.01).contains(&(least - stated)), "{stated} stated, {least} found");
+        let folding = Motion::Star { amplitude_px: 2.0, crest_px: 0.0, periods_px: [10.0, 300.0], width_px: 609.0 };
+        assert!(matches!(folding.validate(), Err(GelError::Folds { .. })));
     }
 
     #[test]
