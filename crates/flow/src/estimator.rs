@@ -77,6 +77,9 @@ const INVERSION_PASSES: usize = 6;
 /// Most pixels of a picture: the kernels count them in `f32`, which is exact up to here.
 const MOST_PIXELS: usize = 1 << 24;
 
+/// Part of the textured patches that match where a search has found the motion; with less it goes farther.
+const FOUND: f32 = 0.7;
+
 /// Least width and height of a picture, px.
 const LEAST_SIZE: usize = 32;
 
@@ -160,11 +163,14 @@ impl FlowEstimator {
                 out.lost_px2 = lost_px2;
             }
             (Preset::Affine, Start::Search(guess)) => {
-                self.search.flow(&reference.search, current, guess, &mut self.found);
-                self.affine.start(&self.found);
-                self.affine.settle(&reference.affine, current, affine.search_steps);
-                self.affine.write(&reference.affine, out);
-                out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
+                self.search_and_settle(reference, current, guess, false, out);
+                let matched = out.matched;
+                if matched < FOUND && self.params.search().coarse_reach > 0 {
+                    self.search_and_settle(reference, current, guess, true, out);
+                    if out.matched < matched {
+                        self.search_and_settle(reference, current, guess, false, out);
+                    }
+                }
             }
             (_, Start::Search(guess)) => self.search_alone(reference, current, guess, out),
             (_, Start::Flow(guess)) => self.search_alone(reference, current, Some(guess), out),
@@ -186,13 +192,29 @@ impl FlowEstimator {
                 self.affine.follow(&back_reference.affine, reference, 0, self.params.affine.steps);
                 self.affine.expand(flow);
             }
-            _ => self.search.flow(&back_reference.search, reference, Some(start), flow),
+            _ => self.search.flow(&back_reference.search, reference, Some(start), false, flow),
         }
         round_trip_error_into(&out.flow, flow, error);
         for (valid, error) in out.valid.values_mut().iter_mut().zip(error.values()) {
             *valid &= u8::from(*error <= limit);
         }
         self.way_back = Some(way_back);
+    }
+
+    /// Searches the flow and refines it with the patches.
+    fn search_and_settle(
+        &mut self,
+        reference: &Reference,
+        current: &Picture,
+        guess: Option<&FlowField>,
+        is_far: bool,
+        out: &mut Estimate,
+    ) {
+        self.search.flow(&reference.search, current, guess, is_far, &mut self.found);
+        self.affine.start(&self.found);
+        self.affine.settle(&reference.affine, current, self.params.affine.search_steps);
+        self.affine.write(&reference.affine, out);
+        out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
     }
 
     fn search_alone(
@@ -202,7 +224,7 @@ impl FlowEstimator {
         guess: Option<&FlowField>,
         out: &mut Estimate,
     ) {
-        self.search.flow(&reference.search, current, guess, &mut out.flow);
+        self.search.flow(&reference.search, current, guess, false, &mut out.flow);
         self.affine.start(&out.flow);
         self.affine.inspect(&reference.affine, current);
         self.affine.add_fine_error(&out.flow, &mut self.found);

@@ -32,9 +32,9 @@ pub struct SearchParams {
     pub iterations: usize,
     /// A patch step shorter than this ends the patch's search, px on its level.
     pub tolerance_px: f32,
-    /// Reach of the comparison of every second patch with all places on the coarsest level, px there; 0 for none. It finds
-    /// motion of the whole picture that is too long for steps, up to this many coarse pixels.
-    pub coarse_reach: usize,
+    /// Reach of the comparison of every second patch with all places on the coarsest level, px there; 0 for none. It is made
+    /// if nothing is found without it: by motion of the whole picture that is too long for steps.
+    pub coarse_reach: u16,
     /// Smallest eigenvalue of a textured patch's mean structure tensor, grey levels² per px².
     pub min_texture: f32,
     /// The variational refinement at the end of every level.
@@ -84,7 +84,7 @@ impl SearchParams {
         ] {
             check((least..=1000).contains(&count), name, count as f64, "at most 1000, and 1 iteration at least")?;
         }
-        check(self.coarse_reach <= 64, "search.coarse_reach", self.coarse_reach as f64, "0 to 64 px")?;
+        check(self.coarse_reach <= 64, "search.coarse_reach", f64::from(self.coarse_reach), "0 to 64 px")?;
         check(self.finest_level <= 8, "search.finest_level", self.finest_level as f64, "0 to 8")?;
         let tolerance = f64::from(self.tolerance_px);
         check(tolerance > 0.0 && tolerance < 1.0, "search.tolerance_px", tolerance, "between 0 and 1 px")?;
@@ -107,8 +107,8 @@ impl SearchParams {
 
 impl SearchParams {
     /// What the patches of a level follow.
-    fn rules(&self, is_coarsest: bool) -> SearchRules {
-        let reach = if is_coarsest { self.coarse_reach as i32 } else { 0 };
+    fn rules(&self, is_far: bool) -> SearchRules {
+        let reach = if is_far { i32::from(self.coarse_reach) } else { 0 };
         SearchRules { iterations: self.iterations, tolerance: self.tolerance_px, reach }
     }
 }
@@ -194,12 +194,14 @@ impl InverseSearch {
         }
     }
 
-    /// Writes the flow from the reference to `current` into `flow`, full size. `start` is a further guess, if any.
+    /// Writes the flow from the reference to `current` into `flow`, full size. `start` is a further guess, if any. `is_far`
+    /// compares all places in reach on the coarsest level.
     pub(crate) fn flow(
         &mut self,
         reference: &SearchReference,
         current: &Picture,
         start: Option<&FlowField>,
+        is_far: bool,
         flow: &mut FlowField,
     ) {
         let finest = self.finest_level(current);
@@ -215,8 +217,8 @@ impl InverseSearch {
                 shrink_into(start, finest + k, &mut level.start);
             }
             let (template, image) = (&reference.templates[k], current.grey.level(finest + k));
-            let (has_start, is_coarsest) = (start.is_some(), coarse.is_empty());
-            let rules = self.params.rules(is_coarsest);
+            let has_start = start.is_some();
+            let rules = self.params.rules(is_far && coarse.is_empty());
             dispatch!(simd, simd => level.run(simd, template, image, has_start, rules));
             level.refinement.refine(&self.params.refine, &template.grey, image, &mut level.flow);
         }

@@ -103,9 +103,8 @@ impl Motion {
     pub fn at(mut self, fraction: f64) -> Self {
         match &mut self {
             Self::Shift { by_px } => *by_px = by_px.map(|by| fraction * by),
-            Self::RadialBump { amplitude_px, .. } => *amplitude_px *= fraction,
+            Self::RadialBump { amplitude_px, .. } | Self::Star { amplitude_px, .. } => *amplitude_px *= fraction,
             Self::ScaledSquare { scale, .. } => *scale = 1.0 + fraction * (*scale - 1.0),
-            Self::Star { amplitude_px, .. } => *amplitude_px *= fraction,
         }
         self
     }
