@@ -1,6 +1,6 @@
 //! Which periods of a displacement the flow resolves, and with how much noise.
 //!
-//! The star of the DIC Challenge 2.0 [Reu2022]: a vertical displacement of 0.5 px that varies as a cosine along y, with a period
+//! The star of the DIC Challenge 2.0 \[Reu2022\]: a vertical displacement of 0.5 px that varies as a cosine along y, with a period
 //! that grows along x from 10 to 300 px. For every period the amplitude found is the projection onto the true cosine, over
 //! its own amplitude. Noise is the standard deviation of the flow between two images at rest, which differ by their noise
 //! alone. A coarser method has less of it: the product of both is what counts.

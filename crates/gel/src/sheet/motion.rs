@@ -51,7 +51,7 @@ pub enum Motion {
         scale: f64,
     },
     /// A wave along y whose period grows along x: `v(x, y) = A cos(2π (y − m) / p(x))`, the star of the DIC Challenge 2.0
-    /// ([Reu2022]). It shows which periods a method resolves.
+    /// (\[Reu2022\]). It shows which periods a method resolves.
     Star {
         /// `A`, the amplitude, px.
         amplitude_px: f64,
