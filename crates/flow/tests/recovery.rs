@@ -10,6 +10,9 @@ const SIZE: (usize, usize) = (320, 240);
 /// The area that moves, before it does.
 const AREA: Rect = Rect { x: 100, y: 72, width: 112, height: 96 };
 
+/// Distance from the area's edge, px, up to which patches and their neighbours see both motions.
+const EDGE: usize = 28;
+
 fn render(motion: &Motion, pattern_seed: u64, seed: u64) -> Image<[u8; 3]> {
     let sheet = Sheet { width: SIZE.0, height: SIZE.1, pattern_seed, ..Sheet::default() };
     SheetRenderer::new(&sheet).unwrap().render(motion, Light::EVEN, seed).unwrap()
@@ -64,7 +67,7 @@ fn inside(area: Rect, margin: usize) -> Rect {
 fn an_area_that_jumps_is_found_in_the_same_frame() {
     for right in [3, 7, 12, 20] {
         let estimate = follow(&[displaced(&render(&Motion::STILL, 1, 3), right)]);
-        let (error, valid) = judge(&estimate, right as f32, inside(AREA, 24));
+        let (error, valid) = judge(&estimate, right as f32, inside(AREA, EDGE));
         assert!(error < 0.05 && valid > 0.9, "by {right} px: off by {error} px, {valid} valid");
         let beside = Rect { x: 16, y: 16, width: 68, height: 208 };
         let (error, valid) = judge(&estimate, 0.0, beside);
@@ -78,10 +81,10 @@ fn an_area_that_was_hidden_is_found_within_two_frames() {
     let seen = displaced(&render(&Motion::STILL, 1, 3), 15);
     for frames_hidden in [1, 2, 5, 6] {
         let mut images = vec![hidden.clone(); frames_hidden];
-        let (_, valid) = judge(&follow(&images), 0.0, inside(AREA, 24));
+        let (_, valid) = judge(&follow(&images), 0.0, inside(AREA, EDGE));
         assert!(valid < 0.05, "{valid} of the hidden area is valid");
         images.extend([seen.clone(), seen.clone()]);
-        let (error, valid) = judge(&follow(&images), 15.0, inside(AREA, 24));
+        let (error, valid) = judge(&follow(&images), 15.0, inside(AREA, EDGE));
         assert!(error < 0.05 && valid > 0.9, "hidden for {frames_hidden}: off by {error} px, {valid} valid");
     }
 }
