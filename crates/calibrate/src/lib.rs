@@ -9,4 +9,4 @@ pub mod gel;
 mod profile_file;
 
 pub use csv_table::{CsvFault, CsvRow, CsvTable};
-pub use profile_file::{ProfileFileError, load_to_update, update_profile};
+pub use profile_file::{ProfileFileError, load_to_update, update_profile, write_profile};

@@ -71,6 +71,15 @@ pub fn update_profile(path: &Path, table: &str, values: &impl Serialize) -> Resu
     };
     let text = with_table(&text, table, values);
     Profile::from_toml(&text)?;
+    write_profile(path, &text)
+}
+
+/// Writes a profile's file as a whole or not at all.
+///
+/// # Errors
+///
+/// [`ProfileFileError::Write`]; a file that was there is then unchanged.
+pub fn write_profile(path: &Path, text: &str) -> Result<(), ProfileFileError> {
     let mut beside = path.as_os_str().to_owned();
     beside.push(".new");
     let beside = PathBuf::from(beside);

@@ -1,10 +1,10 @@
 //! `fingervision profile new`: a profile to start from.
 
 use std::fmt;
-use std::fs;
-use std::io::{self, ErrorKind, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use fingervision_calibrate::write_profile;
 use fingervision_touch::{DepthMethod, Profile};
 use serde::Serialize;
 
@@ -55,29 +55,13 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     args.output.result(out, &written, &written.to_string())
 }
 
-/// Writes the file as a whole or not at all.
+/// Writes the file, which must not exist without `overwrite`.
 fn write(path: &Path, text: &str, overwrite: bool) -> Result<(), Failure> {
     if !overwrite && path.exists() {
         let message = format!("{} exists already", path.display());
         return Err(Failure::new(message, "choose another name, or replace the file with --overwrite"));
     }
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(".new");
-    let beside = PathBuf::from(beside);
-    fs::write(&beside, text).and_then(|()| fs::rename(&beside, path)).map_err(|error| {
-        // The rest of the temporary file is not needed.
-        let _ = fs::remove_file(&beside);
-        refused(path, &error)
-    })
-}
-
-fn refused(path: &Path, error: &io::Error) -> Failure {
-    let kind = error.kind();
-    let hint = match kind {
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some space or choose another disk",
-        _ => "choose a writable file in an existing folder",
-    };
-    Failure::new(format!("cannot write the profile {}: {kind}", path.display()), hint)
+    Ok(write_profile(path, text)?)
 }
 
 impl fmt::Display for Written {

@@ -2,9 +2,8 @@
 //!
 //! The patches that cover a lost cell are searched on every level, from the coarsest to the finest. Each starts from the
 //! best of: the matches of the nearest patches on the next coarser level, the guess, its neighbours' matches and, on one
-//! level, the best place within reach. No dense
-//! field is formed in between, so that a motion edge stays sharp ([Hu2016]). The effort grows with the number of lost
-//! cells, not with the picture.
+//! level, the best place within reach. No dense field is formed in between, so that a motion edge stays sharp ([Hu2016]).
+//! The effort grows with the number of lost cells, not with the picture.
 
 use super::patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules, best_place, reconsider, search};
 use super::{InverseSearch, SearchLevel, SearchReference};
@@ -29,7 +28,7 @@ const LEAST_MATCHES: usize = 4;
 /// Square cells over a picture, some of which are lost.
 #[derive(Debug, Clone)]
 pub(crate) struct Cells {
-    pub(crate) size_px: usize,
+    size_px: usize,
     columns: usize,
     rows: usize,
     is_lost: Vec<bool>,
