@@ -5,7 +5,8 @@
 //! level, the best place within reach. No dense field is formed in between, so that a motion edge stays sharp ([Hu2016]).
 //! The effort grows with the number of lost cells, not with the picture.
 
-use super::patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules, best_place, reconsider, search};
+use super::patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules};
+use super::sweep::sweep;
 use super::{InverseSearch, SearchLevel, SearchReference};
 use crate::{FlowField, Picture};
 use fearless_simd::{Simd, dispatch};
@@ -160,8 +161,7 @@ impl Area<'_> {
 }
 
 impl SearchLevel {
-    /// Searches the patches near lost cells in reading order, then, in reverse order, again those for which the right or
-    /// lower neighbour's displacement is better. All others take the guess.
+    /// Searches the patches near lost cells. All others take the guess.
     #[inline(always)]
     fn run_lost<S: Simd>(
         &mut self,
@@ -172,51 +172,17 @@ impl SearchLevel {
         coarse: Option<&Self>,
         rules: SearchRules,
     ) {
-        let columns = self.layout.columns;
-        let is_near = |corner: (usize, usize)| {
-            area.lost.are_near(corner.0 << area.level, corner.1 << area.level, PATCH << area.level)
-        };
-        for j in 0..self.layout.rows {
-            for i in 0..columns {
-                let corner = self.layout.corner(i, j);
-                let node = j * columns + i;
-                let guess = area.guess_at(corner.0 + PATCH / 2, corner.1 + PATCH / 2);
-                if !is_near(corner) {
-                    self.matches[node] = Match { u: guess.0, v: guess.1, error: f32::INFINITY };
-                    continue;
+        sweep(simd, template, current, rules, &mut self.matches, |(left, top), starts| {
+            starts.add(area.guess_at(left + PATCH / 2, top + PATCH / 2));
+            let is_near = area.lost.are_near(left << area.level, top << area.level, PATCH << area.level);
+            if let Some(coarse) = coarse.filter(|_| is_near) {
+                for node in coarse.layout.four_around((left, top)) {
+                    let found = coarse.matches[node];
+                    starts.add((2.0 * found.u, 2.0 * found.v));
                 }
-                let mut starts = [guess; 8];
-                if let Some(coarse) = coarse {
-                    for (start, node) in starts[1..5].iter_mut().zip(coarse.layout.four_around(corner)) {
-                        let found = coarse.matches[node];
-                        *start = (2.0 * found.u, 2.0 * found.v);
-                    }
-                }
-                for (start, beside) in
-                    starts[5..7].iter_mut().zip([(i > 0).then(|| node - 1), node.checked_sub(columns)])
-                {
-                    if let Some(beside) = beside {
-                        *start = (self.matches[beside].u, self.matches[beside].v);
-                    }
-                }
-                // Neighbours share what every second patch finds.
-                if rules.reach > 0 && (i + j) % 2 == 0 {
-                    starts[7] = best_place(simd, template, current, (i, j), guess, rules.reach);
-                }
-                self.matches[node] = search(simd, template, current, (i, j), &starts, rules);
             }
-        }
-        for node in (0..self.layout.len()).rev() {
-            let (i, j) = (node % columns, node / columns);
-            if !is_near(self.layout.corner(i, j)) {
-                continue;
-            }
-            let start = |node: usize| (self.matches[node].u, self.matches[node].v);
-            let beside = if i + 1 < columns { start(node + 1) } else { start(node) };
-            let below = if j + 1 < self.layout.rows { start(node + columns) } else { start(node) };
-            let found = reconsider(simd, template, current, (i, j), &self.matches[node], [beside, below], rules);
-            self.matches[node] = found;
-        }
+            is_near
+        });
     }
 }
 

@@ -7,14 +7,16 @@ mod densify;
 pub(crate) mod local;
 mod patches;
 mod resize;
+mod sweep;
 mod variational;
 
 use crate::{FlowError, FlowField, Picture};
 use densify::Densifier;
 use fearless_simd::{Level, Simd, dispatch};
-use patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules, best_place, fill_unfound, reconsider, search};
+use patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules, fill_unfound};
 use resize::{double_into, shrink_into};
 use serde::{Deserialize, Serialize};
+use sweep::sweep;
 use variational::VariationalRefinement;
 
 pub(crate) use resize::coarse_neighbours;
@@ -242,8 +244,7 @@ impl InverseSearch {
 }
 
 impl SearchLevel {
-    /// Searches all patches in reading order, each also from its left and upper neighbour's displacement, and then, in
-    /// reverse order, those for which the right or lower neighbour's displacement is better.
+    /// Searches all patches, each from the coarser level's flow and from the given one, if any, and makes the result dense.
     #[inline(always)]
     fn run<S: Simd>(
         &mut self,
@@ -253,41 +254,19 @@ impl SearchLevel {
         has_start: bool,
         rules: SearchRules,
     ) {
-        let columns = self.layout.columns;
-        for j in 0..self.layout.rows {
-            for i in 0..columns {
-                let (left, top) = self.layout.corner(i, j);
-                let (x, y) = (left + PATCH / 2, top + PATCH / 2);
-                let at = |flow: &FlowField| (flow.u.at(x, y), flow.v.at(x, y));
-                let coarser = at(&self.flow);
-                let mut starts = [coarser; 5];
-                if has_start {
-                    starts[1] = at(&self.start);
-                }
-                if i > 0 {
-                    let beside = self.matches[j * columns + i - 1];
-                    starts[2] = (beside.u, beside.v);
-                }
-                if j > 0 {
-                    let above = self.matches[(j - 1) * columns + i];
-                    starts[3] = (above.u, above.v);
-                }
-                // Neighbours share what every second patch finds.
-                if rules.reach > 0 && (i + j) % 2 == 0 {
-                    starts[4] = best_place(simd, template, current, (i, j), coarser, rules.reach);
-                }
-                self.matches[j * columns + i] = search(simd, template, current, (i, j), &starts, rules);
+        let Self { layout, flow, start, matches, .. } = self;
+        let at = |flow: &FlowField, (left, top): (usize, usize)| {
+            let (x, y) = (left + PATCH / 2, top + PATCH / 2);
+            (flow.u.at(x, y), flow.v.at(x, y))
+        };
+        sweep(simd, template, current, rules, matches, |corner, starts| {
+            starts.add(at(flow, corner));
+            if has_start {
+                starts.add(at(start, corner));
             }
-        }
-        for node in (0..self.layout.len()).rev() {
-            let (i, j) = (node % columns, node / columns);
-            let beside = if i + 1 < columns { self.matches[node + 1] } else { self.matches[node] };
-            let below = if j + 1 < self.layout.rows { self.matches[node + columns] } else { self.matches[node] };
-            let starts = [(beside.u, beside.v), (below.u, below.v)];
-            let found = reconsider(simd, template, current, (i, j), &self.matches[node], starts, rules);
-            self.matches[node] = found;
-        }
-        fill_unfound(&self.layout, &mut self.matches, &mut self.filled);
-        self.densifier.densify(simd, template, current, &self.matches, &mut self.flow);
+            true
+        });
+        fill_unfound(layout, matches, &mut self.filled);
+        self.densifier.densify(simd, template, current, matches, flow);
     }
 }
