@@ -70,7 +70,7 @@ impl CsvTable {
     ///
     /// # Errors
     ///
-    /// The line of the names, and that there is no such column.
+    /// If there is none: the line with the names, and the name that is missing there.
     pub fn needed(&self, name: &str) -> Result<usize, CsvFault> {
         self.place(name).ok_or_else(|| self.names.fault(format!("there is no column {name}")))
     }

@@ -116,13 +116,13 @@ fn main() -> ExitCode {
     done.map_or_else(|failure| failure.report(wording, &mut io::stderr().lock()), |()| ExitCode::SUCCESS)
 }
 
-/// Has a signal end the command with a line that says so.
+/// From here on, a signal ends the command, which first reports the interruption.
 fn watch_for_signals(wording: Wording) -> Result<(), Failure> {
-    let tell = move || {
+    let report_interruption = move || {
         let failure = Failure::new("interrupted before the result was written", "run the command again");
         failure.report(wording, &mut io::stderr().lock());
     };
-    interrupt::watch(tell).map_err(|error| {
+    interrupt::watch(report_interruption).map_err(|error| {
         let hint = "start the command from a shell, where signals reach it";
         Failure::new(format!("cannot listen to Ctrl-C: {error}"), hint)
     })

@@ -187,27 +187,14 @@ impl Motion {
         (amplitude_px * cos, -amplitude_px * TAU / period * sin)
     }
 
-    /// Solves `y + v(x, y) = current` for y by Newton steps within the amplitude of `current`.
+    /// Solves `y + v(x, y) = current` for y, which lies within the amplitude of `current`.
     fn crossed_row(&self, x: f64, current: f64) -> f64 {
         let Self::Star { amplitude_px, .. } = *self else { return current };
-        let (mut low, mut high) = (current - amplitude_px.abs(), current + amplitude_px.abs());
-        let mut row = current;
-        while high - low > TOLERANCE_PX {
+        let bracket = [current - amplitude_px.abs(), current + amplitude_px.abs()];
+        solve(current, bracket, |row| {
             let (v, slope) = self.wave(x, row);
-            let residual = row + v - current;
-            if residual > 0.0 {
-                high = row;
-            } else {
-                low = row;
-            }
-            let newton = row - residual / (1.0 + slope);
-            let middle = 0.5 * (low + high);
-            if (newton - row).abs() <= TOLERANCE_PX || middle <= low || middle >= high {
-                return newton;
-            }
-            row = if newton > low && newton < high { newton } else { middle };
-        }
-        row
+            (row + v - current, 1.0 + slope)
+        })
     }
 
     fn norm(&self, dx: f64, dy: f64) -> f64 {
@@ -234,34 +221,42 @@ impl Motion {
         }
     }
 
-    /// Solves `n (1 + h(n)) = current` by Newton steps, halving the bracket where a step would leave it.
+    /// Solves `n (1 + h(n)) = current` for n.
     fn reference_norm(&self, current: f64) -> f64 {
         // |h| is largest at the centre and keeps its sign, so the root lies between these two.
         let (h, _) = self.ray_stretch(0.0);
-        let (mut low, mut high) = (current.min(current / (1.0 + h)), current.max(current / (1.0 + h)));
-        let mut norm = current;
-        while high - low > TOLERANCE_PX {
+        let bracket = [current.min(current / (1.0 + h)), current.max(current / (1.0 + h))];
+        solve(current, bracket, |norm| {
             let (h, slope) = self.ray_stretch(norm);
-            let residual = norm * (1.0 + h) - current;
-            if residual > 0.0 {
-                high = norm;
-            } else {
-                low = norm;
-            }
-            let step = residual / slope;
-            if step.abs() <= TOLERANCE_PX {
-                return norm - step;
-            }
-            let middle = 0.5 * (low + high);
-            let newton = norm - step;
-            norm = if newton > low && newton < high { newton } else { middle };
-            // Neighbouring numbers have no middle.
-            if middle <= low || middle >= high {
-                return norm;
-            }
-        }
-        norm
+            (norm * (1.0 + h) - current, slope)
+        })
     }
+}
+
+/// The root of an increasing function, given with its slope, within a bracket: Newton steps from `start`, halving the bracket
+/// where a step would leave it.
+fn solve(start: f64, [mut low, mut high]: [f64; 2], function: impl Fn(f64) -> (f64, f64)) -> f64 {
+    let mut root = start;
+    while high - low > TOLERANCE_PX {
+        let (residual, slope) = function(root);
+        if residual > 0.0 {
+            high = root;
+        } else {
+            low = root;
+        }
+        let step = residual / slope;
+        if step.abs() <= TOLERANCE_PX {
+            return root - step;
+        }
+        let middle = 0.5 * (low + high);
+        let newton = root - step;
+        root = if newton > low && newton < high { newton } else { middle };
+        // Neighbouring numbers have no middle.
+        if middle <= low || middle >= high {
+            return root;
+        }
+    }
+    root
 }
 
 #[cfg(test)]
