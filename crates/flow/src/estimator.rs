@@ -159,7 +159,7 @@ impl FlowEstimator {
                 self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
                 let references = (&reference.search, &reference.affine);
                 let lost_px2 = self.recovery.run(references, current, flow, &mut self.search, &mut self.affine);
-                self.affine.write(&reference.affine, out);
+                self.affine.write(&reference.affine, current, out);
                 out.lost_px2 = lost_px2;
             }
             (Preset::Affine, Start::Search(guess)) => {
@@ -213,7 +213,7 @@ impl FlowEstimator {
         self.search.flow(&reference.search, current, guess, is_far, &mut self.found);
         self.affine.start(&self.found);
         self.affine.settle(&reference.affine, current, self.params.affine.search_steps);
-        self.affine.write(&reference.affine, out);
+        self.affine.write(&reference.affine, current, out);
         out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
     }
 

@@ -103,6 +103,8 @@ pub struct AffineParams {
     pub steps: usize,
     /// Gauss–Newton steps at full size after a start from the search.
     pub search_steps: usize,
+    /// Gauss–Newton steps of the finer patches where the flow is rough; 0: no finer patches.
+    pub fine_steps: usize,
     /// In colour, one of this many rows is matched, 1, 2, 4 or 8; the three channels compensate for the rows left out.
     pub colour_row_step: usize,
     /// Conjugate-gradient iterations of every step.
@@ -121,6 +123,7 @@ impl Default for AffineParams {
             coarsest_level: 3,
             steps: 2,
             search_steps: 5,
+            fine_steps: 2,
             colour_row_step: 2,
             iterations: 5,
             continuity_px: 0.0065,
@@ -134,6 +137,7 @@ impl AffineParams {
     fn validate(&self) -> Result<(), FlowError> {
         let check = FlowError::check;
         check(self.coarsest_level <= 8, "affine.coarsest_level", self.coarsest_level as f64, "0 to 8")?;
+        check(self.fine_steps <= 1000, "affine.fine_steps", self.fine_steps as f64, "0 to 1000")?;
         let row_step = self.colour_row_step;
         check([1, 2, 4, 8].contains(&row_step), "affine.colour_row_step", row_step as f64, "1, 2, 4 or 8 rows")?;
         for (name, count) in [

@@ -146,3 +146,52 @@ fn motion_before(motion: &Motion) -> FlowField {
     let truth = motion.at(0.9).flow(SIZE.0, SIZE.1);
     FlowField { u: truth.u, v: truth.v }
 }
+
+/// Mean error near the border of a scaled square, px, and the part of the pixels there that are valid.
+fn at_border(motion: &Motion, estimate: &Estimate, half_side: f64) -> (f64, f64) {
+    let truth = motion.flow(SIZE.0, SIZE.1);
+    let [cx, cy] = sheet().centre_px();
+    let (mut sum, mut valid, mut count) = (0.0, 0.0, 0.0);
+    for y in 8..SIZE.1 - 8 {
+        for x in 8..SIZE.0 - 8 {
+            if ((x as f64 - cx).abs().max((y as f64 - cy).abs()) - half_side).abs() > 6.0 {
+                continue;
+            }
+            let (u, v) = (estimate.flow.u.at(x, y) - truth.u.at(x, y), estimate.flow.v.at(x, y) - truth.v.at(x, y));
+            sum += f64::from(u.hypot(v));
+            valid += f64::from(estimate.valid.at(x, y));
+            count += 1.0;
+        }
+    }
+    (sum / count, valid / count)
+}
+
+#[test]
+fn finer_patches_follow_a_kink() {
+    let half_side = 45.0;
+    let motion =
+        Motion::ScaledSquare { centre_px: sheet().centre_px(), half_side_px: half_side, decay_px: 8.0, scale: 1.12 };
+    let flow = |fine_steps: usize| {
+        let mut params = FlowParams::default();
+        params.affine.fine_steps = fine_steps;
+        at_border(&motion, &estimate(&params, render(&Motion::STILL, 1), render(&motion, 2)), half_side)
+    };
+    let ((coarse_px, coarse_valid), (fine_px, fine_valid)) = (flow(0), flow(2));
+    assert!(fine_px < 0.9 * coarse_px, "{fine_px} px with finer patches, {coarse_px} px without");
+    assert!(fine_valid > 0.75 && coarse_valid < 0.25, "{fine_valid} valid with finer patches, {coarse_valid} without");
+}
+
+#[test]
+fn many_fine_steps_do_not_drive_patches_away() {
+    let motion = Motion::radial_bump(sheet().centre_px(), 8.0);
+    let mut current = render(&motion, 2);
+    cover(&mut current, Rect { x: 80, y: 60, width: 40, height: 40 });
+    let mut params = FlowParams::default();
+    params.affine.fine_steps = 40;
+    let estimate = estimate(&params, render(&Motion::STILL, 1), current);
+    let truth = motion.flow(SIZE.0, SIZE.1);
+    let farthest = (0..SIZE.0 * SIZE.1)
+        .map(|k| (k % SIZE.0, k / SIZE.0))
+        .fold(0.0_f32, |most, (x, y)| most.max((estimate.flow.u.at(x, y) - truth.u.at(x, y)).abs()));
+    assert!(farthest < 15.0, "a hidden pixel is off by {farthest} px");
+}

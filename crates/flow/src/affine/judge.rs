@@ -16,7 +16,7 @@ use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
 /// Systematic error that averaging does not remove, px²: sampling and interpolation, measured on noise-free images.
-const FLOOR_VARIANCE: f32 = 0.003 * 0.003;
+pub(super) const FLOOR_VARIANCE: f32 = 0.003 * 0.003;
 
 /// Part of the roughness between neighbours, squared, that becomes a patch's own error: measured on simulated presses.
 const ROUGH_PATCH: f32 = 0.06;
@@ -26,7 +26,7 @@ const ROUGH_STEP: f32 = 0.2;
 /// A patch that a step moves by less has converged, px.
 const SETTLED_PX: f32 = 0.1;
 /// Least part of the template's contrast in a patch: with less, the picture does not show the template.
-const LEAST_CONTRAST: f32 = 0.4;
+pub(super) const LEAST_CONTRAST: f32 = 0.4;
 
 /// Lowers each node's variance to that of a neighbour plus the cost of the distance from it: two passes over the grid.
 pub(crate) fn spread_variance(grid: PatchGrid, steps: &[f32], variance: &mut [f32]) {

@@ -5,23 +5,28 @@ use super::nodes::UNKNOWNS;
 use super::symmetric::{PACKED, invert, packed};
 
 /// Variance of both components of every node's displacement from its own patch, px², for noise of the given scale.
-pub(crate) fn own_variance(
+pub(crate) fn own_variances(
     grid: PatchGrid,
     normal: &[Vec<f32>; PACKED],
     scale: f32,
     slope_stiffness: f32,
     variance: &mut [f32],
 ) {
-    for node in 0..grid.nodes() {
-        let mut block = [[0.0; UNKNOWNS]; UNKNOWNS];
-        for (i, row) in block.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                *entry = f64::from(scale * normal[packed(i, j)][node]);
-            }
-            row[i] += if i % 3 == 0 { 1e-9 } else { f64::from(slope_stiffness) };
-        }
-        let inverse = invert(block);
-        let trace = inverse[0][0] + inverse[3][3];
-        variance[node] = if trace.is_finite() && trace > 0.0 { trace as f32 } else { f32::MAX };
+    for (node, variance) in variance.iter_mut().enumerate().take(grid.nodes()) {
+        *variance = own_variance(|entry| normal[entry][node], scale, slope_stiffness);
     }
+}
+
+/// The same of one patch with this packed normal matrix.
+pub(crate) fn own_variance(normal: impl Fn(usize) -> f32, scale: f32, slope_stiffness: f32) -> f32 {
+    let mut block = [[0.0; UNKNOWNS]; UNKNOWNS];
+    for (i, row) in block.iter_mut().enumerate() {
+        for (j, entry) in row.iter_mut().enumerate() {
+            *entry = f64::from(scale * normal(packed(i, j)));
+        }
+        row[i] += if i % 3 == 0 { 1e-9 } else { f64::from(slope_stiffness) };
+    }
+    let inverse = invert(block);
+    let trace = inverse[0][0] + inverse[3][3];
+    if trace.is_finite() && trace > 0.0 { trace as f32 } else { f32::MAX }
 }

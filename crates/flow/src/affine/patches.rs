@@ -1,6 +1,7 @@
 //! Coupled affine patches from the coarsest level to full size.
 
 use super::bonds::Stiffness;
+use super::fine::{FinePatches, FineTemplate};
 use super::grid::PatchGrid;
 use super::judge::{mark_pixels, spread_variance};
 use super::nodes::NodeField;
@@ -18,6 +19,7 @@ pub(crate) struct AffineReference {
     grey: Vec<Template>,
     /// Level 0 as used by the last steps: in colour where the pictures have colour.
     full: Template,
+    fine: FineTemplate,
     /// Part of the patches that have texture, 0 to 1.
     pub(crate) textured: f32,
     /// Mean grey level.
@@ -38,6 +40,7 @@ pub(crate) struct AffinePatches {
     params: FlowParams,
     /// Level 0 to the coarsest.
     levels: Vec<LevelState>,
+    fine: FinePatches,
     variance: Vec<f32>,
     steps: Vec<f32>,
     rings: Vec<usize>,
@@ -55,6 +58,9 @@ struct LevelState {
 
 /// Most additional steps at full size of a frame.
 const MORE_STEPS: usize = 4;
+
+/// Predicted deviation of a patch from which it is refined, px: in smooth flow it is a tenth of that.
+const ROUGH_PX: f32 = 0.1;
 
 /// Least width and height of a level that holds patches, px.
 const LEAST_SIZE: usize = 16;
@@ -81,6 +87,7 @@ impl AffinePatches {
         Self {
             params: *params,
             levels,
+            fine: FinePatches::new(width, height, simd, params.noise_levels, stiffness),
             variance: vec![0.0; nodes],
             steps: vec![0.0; nodes],
             rings: vec![0; nodes],
@@ -98,6 +105,7 @@ impl AffinePatches {
         AffineReference {
             grey: grey.collect(),
             full: Template::new(self.levels[0].field.grid, channels, row_step),
+            fine: FineTemplate::new(self.levels[0].field.grid.width, self.levels[0].field.grid.height),
             textured: 0.0,
             mean_level: 0.0,
         }
@@ -113,6 +121,7 @@ impl AffinePatches {
             Some(colour) => self.levels[0].refinement.prepare(colour, &mut reference.full),
             None => self.levels[0].refinement.prepare(picture.grey.level(0), &mut reference.full),
         }
+        self.fine.prepare(&reference.full, if picture.colour.is_some() { 3 } else { 1 }, &mut reference.fine);
         let nodes = &reference.full.own_variance[..self.levels[0].field.grid.nodes()];
         let limit = self.params.validity.max_deviation_px.powi(2);
         let textured = nodes.iter().filter(|&&variance| variance <= limit).count();
@@ -242,10 +251,25 @@ impl AffinePatches {
         refinement.expand(field, flow);
     }
 
-    /// Writes the flow, its deviation and its validity.
-    pub(crate) fn write(&mut self, reference: &AffineReference, out: &mut Estimate) {
+    /// Writes the flow, its deviation and its validity, refined where the field is rough.
+    pub(crate) fn write(&mut self, reference: &AffineReference, current: &Picture, out: &mut Estimate) {
         self.expand(&mut out.flow);
         self.write_validity(reference, out);
+        let gain = reference.gain(current);
+        let Self { levels, fine, variance, params, .. } = self;
+        let refinement = &levels[0].refinement;
+        let textured = params.validity.max_deviation_px.powi(2);
+        let rough = |node: usize| {
+            let is_textured = reference.full.own_variance[node] <= textured && refinement.is_inside[node];
+            let variance = if refinement.trust()[node] > 0.0 { variance[node] } else { f32::MAX };
+            (is_textured && variance > ROUGH_PX * ROUGH_PX).then_some(variance)
+        };
+        let (templates, rules, steps) =
+            ((&reference.full, &reference.fine), &params.validity, params.affine.fine_steps);
+        match &current.colour {
+            Some(image) => fine.refine(templates, Current { image, gain }, rules, steps, rough, out),
+            None => fine.refine(templates, Current { image: current.grey.level(0), gain }, rules, steps, rough, out),
+        }
     }
 
     /// Writes the deviation and the validity of the flow in `out`.

@@ -9,7 +9,7 @@ use super::coupling::{Coupling, System};
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows, sum_rows_twice};
 use super::nodes::{Expander, NodeField, UNKNOWNS};
-use super::own_variance::own_variance;
+use super::own_variance::own_variances;
 use super::template::Template;
 use super::texel::{Taps, Texel, products};
 use crate::FlowField;
@@ -28,10 +28,10 @@ pub(crate) struct Current<'a, T> {
 const PRODUCTS: usize = 5;
 
 /// Range of a patch's contrast by which its step is divided: far below, the patch is misplaced, and its step unreliable.
-const CONTRASTS: (f32, f32) = (0.4, 1.5);
+pub(super) const CONTRASTS: (f32, f32) = (0.4, 1.5);
 
 /// Part of the last step's square that remains to be corrected after it: steps shrink by a factor of three to ten.
-const UNFINISHED: f32 = 0.05;
+pub(super) const UNFINISHED: f32 = 0.05;
 
 /// Square of the error of a flow found by a search, over that of the step that the patches would take from it.
 const UNCORRECTED: f32 = 2.0;
@@ -101,7 +101,7 @@ impl Refinement {
         let scale = self.scale();
         template.coarse = self.coupling.coarse_blocks(&template.normal, scale);
         let slope_stiffness = self.coupling.stiffness().curvature;
-        own_variance(self.grid, &template.normal, scale, slope_stiffness, &mut template.own_variance);
+        own_variances(self.grid, &template.normal, scale, slope_stiffness, &mut template.own_variance);
     }
 
     /// One Gauss–Newton step from `field`.
@@ -316,7 +316,12 @@ fn multiply_row<S: Simd, T: Texel>(
 
 /// Taps and weights for sixteen places, and 1 where the place and its taps lie in a picture of this size, else 0.
 #[inline(always)]
-fn locate<S: Simd>(simd: S, x: f32x16<S>, y: f32x16<S>, (width, height): (usize, usize)) -> (Taps<S>, f32x16<S>) {
+pub(super) fn locate<S: Simd>(
+    simd: S,
+    x: f32x16<S>,
+    y: f32x16<S>,
+    (width, height): (usize, usize),
+) -> (Taps<S>, f32x16<S>) {
     // A NaN clamps to the lower bound and then differs from itself: outside.
     let clamp = |place: f32x16<S>, size: usize| place.max_precise(1.0).min(size as f32 - 2.0 - 1.0 / 64.0);
     let (clamped_x, clamped_y) = (clamp(x, width), clamp(y, height));

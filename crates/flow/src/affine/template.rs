@@ -109,9 +109,43 @@ impl Template {
         }
     }
 
-    /// Forms a node's normal matrix and eliminates the change of light from it.
-    fn assemble(&mut self, node: usize, planes: &[Vec<f32>; PatchSums::COUNT]) {
-        let at = |plane: usize| f64::from(planes[plane][node]);
+    /// Sets a node's normal equations from its moments.
+    fn assemble(&mut self, node: usize, planes: &[Vec<f32>; MOMENTS]) {
+        let patch = PatchEquations::new(|moment| planes[moment][node]);
+        for (plane, value) in self.normal.iter_mut().zip(patch.normal) {
+            plane[node] = value;
+        }
+        for (planes, values) in self.light_gain.iter_mut().zip(patch.light_gain) {
+            for (plane, value) in planes.iter_mut().zip(values) {
+                plane[node] = value;
+            }
+        }
+        for (plane, value) in self.light_inverse.iter_mut().zip(patch.light_inverse) {
+            plane[node] = value;
+        }
+        (self.samples[node], self.variance[node]) = (patch.samples, patch.variance);
+    }
+}
+
+/// A patch's normal equations, from which the change of light is eliminated.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct PatchEquations {
+    /// As [`Template::normal`].
+    pub(crate) normal: [f32; PACKED],
+    /// As [`Template::light_gain`].
+    pub(crate) light_gain: [[f32; 2]; UNKNOWNS],
+    /// As [`Template::light_inverse`].
+    pub(crate) light_inverse: [f32; 3],
+    /// As [`Template::samples`].
+    pub(crate) samples: f32,
+    /// As [`Template::variance`].
+    pub(crate) variance: f32,
+}
+
+impl PatchEquations {
+    /// The equations of a patch with these moments, in the order of [`MOMENTS`].
+    pub(crate) fn new(moment: impl Fn(usize) -> f32) -> Self {
+        let at = |place: usize| f64::from(moment(place));
         // Powers (x, y) of unknowns 1, ξ, η and the indices of the moments of their products.
         let product = |p: usize, q: usize| [[0, 1, 2], [1, 3, 4], [2, 4, 5]][p][q];
         let mut normal = [[0.0; UNKNOWNS]; UNKNOWNS];
@@ -120,13 +154,14 @@ impl Template {
             for (j, entry) in row.iter_mut().enumerate() {
                 *entry = at(6 * (i / 3 + j / 3) + product(i % 3, j % 3));
             }
-            *cross = [at(PatchSums::LIGHT + 6 * (i / 3) + i % 3), at(PatchSums::LIGHT + 6 * (i / 3) + 3 + i % 3)];
+            *cross = [at(LIGHT + 6 * (i / 3) + i % 3), at(LIGHT + 6 * (i / 3) + 3 + i % 3)];
         }
-        let (tt, t1, n) = (at(PatchSums::LIGHT + 12), at(PatchSums::LIGHT + 13), at(PatchSums::LIGHT + 14));
+        let (tt, t1, n) = (at(LIGHT + 12), at(LIGHT + 13), at(LIGHT + 14));
         // One grey level² of ridge keeps a uniform window invertible.
         let (tt, n_ridged) = (tt + n + 1.0, n + 1.0);
         let determinant = tt * n_ridged - t1 * t1;
         let inverse = [n_ridged / determinant, -t1 / determinant, tt / determinant];
+        let mut equations = Self { light_inverse: inverse.map(|value| value as f32), ..Self::default() };
         for i in 0..UNKNOWNS {
             let gain = [
                 cross[i][0] * inverse[0] + cross[i][1] * inverse[1],
@@ -134,16 +169,15 @@ impl Template {
             ];
             for j in 0..=i {
                 let explained = gain[0] * cross[j][0] + gain[1] * cross[j][1];
-                self.normal[packed(i, j)][node] = (normal[i][j] - explained) as f32;
+                equations.normal[packed(i, j)] = (normal[i][j] - explained) as f32;
             }
-            self.light_gain[i][0][node] = gain[0] as f32;
-            self.light_gain[i][1][node] = gain[1] as f32;
+            equations.light_gain[i] = gain.map(|gain| gain as f32);
         }
-        for (plane, value) in self.light_inverse.iter_mut().zip(inverse) {
-            plane[node] = value as f32;
+        equations.samples = n as f32;
+        if n > 0.0 {
+            equations.variance = ((tt - n - 1.0) / n - (t1 / n).powi(2)).max(0.0) as f32;
         }
-        self.samples[node] = n as f32;
-        self.variance[node] = if n > 0.0 { ((tt - n - 1.0) / n - (t1 / n).powi(2)).max(0.0) as f32 } else { 0.0 };
+        equations
     }
 }
 
@@ -160,23 +194,25 @@ fn weigh(texels: &[[[f32; 4]; 3]; 3], across: [f32; 3], down: [f32; 3]) -> [f32;
     sum
 }
 
-/// Moments of the template alone, a plane over the nodes for each.
+/// Moments of the template alone that a patch's equations need, over its window.
 ///
 /// Six moments (1, ξ, η, ξ², ξη, η²) of each of `gx gx`, `gx gy`, `gy gy`; then (1, ξ, η) of `gx t`, `gx`, `gy t`,
 /// `gy`; then the sums of `t²`, `t` and 1, where `t` is the texel less [`MID_LEVEL`].
+pub(crate) const MOMENTS: usize = LIGHT + 15;
+/// The first moment that describes the change of light.
+const LIGHT: usize = 18;
+
+/// A plane over the nodes for each moment.
 struct PatchSums {
     grid: PatchGrid,
     window: Window,
-    planes: [Vec<f32>; Self::COUNT],
+    planes: [Vec<f32>; MOMENTS],
     /// The ten products under a row of patches: upper and lower half.
     bands: [[Vec<f32>; 10]; 2],
     row_sums: Vec<f32>,
 }
 
 impl PatchSums {
-    const LIGHT: usize = 18;
-    const COUNT: usize = Self::LIGHT + 15;
-
     fn new(grid: PatchGrid) -> Self {
         let band = || std::array::from_fn(|_| vec![0.0; STRIDE * grid.padded_width()]);
         Self {
@@ -206,8 +242,8 @@ impl PatchSums {
         // First plane and highest total power of the product's moments.
         let (first, degree) = match product {
             0..=2 => (6 * product, 2),
-            3..=6 => (Self::LIGHT + 3 * (product - 3), 1),
-            _ => (Self::LIGHT + 12 + product - 7, 0),
+            3..=6 => (LIGHT + 3 * (product - 3), 1),
+            _ => (LIGHT + 12 + product - 7, 0),
         };
         let band = Band { halves: [&self.bands[0][product], &self.bands[1][product]], step };
         let nodes = j * self.grid.columns..(j + 1) * self.grid.columns;

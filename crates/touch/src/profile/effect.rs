@@ -53,7 +53,9 @@ impl Profile {
                 "references.policy = \"single\" with flow.preset = \"affine\" searches lost areas only, without refinement".into(),
                 "set references.policy=anchored, or flow.preset=medium".into(),
             )),
-            "affine.coarsest_level" | "affine.steps" | "affine.search_steps" | "affine.iterations" if !is_affine => {
+            "affine.coarsest_level" | "affine.steps" | "affine.search_steps" | "affine.fine_steps" | "affine.iterations"
+                if !is_affine =>
+            {
                 Some(of_affine())
             }
             "affine.search_steps" if policy == Policy::Single => Some((

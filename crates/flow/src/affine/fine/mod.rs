@@ -1,0 +1,224 @@
+//! Finer patches where the flow is rough.
+//!
+//! Around a contact's border the flow bends within a few pixels, and a window of 16 px sees two motions. There, patches with
+//! windows of 8 px lie every 4 px: they start from the coarse flow, take Gauss–Newton steps together, and replace its
+//! displacement, deviation and validity. Their parameters and equations are those of the coarse patches. The effort grows with
+//! the number of fine patches, not with the picture.
+
+mod cell;
+mod field;
+mod grid;
+mod node;
+mod relax;
+mod template;
+
+pub(crate) use self::template::FineTemplate;
+
+use self::cell::residuals;
+use self::field::FineField;
+use self::grid::{CornerWeights, FineGrid, STRIDE};
+use self::node::FineNode;
+use self::relax::{NONE, Relaxation};
+use super::bonds::Stiffness;
+use super::grid::PatchGrid;
+use super::judge::FLOOR_VARIANCE;
+use super::refinement::{Current, UNFINISHED};
+use super::template::Template;
+use super::texel::Texel;
+use crate::{Estimate, ValidityParams};
+use fearless_simd::{Level, Simd, dispatch};
+
+/// Expected change of the flow's gradient between neighbours over that of the coarse patches, which lie in smoother flow.
+const MORE_CURVATURE: f32 = 1.8;
+
+/// Gauss–Seidel sweeps of a step.
+const SWEEPS: usize = 6;
+
+/// Part of the roughness between neighbours, squared, that becomes a patch's own error: measured on simulated presses.
+const ROUGH_PATCH: f32 = 0.03;
+
+/// Part of the coarse patches that are refined at most, which bounds the time of a frame: where more are uncertain, blur or
+/// noise is the reason, not a rim.
+const MOST: f32 = 0.3;
+
+/// The fine patches of a picture and their scratch memory.
+#[derive(Debug, Clone)]
+pub(crate) struct FinePatches {
+    grid: FineGrid,
+    coarse: PatchGrid,
+    level: Level,
+    noise_variance: f32,
+    stiffness: Stiffness,
+    weights: Box<CornerWeights<6>>,
+    /// Factor on the patches' equations: one over the noise variance and their overlap.
+    scale: f32,
+    field: FineField,
+    /// Variance and number of the coarse patches that may be refined.
+    rough: Vec<(f32, usize)>,
+    /// Of every node of the grid its index in `nodes`, or [`NONE`].
+    index: Vec<u32>,
+    nodes: Vec<FineNode>,
+    has_cell: Vec<bool>,
+    /// The cells around the nodes, each by the node at its lower right corner.
+    cells: Vec<usize>,
+}
+
+impl FinePatches {
+    pub(crate) fn new(width: usize, height: usize, level: Level, noise: f32, coarse: Stiffness) -> Self {
+        let grid = FineGrid::over(width, height);
+        let noise_variance = 2.0 * noise * noise;
+        let count = PatchGrid::over(width, height).nodes();
+        Self {
+            grid,
+            coarse: PatchGrid::over(width, height),
+            level,
+            noise_variance,
+            stiffness: Stiffness { curvature: coarse.curvature / MORE_CURVATURE.powi(2), ..coarse },
+            weights: Box::new(grid::window_weights()),
+            scale: 1.0 / (noise_variance * grid::overlap()),
+            field: FineField::new(grid),
+            rough: Vec::with_capacity(count),
+            index: vec![NONE; grid.nodes()],
+            nodes: Vec::with_capacity(grid.nodes()),
+            has_cell: vec![false; grid.nodes()],
+            cells: Vec::with_capacity(grid.nodes()),
+        }
+    }
+
+    /// Takes a new reference, whose texels `template` holds.
+    pub(crate) fn prepare(&self, template: &Template, channels: usize, fine: &mut FineTemplate) {
+        fine.prepare(self.level, template, channels, self.scale, self.stiffness.curvature);
+    }
+
+    /// Refines the flow in `out` by a number of steps. `variance` gives the variance of a coarse patch that shall be refined,
+    /// px², and nothing for the others.
+    pub(crate) fn refine<T: Texel>(
+        &mut self,
+        (template, fine): (&Template, &FineTemplate),
+        current: Current<'_, T>,
+        rules: &ValidityParams,
+        steps: usize,
+        variance: impl Fn(usize) -> Option<f32>,
+        out: &mut Estimate,
+    ) {
+        self.select(variance);
+        if self.nodes.is_empty() || steps == 0 {
+            return;
+        }
+        self.field.sample(&out.flow, &mut self.nodes);
+        let level = self.level;
+        for _ in 0..steps {
+            dispatch!(level, simd => self.measure(simd, template, current));
+            self.step(fine, rules);
+        }
+        self.field.set_twists(&self.cells);
+        dispatch!(level, simd => self.write_flow(simd, out));
+        self.write_deviation(fine, rules, out);
+    }
+
+    /// Sets the nodes to be refined and the cells around them.
+    fn select(&mut self, variance: impl Fn(usize) -> Option<f32>) {
+        let Self { grid, coarse, rough, index, has_cell, nodes, cells, .. } = self;
+        rough.clear();
+        rough.extend((0..coarse.nodes()).filter_map(|node| Some((variance(node)?, node))));
+        let most = (MOST * coarse.nodes() as f32) as usize;
+        if rough.len() > most {
+            rough.select_nth_unstable_by(most, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            rough.truncate(most);
+            rough.sort_unstable_by_key(|(_, node)| *node);
+        }
+        index.fill(NONE);
+        has_cell.fill(false);
+        nodes.clear();
+        cells.clear();
+        for &(_, node) in rough.iter() {
+            for place in grid.within(node % coarse.columns, node / coarse.columns) {
+                index[place] = nodes.len() as u32;
+                nodes.push(FineNode::at(place));
+                for cell in [place, place + 1, place + grid.columns, place + grid.columns + 1] {
+                    if !std::mem::replace(&mut has_cell[cell], true) {
+                        cells.push(cell);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sums the residual over every patch.
+    #[inline(always)]
+    fn measure<S: Simd, T: Texel>(&mut self, simd: S, template: &Template, current: Current<'_, T>) {
+        self.field.set_twists(&self.cells);
+        let Self { grid, weights, field, index, nodes, cells, .. } = self;
+        for node in nodes.iter_mut() {
+            node.sums.fill(0.0);
+        }
+        for &cell in cells.iter() {
+            let flow = field.flow(simd, cell);
+            let sums = residuals(simd, template, current, weights, grid.upper_left(cell), flow);
+            for (corner, found) in grid.corners(cell).into_iter().zip(sums) {
+                let Some(node) = nodes.get_mut(index[corner] as usize) else { continue };
+                for (sum, found) in node.sums.iter_mut().zip(found) {
+                    *sum += found;
+                }
+            }
+        }
+    }
+
+    /// Solves for the nodes' steps, judges the patches and moves them.
+    fn step(&mut self, fine: &FineTemplate, rules: &ValidityParams) {
+        let Self { grid, stiffness, scale, noise_variance, field, index, nodes, .. } = self;
+        for node in nodes.iter_mut() {
+            node.form_right(&fine.equations[node.place], *scale);
+        }
+        let relaxation = Relaxation {
+            equations: &fine.equations,
+            grid: *grid,
+            stiffness: *stiffness,
+            scale: *scale,
+            field: field.motions(),
+            index,
+        };
+        relaxation.run(nodes, SWEEPS);
+        for node in nodes.iter_mut() {
+            node.judge(&fine.equations[node.place], *scale, *noise_variance, rules);
+        }
+        field.compose(nodes);
+    }
+
+    #[inline(always)]
+    fn write_flow<S: Simd>(&self, simd: S, out: &mut Estimate) {
+        for &cell in &self.cells {
+            let (left, top) = self.grid.upper_left(cell);
+            let [u, v] = self.field.flow(simd, cell);
+            for (image, flow) in [(&mut out.flow.u, u), (&mut out.flow.v, v)] {
+                for (row, flow) in flow.as_chunks::<STRIDE>().0.iter().enumerate() {
+                    image.row_mut(top + row)[left..][..STRIDE].copy_from_slice(flow);
+                }
+            }
+        }
+    }
+
+    /// Writes deviation and validity: a pixel takes those of the fine node it is nearest to.
+    fn write_deviation(&self, fine: &FineTemplate, rules: &ValidityParams, out: &mut Estimate) {
+        let expected = self.stiffness.continuity.recip() + self.stiffness.curvature.recip();
+        let (right, bottom) = ((self.grid.width - 1) as f32, (self.grid.height - 1) as f32);
+        for node in &self.nodes {
+            let [u, _, _, v, ..] = node.step;
+            let excess = (node.mean_energy / self.noise_variance).max(1.0);
+            let rough = ROUGH_PATCH * expected * node.roughness;
+            let variance =
+                fine.own_variance[node.place] * excess + rough + UNFINISHED * (u * u + v * v) + FLOOR_VARIANCE;
+            let deviation = if node.is_trusted { variance.sqrt() } else { f32::INFINITY };
+            let (left, top) = (STRIDE * (node.place % self.grid.columns), STRIDE * (node.place / self.grid.columns));
+            for y in top..top + STRIDE {
+                for x in left..left + STRIDE {
+                    let (px, py) = (x as f32 + out.flow.u.at(x, y), y as f32 + out.flow.v.at(x, y));
+                    let is_inside = px >= 0.0 && py >= 0.0 && px <= right && py <= bottom;
+                    let deviation = if is_inside { deviation } else { f32::INFINITY };
+                    out.deviation.row_mut(y)[x] = deviation;
+                    out.valid.row_mut(y)[x] = u8::from(deviation <= rules.max_deviation_px);
+                }
+            }
+        }
+    }
+}

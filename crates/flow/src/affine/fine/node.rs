@@ -1,0 +1,138 @@
+//! The equations of a fine patch.
+
+use super::cell::RESIDUALS;
+use crate::ValidityParams;
+use crate::affine::judge::LEAST_CONTRAST;
+use crate::affine::nodes::UNKNOWNS;
+use crate::affine::refinement::CONTRASTS;
+use crate::affine::symmetric::{PACKED, packed};
+use crate::affine::template::PatchEquations;
+
+/// Least pivot of a node's block, per px².
+const LEAST_PIVOT: f32 = 1e-3;
+
+/// The six unknowns of a node.
+pub(super) type Motion = [f32; UNKNOWNS];
+
+/// A fine patch: its equations, and what its last step showed.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct FineNode {
+    /// Its number in the grid.
+    pub(super) place: usize,
+    /// The coarse field at the node.
+    pub(super) start: Motion,
+    /// Sums over the residual, as in [`super::cell::residuals`].
+    pub(super) sums: [f32; RESIDUALS],
+    /// Right-hand side, in units of the noise.
+    pub(super) right: Motion,
+    pub(super) contrast: f32,
+    /// The step that is being solved for.
+    pub(super) step: Motion,
+    pub(super) is_trusted: bool,
+    /// Residual per sample, grey levels².
+    pub(super) mean_energy: f32,
+    /// Mean roughness of the field around the node, in units of what the coupling expects.
+    pub(super) roughness: f32,
+    /// Weights of the coupling with the neighbours.
+    pub(super) bonds: [f32; 4],
+    /// Factors of its block of the coupled system.
+    pub(super) factors: [f32; PACKED],
+}
+
+impl FineNode {
+    /// The node with this number in the grid.
+    pub(super) fn at(place: usize) -> Self {
+        Self { place, is_trusted: true, ..Self::default() }
+    }
+
+    /// Forms the right-hand side: light eliminated, divided by the contrast. See the step of the coarse patches.
+    pub(super) fn form_right(&mut self, equations: &PatchEquations, scale: f32) {
+        let PatchEquations { light_gain, light_inverse: [d00, d01, _], .. } = equations;
+        let [gain, offset] = [self.sums[UNKNOWNS], self.sums[UNKNOWNS + 1]];
+        self.contrast = 1.0 - (d00 * gain + d01 * offset);
+        let contrast = self.contrast.clamp(CONTRASTS.0, CONTRASTS.1);
+        for ((right, sum), by_light) in self.right.iter_mut().zip(&self.sums).zip(light_gain) {
+            *right = scale * (sum - by_light[0] * gain - by_light[1] * offset) / contrast;
+        }
+    }
+
+    /// `A δ − b` of the patch, in units of the noise.
+    pub(super) fn gradient(&self, equations: &PatchEquations, scale: f32) -> Motion {
+        let mut gradient = self.right.map(|right| -right);
+        for (gradient, image) in gradient.iter_mut().zip(multiply(&equations.normal, &self.step)) {
+            *gradient += scale * image;
+        }
+        gradient
+    }
+
+    /// Decides whether the patch failed, from the residual that is left after its step.
+    pub(super) fn judge(
+        &mut self,
+        equations: &PatchEquations,
+        scale: f32,
+        noise_variance: f32,
+        rules: &ValidityParams,
+    ) {
+        let PatchEquations { normal, light_inverse: [d00, d01, d11], samples, variance, .. } = equations;
+        let (gain, offset, energy) = (self.sums[UNKNOWNS], self.sums[UNKNOWNS + 1], self.sums[UNKNOWNS + 2]);
+        let by_light = d00 * gain * gain + 2.0 * d01 * gain * offset + d11 * offset * offset;
+        let mut left = (energy - by_light) / self.contrast.max(LEAST_CONTRAST).powi(2);
+        for ((step, image), right) in self.step.iter().zip(multiply(normal, &self.step)).zip(&self.right) {
+            left += step * (image - 2.0 / scale * right);
+        }
+        let left = left.max(0.0);
+        let floor = rules.noise_floor.powi(2) * noise_variance;
+        let allowed = floor.max(rules.max_unexplained * variance);
+        self.is_trusted = left <= allowed * samples && self.contrast >= LEAST_CONTRAST;
+        self.mean_energy = left / samples.max(1.0);
+    }
+}
+
+/// `M x` with a packed symmetric matrix.
+#[inline]
+fn multiply(matrix: &[f32; PACKED], x: &Motion) -> Motion {
+    let mut image = [0.0; UNKNOWNS];
+    for (i, image) in image.iter_mut().enumerate() {
+        for (j, x) in x.iter().enumerate() {
+            *image += matrix[packed(i, j)] * x;
+        }
+    }
+    image
+}
+
+/// Factors a symmetric positive definite packed matrix into `L D Lᵀ`: `L` below the diagonal, `1/D` on it.
+pub(super) fn factor(mut matrix: [f32; PACKED]) -> [f32; PACKED] {
+    for i in 0..UNKNOWNS {
+        // Not yet divided by D: done at the end of the row.
+        for j in 0..i {
+            for k in 0..j {
+                matrix[packed(i, j)] -= matrix[packed(i, k)] * matrix[packed(j, k)];
+            }
+        }
+        for j in 0..i {
+            let scaled = matrix[packed(i, j)] * matrix[packed(j, j)];
+            matrix[packed(i, i)] -= matrix[packed(i, j)] * scaled;
+            matrix[packed(i, j)] = scaled;
+        }
+        matrix[packed(i, i)] = 1.0 / matrix[packed(i, i)].max(LEAST_PIVOT);
+    }
+    matrix
+}
+
+/// `(L D Lᵀ)⁻¹ x`.
+pub(super) fn substitute(factors: &[f32; PACKED], mut x: Motion) -> Motion {
+    for i in 1..UNKNOWNS {
+        for j in 0..i {
+            x[i] -= factors[packed(i, j)] * x[j];
+        }
+    }
+    for (i, x) in x.iter_mut().enumerate() {
+        *x *= factors[packed(i, i)];
+    }
+    for i in (0..UNKNOWNS).rev() {
+        for j in i + 1..UNKNOWNS {
+            x[i] -= factors[packed(j, i)] * x[j];
+        }
+    }
+    x
+}

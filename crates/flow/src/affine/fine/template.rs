@@ -1,0 +1,69 @@
+//! What fine patches need of a reference.
+
+use super::cell::template_moments;
+use super::grid::{CornerWeights, FineGrid, window_weights};
+use crate::affine::own_variance::own_variance;
+use crate::affine::template::{MOMENTS, PatchEquations, Template};
+use fearless_simd::{Level, Simd, dispatch};
+
+/// The equations of all fine patches of a reference.
+#[derive(Debug, Clone)]
+pub(crate) struct FineTemplate {
+    pub(super) grid: FineGrid,
+    /// Of every node; zero where the window reaches beyond the image.
+    pub(super) equations: Vec<PatchEquations>,
+    /// Variance of the displacement from the patch alone, px².
+    pub(super) own_variance: Vec<f32>,
+}
+
+impl FineTemplate {
+    /// An empty template for pictures of this size.
+    pub(crate) fn new(width: usize, height: usize) -> Self {
+        let grid = FineGrid::over(width, height);
+        Self {
+            grid,
+            equations: vec![PatchEquations::default(); grid.nodes()],
+            own_variance: vec![f32::MAX; grid.nodes()],
+        }
+    }
+
+    /// Takes a new reference, whose texels `template` holds. `scale` is one over the noise variance and the overlap,
+    /// `slope_stiffness` is that of a bond of weight 1.
+    pub(crate) fn prepare(
+        &mut self,
+        level: Level,
+        template: &Template,
+        channels: usize,
+        scale: f32,
+        slope_stiffness: f32,
+    ) {
+        let weights = window_weights();
+        let mut sums = vec![[0.0_f32; MOMENTS]; self.grid.nodes()];
+        dispatch!(level, simd => self.sum(simd, template, channels, &weights, &mut sums));
+        for (node, sums) in sums.iter().enumerate() {
+            let equations = PatchEquations::new(|moment| sums[moment]);
+            self.own_variance[node] = own_variance(|entry| equations.normal[entry], scale, slope_stiffness);
+            self.equations[node] = equations;
+        }
+    }
+
+    /// Sums the moments over the windows.
+    #[inline(always)]
+    fn sum<S: Simd>(
+        &self,
+        simd: S,
+        template: &Template,
+        channels: usize,
+        weights: &CornerWeights<6>,
+        sums: &mut [[f32; MOMENTS]],
+    ) {
+        for cell in self.grid.cells() {
+            let moments = template_moments(simd, template, channels, weights, self.grid.upper_left(cell));
+            for (corner, moments) in self.grid.corners(cell).into_iter().zip(moments) {
+                for (sum, moment) in sums[corner].iter_mut().zip(moments) {
+                    *sum += moment;
+                }
+            }
+        }
+    }
+}
