@@ -84,7 +84,7 @@ fn what_cannot_be_is_refused() {
     refused("--out a.pdf --cell-mm 0", "cell_mm = 0 is impossible", "0.001 to 1000 mm");
     refused("--out a.pdf --cell-mm -0.1", "cell_mm = -0.1 is impossible", "0.001 to 1000 mm");
     refused("--out a.pdf --cell-mm nan", "cell_mm = NaN is impossible", "0.001 to 1000 mm");
-    refused("--out a.pdf --cell-mm 20", "30 mm of cells of 20 mm are 2 across", "a larger pattern");
+    refused("--out a.pdf --cell-mm 20", "30 mm with cells of 20 mm has 2 across", "a larger pattern");
     refused("--out a.pdf --cell-mm 0.001", "has 30000 across: 3 to 4096 are possible", "a smaller pattern");
     refused("--out a.pdf --levels 100,120", "span of the pattern's levels is 20", "differ more");
     refused("--out a.pdf --levels 200,100", "levels = [200, 100] is impossible", "in this order");
