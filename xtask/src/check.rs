@@ -1,4 +1,4 @@
-//! `cargo xtask check`: all checks that run no test.
+//! `cargo xtask check`: all checks except the tests.
 
 use crate::{circles, layers, lengths, workspace};
 use anyhow::{Context, Result, ensure};

@@ -1,9 +1,9 @@
-//! `cargo xtask circles`: files that stand side by side do not import each other in a circle.
+//! `cargo xtask circles`: modules of the same folder must not import each other in a circle.
 //!
-//! A module is a file with all that lies in its folder. For every folder the imports between its modules are followed, by
-//! `use` and by paths that begin with `crate` or `super`; names that a module re-exports lead to where they are.
-//! Paths in attributes count, such as those that serde takes. Tests are left out, and what a module takes from its parent
-//! itself.
+//! A module is a file with all that lies in its folder. For every folder the imports between its modules are followed,
+//! by `use` and by paths that begin with `crate` or `super`; names that a module re-exports lead to where they are.
+//! Paths in attributes count, for example in attributes of serde. Tests are left out, and so are items that a module
+//! imports from its parent itself.
 
 use anyhow::{Context, Result, bail};
 use std::collections::{BTreeMap, BTreeSet};
@@ -146,7 +146,7 @@ fn without_tests(text: &str) -> String {
     code.lines().filter(is_code).fold(String::new(), |all, line| all + line + "\n")
 }
 
-/// What stands between `use` and its semicolon.
+/// The text between `use` and its semicolon.
 fn uses(code: &str) -> Vec<String> {
     let is_start = |line: &&str| {
         let line = line.trim_start();

@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use std::io::Write;
 use std::process::Command;
 
-/// What a crate of the workspace may name in its dependencies, with the prefix `fingervision-` left off.
+/// The dependencies that a crate of the workspace may have, without the prefix `fingervision-`.
 const LAYERS: [(&str, &[&str]); 17] = [
     // Stands apart: only tests use it.
     ("fuzz", &[]),
@@ -50,8 +50,8 @@ const LAYERS: [(&str, &[&str]); 17] = [
     ("xtask", &["evaluate", "gel"]),
 ];
 
-/// What tests and examples may use beside that: those of any crate simulated frames and mutated files, those of the
-/// library the fits.
+/// Additional dependencies that are allowed in tests and examples: of any crate, simulated frames and mutated files; of
+/// the library, the fits.
 const FOR_TESTS: [(Option<&str>, &str); 3] = [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
@@ -109,7 +109,7 @@ pub(crate) fn run(out: &mut impl Write) -> Result<()> {
     if !faults.is_empty() {
         bail!("{} faults in the layers", faults.len());
     }
-    writeln!(out, "layers: {} crates stand on what lies below them", metadata.packages.len())?;
+    writeln!(out, "layers: {} crates depend only on the crates listed for them", metadata.packages.len())?;
     Ok(())
 }
 
@@ -124,14 +124,14 @@ fn faults(packages: &[Package]) -> Vec<String> {
     for package in packages {
         let name = short_name(&package.name);
         let Some((_, allowed)) = LAYERS.iter().find(|(layer, _)| *layer == name) else {
-            faults.push(format!("{name} has no place in the layers"));
+            faults.push(format!("{name} is not in the list of layers"));
             continue;
         };
         for dependency in &package.dependencies {
             let is_for_tests = dependency.kind.as_deref() == Some("dev");
             let (is_allowed, kind) = if ours.contains(dependency.name.as_str()) {
                 let below = short_name(&dependency.name);
-                (allowed.contains(&below) || is_for_tests && may_test_with(name, below), "lies not below it")
+                (allowed.contains(&below) || is_for_tests && may_test_with(name, below), "is not listed for it")
             } else {
                 (is_for_tests || may_carry(name, &dependency.name), "belongs to another crate")
             };
@@ -143,11 +143,11 @@ fn faults(packages: &[Package]) -> Vec<String> {
     faults
 }
 
-/// What the tables name that is not there any more, in words: crates, and heavy dependencies of those that may have them.
+/// Outdated entries of the tables, in words: crates that do not exist, and heavy dependencies that are no longer used.
 fn outdated(packages: &[Package]) -> Vec<String> {
     let find = |layer: &str| packages.iter().find(|package| short_name(&package.name) == layer);
     let gone =
-        LAYERS.iter().filter(|(layer, _)| find(layer).is_none()).map(|(layer, _)| format!("{layer} is no crate"));
+        LAYERS.iter().filter(|(layer, _)| find(layer).is_none()).map(|(layer, _)| format!("{layer} is not a crate"));
     let uses = |owner: &str, heavy: &str| {
         let normal = |dependency: &&Dependency| dependency.name == heavy && dependency.kind.is_none();
         find(owner).is_some_and(|package| package.dependencies.iter().any(|dependency| normal(&dependency)))
@@ -191,7 +191,10 @@ mod tests {
 
     #[test]
     fn an_arrow_downwards_is_found() {
-        assert_eq!(faults(&workspace(&[("fingervision-touch", None)])), ["flow uses touch, which lies not below it"]);
+        assert_eq!(
+            faults(&workspace(&[("fingervision-touch", None)])),
+            ["flow uses touch, which is not listed for it"]
+        );
         assert_eq!(faults(&workspace(&[("fingervision-touch", Some("dev"))])).len(), 1);
         assert_eq!(faults(&workspace(&[("fingervision-gel", None)])).len(), 1);
         assert_eq!(faults(&workspace(&[("fingervision-gel", Some("build"))])).len(), 1);
@@ -220,13 +223,13 @@ mod tests {
     fn what_is_gone_is_found_in_the_tables() {
         let without_gel = [package("fingervision-flow", &[]), package("fingervision-source", &[("tiff", None)])];
         let found = outdated(&without_gel);
-        assert!(found.contains(&"gel is no crate".into()), "{found:?}");
+        assert!(found.contains(&"gel is not a crate".into()), "{found:?}");
         assert!(found.contains(&"source may use rust_h264, but does not".into()), "{found:?}");
         assert!(!found.iter().any(|fault| fault.starts_with("flow") || fault.contains("tiff")), "{found:?}");
     }
 
     #[test]
     fn a_crate_without_a_layer_is_found() {
-        assert_eq!(faults(&[package("fingervision-odds", &[])]), ["odds has no place in the layers"]);
+        assert_eq!(faults(&[package("fingervision-odds", &[])]), ["odds is not in the list of layers"]);
     }
 }

@@ -1,4 +1,5 @@
-//! Chores of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask circles`, `cargo xtask check`.
+//! Checks and measurements of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask circles`,
+//! `cargo xtask check`.
 
 mod accuracy;
 mod check;

@@ -5,7 +5,7 @@
 use csv::{ReaderBuilder, StringRecord, Trim};
 use fingervision_touch::FRAME_COLUMN;
 
-/// A line, counted from 1, and what is wrong there.
+/// A line, counted from 1, and its error.
 pub type CsvFault = (usize, String);
 
 /// A table whose first line names its columns.
@@ -28,7 +28,7 @@ impl CsvTable {
     ///
     /// # Errors
     ///
-    /// The line, counted from 1, and what is wrong there.
+    /// The line, counted from 1, and its error.
     pub fn parse(text: &str) -> Result<Self, CsvFault> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text).as_bytes();
         let reader = ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).from_reader(text);
@@ -60,17 +60,17 @@ impl CsvTable {
         &self.rows
     }
 
-    /// The place of a column, if there is one of this name.
+    /// The index of a column, if there is one of this name.
     #[must_use]
     pub fn place(&self, name: &str) -> Option<usize> {
         self.names().position(|column| column == name)
     }
 
-    /// The place of a column that has to be there.
+    /// The index of a required column.
     ///
     /// # Errors
     ///
-    /// If there is none: the line with the names, and the name that is missing there.
+    /// If there is none: the line with the names, and the missing name.
     pub fn needed(&self, name: &str) -> Result<usize, CsvFault> {
         self.place(name).ok_or_else(|| self.names.fault(format!("there is no column {name}")))
     }
@@ -79,7 +79,7 @@ impl CsvTable {
     ///
     /// # Errors
     ///
-    /// The row's line and what is wrong there.
+    /// The row's line and its error.
     pub fn check(&self, row: &CsvRow, frame: usize) -> Result<(), CsvFault> {
         let (cells, expected) = (row.cells.len(), self.names.cells.len());
         if cells != expected {
@@ -106,7 +106,7 @@ impl CsvRow {
         self.cells.get(place).unwrap_or_default()
     }
 
-    /// What is wrong in this row, with its line.
+    /// An error in this row, with its line.
     #[must_use]
     pub fn fault(&self, reason: String) -> CsvFault {
         (self.line, reason)

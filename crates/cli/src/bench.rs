@@ -1,4 +1,4 @@
-//! `fingervision bench`: speed and accuracy of tracking on this machine.
+//! `fingervision bench`: measures speed and accuracy of tracking on this machine.
 
 mod press;
 mod report;
@@ -21,19 +21,19 @@ use report::{ElasticTimes, Report, end_point_error_px};
 
 /// Columns and rows of the press if the profile names none, px.
 const SIZE: (usize, usize) = (610, 450);
-/// A principal point in the middle of a smaller or larger image than this is assumed not to be the middle, px.
+/// Possible sides of an image with the principal point in its middle, px; otherwise the usual size is used.
 const LEAST_SIDE: f64 = 32.0;
 const MOST_SIDE: f64 = 4096.0;
 
 /// Measure the speed of tracking on this machine, one thread
 ///
 /// A press is rendered first: a reference, then a round bump that grows to 25 px in 30 frames. It is as large as the
-/// profile's region of interest, or without [image] as the image around the camera's principal point; without --profile
+/// profile's region of interest; without [image], as the image around the camera's principal point; without --profile,
 /// 610x450 px. It is tracked once to warm up, then repeatedly, each time from a new reference. Every frame after the
 /// reference is timed from the colour image in memory to depth: flow, density, filter and line, or with [camera] and
-/// [gel] elasticity. No gel deforms like this press, so elasticity takes its longest time. Without --profile an invented
-/// line turns the density into depth, and the additional time of depth from elasticity is measured too, for an invented
-/// camera and gel. Nothing is read or written during the timing.
+/// [gel] elasticity. No gel deforms like this press, so the time for elasticity is the longest possible. Without
+/// --profile, example values are used for the depth line, and the additional time of depth from elasticity is measured,
+/// too, with an example camera and gel. No files are read or written during the timing.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Least number of frames to time; the last press is always finished
@@ -53,7 +53,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let size = image_size(&profile);
     // The images show only what is tracked: positions in a profile are those in the region.
     profile.image = None;
-    // Whether it can be tracked is known before anything is drawn.
+    // Errors of the tracker are reported before anything is rendered.
     Tracker::new(&profile, size, true, Fields::NONE)?;
     let press = Press::new(size)?;
     if let Some(folder) = &args.write_frames {
@@ -129,7 +129,7 @@ fn track(
 }
 
 /// Times a frame of flow alone, and of flow and depth from elasticity in both modes. The press is not that of a gel, so
-/// that the solver takes the largest number of steps.
+/// the solver needs its largest number of steps.
 fn elastic_times(press: &Press, frames: &[Frame], mut tick: impl FnMut()) -> Result<ElasticTimes, Failure> {
     let mut times = |mode: ElasticMode, fields: Fields| {
         let mut profile = elastic(press);
@@ -146,7 +146,7 @@ fn elastic_times(press: &Press, frames: &[Frame], mut tick: impl FnMut()) -> Res
     Ok(ElasticTimes::new(flow, times(ElasticMode::Live, depth)?, times(ElasticMode::Exact, depth)?))
 }
 
-/// A sensor whose gel fills the image, with invented values.
+/// A sensor whose gel fills the image, with example values.
 fn elastic(press: &Press) -> Profile {
     let size_px = <[usize; 2]>::from(press.size());
     let camera = simulated_camera(size_px);
@@ -158,7 +158,7 @@ fn elastic(press: &Press) -> Profile {
     }
 }
 
-/// A sensor with a depth line, so that every stage runs, with invented values.
+/// A sensor with a depth line, so that every stage runs, with example values.
 fn calibrated() -> Profile {
     let line = DepthLine { slope_mm: 15.2, intercept_mm: 0.0 };
     Profile { depth: DepthSection { density: Some(line.into()), ..DepthSection::default() }, ..Profile::default() }

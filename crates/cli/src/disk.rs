@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::output::OutputArgs;
 
-/// Smaller runs are not mentioned, bytes.
+/// The size of a smaller run is not printed, bytes.
 const WORTH_SAYING: u64 = 1 << 30;
 /// Frame rate assumed for streams without an end.
 const USUAL_FRAMES_PER_SECOND: u64 = 30;

@@ -21,7 +21,7 @@ use crate::truth::frame_error;
 const SIZE: (usize, usize) = (320, 240);
 const RADIUS_PX: f64 = 50.0;
 const AMPLITUDE_PX: f64 = 3.0;
-/// The self-test fails beyond this mean end-point error, px: several times what noise explains.
+/// The self-test fails above this mean end-point error, px: several times the error caused by noise.
 const LARGEST_ERROR_PX: f64 = 0.05;
 
 const READS: [&str; 4] = [
@@ -32,7 +32,7 @@ const READS: [&str; 4] = [
 ];
 const NOT_READ: &str = "cameras and recordings (MCAP): not in this version";
 
-/// Show what this machine can do and test it on a simulated touch
+/// Show the capabilities of this machine and test it on a simulated touch
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -89,7 +89,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     Err(Failure::new(
         format!("the self-test's flow has an error of {error:.3} px, and {valid:.0} % of it are valid"),
         format!(
-            "this version is broken on this machine: expected at most {LARGEST_ERROR_PX} px and 80 %; please report it"
+            "the program does not work correctly on this machine: expected at most {LARGEST_ERROR_PX} px and 80 %; please report it"
         ),
     ))
 }

@@ -1,4 +1,4 @@
-//! Why a command ends early, in words for the user.
+//! Errors of a command, as shown to the user.
 
 use std::fmt;
 use std::io::{self, ErrorKind, Write};
@@ -41,7 +41,7 @@ impl Failure {
     pub(crate) fn report(&self, wording: Wording, errors: &mut impl Write) -> ExitCode {
         let Self::Stated { message, hint } = self else { return ExitCode::SUCCESS };
         let exit_code = interrupt::exit_code().unwrap_or(1);
-        // Without standard error there is no one to inform.
+        // If standard error cannot be written, nobody can be informed.
         let _ = wording.error(message, hint.as_deref(), exit_code, errors);
         ExitCode::from(exit_code)
     }
@@ -73,7 +73,7 @@ impl Wording {
         hint.map_or(Ok(()), |hint| writeln!(errors, "hint: {hint}"))
     }
 
-    /// Something worth knowing.
+    /// A note.
     pub(crate) fn note(self, text: &str, errors: &mut impl Write) -> io::Result<()> {
         match self {
             Self::Text => writeln!(errors, "note: {text}"),
@@ -87,12 +87,12 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Stated { message, .. } => f.write_str(message),
-            Self::BrokenPipe => f.write_str("the reader has left"),
+            Self::BrokenPipe => f.write_str("the output was closed"),
         }
     }
 }
 
-/// A file name may hold a line break; an error stays one line.
+/// A file name can contain a line break; an error stays one line.
 fn one_line(text: &str) -> String {
     text.lines().collect::<Vec<_>>().join(" ")
 }

@@ -54,7 +54,7 @@ fn listen_to(signal: i32) -> io::Result<()> {
     Ok(())
 }
 
-/// The exit code that a shell expects of a program that was interrupted; none if it was not.
+/// The exit code that a shell expects from an interrupted program; none if it was not interrupted.
 pub(crate) fn exit_code() -> Option<u8> {
     let signal = u8::try_from(HEARD.signal.load(Ordering::Acquire)).unwrap_or_default();
     (signal > 0).then(|| EXIT_CODE_OF_SIGNALS.saturating_add(signal))
@@ -67,7 +67,7 @@ impl Interrupt {
         Self(())
     }
 
-    #[expect(clippy::unused_self, reason = "who asks has begun to listen")]
+    #[expect(clippy::unused_self, reason = "the value shows that the command listens to signals")]
     pub(crate) fn is_asked(self) -> bool {
         HEARD.is_asked.load(Ordering::Acquire)
     }

@@ -1,8 +1,8 @@
 //! The `fingervision` command: glue between the libraries and the user, a file per subcommand.
 //!
-//! Data goes to standard output, messages to standard error. Exit codes: 0 done, 1 failed with one `error:` line and, if
-//! possible, a `hint:`, 2 wrong usage, 130 ended by Ctrl-C and 143 by SIGTERM. A reader that closes the pipe early is not
-//! an error. With `--json` every message is a JSON object on its own line, `{"error", "hint", "exit_code"}` or
+//! Data goes to standard output, messages to standard error. Exit codes: 0 done, 1 failed with one `error:` line and,
+//! if possible, a `hint:`, 2 wrong usage, 130 ended by Ctrl-C and 143 by SIGTERM. A reader that closes the pipe early
+//! is not an error. With `--json` every message is a JSON object on its own line, `{"error", "hint", "exit_code"}` or
 //! `{"note"}`.
 
 mod bench;
@@ -45,7 +45,7 @@ use failure::{Failure, Wording};
 /// The exit code of wrong usage.
 const WRONG_USAGE: u8 = 2;
 
-/// Where to begin.
+/// The first commands to try.
 const NEXT_STEPS: &str = "\
 Start:
   fingervision demo                        simulated press, no hardware needed

@@ -1,4 +1,4 @@
-//! What a command prints, and in which form.
+//! The output of a command, as text or JSON.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -32,10 +32,10 @@ impl OutputArgs {
         if self.json { Wording::Json } else { Wording::Text }
     }
 
-    /// Says something to the person at the keyboard, on standard error.
+    /// Prints a note for the user on standard error.
     pub(crate) fn note(self, text: &str) {
         if !self.quiet {
-            // Without standard error there is no one to inform.
+            // If standard error cannot be written, nobody can be informed.
             let _ = self.wording().note(text, &mut io::stderr());
         }
     }
@@ -43,7 +43,7 @@ impl OutputArgs {
     /// Prints the result: as JSON if requested, otherwise as text unless quiet.
     pub(crate) fn result(self, out: &mut impl Write, value: &impl Serialize, text: &str) -> Result<(), Failure> {
         if self.json {
-            // All or nothing: half an object is worse than none.
+            // The text is complete before it is written: a part of a JSON object is useless.
             let json = serde_json::to_string_pretty(value).map_err(io::Error::from)?;
             writeln!(out, "{json}")?;
         } else if !self.quiet {

@@ -1,4 +1,4 @@
-//! Which frames of a recording are tracked.
+//! The part of a recording that is tracked and written.
 
 use std::fmt;
 
@@ -91,8 +91,8 @@ impl Part {
         count.map_or(part, |count| Some(part.map_or(count, |part| part.min(count))))
     }
 
-    /// Number of frames tracked, for a recording of this length; known only for the whole recording, because numbers may
-    /// have gaps.
+    /// Number of frames tracked, for a recording of this length; known only for the whole recording, because numbers
+    /// may have gaps.
     pub(crate) fn tracked(&self, count: Option<u64>) -> Option<u64> {
         count.filter(|_| self.is_whole())
     }
@@ -113,7 +113,7 @@ fn frames(text: &str) -> Result<Frames, String> {
         let end = if end.is_empty() { None } else { Some(number(end)?) };
         end.is_none_or(|end| end > first).then_some(Frames { first, end })
     };
-    parse().ok_or_else(|| "it takes A..B with A below B, as in 100..200, 100.. or ..200".into())
+    parse().ok_or_else(|| "expected A..B with A below B, as in 100..200, 100.. or ..200".into())
 }
 
 #[cfg(test)]

@@ -16,8 +16,8 @@ pub(crate) struct ProfileArgs {
     profile: Option<PathBuf>,
     /// Set one value of the profile, as in `flow.noise_levels=1.5`; may be repeated
     ///
-    /// `fingervision profile show FILE` and the run.toml of any run list the keys with their values. A value that has no
-    /// effect with the other settings is refused.
+    /// `fingervision profile show FILE` and the run.toml of any run list the keys with their values. A value that has
+    /// no effect with the other settings is refused.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     assignments: Vec<(String, String)>,
 }
@@ -84,6 +84,6 @@ fn add_changed(path: &str, value: &toml::Value, default: Option<&toml::Value>, k
 pub(crate) fn assignment(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.trim().is_empty() => Ok((key.trim().into(), value.trim().into())),
-        _ => Err("it takes KEY=VALUE, as in flow.noise_levels=1.5".into()),
+        _ => Err("expected KEY=VALUE, as in flow.noise_levels=1.5".into()),
     }
 }

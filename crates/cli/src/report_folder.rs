@@ -1,4 +1,4 @@
-//! A folder with a report: a page to look at and its numbers.
+//! A folder with a report: a page for people and a file with its numbers.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ const REPORT: FolderKind = FolderKind { noun: "report", marker: PAGE, files: &[N
 const UNDER_WAY: &str =
     "<!doctype html><meta charset=\"utf-8\"><title>fingervision</title><p>This report is not finished.</p>\n";
 
-/// A folder that takes a report.
+/// A folder for a report.
 #[derive(Debug)]
 pub(crate) struct ReportFolder {
     path: PathBuf,

@@ -15,15 +15,15 @@ use crate::report_folder::ReportFolder;
 /// The folder of a reproduction if none is given.
 const FOLDER: &str = "fingervision-reproduction";
 
-/// Reproduce the tables and figures of Du et al. 2021, as one page with the paper's numbers beside
+/// Reproduce the tables and figures of Du et al. 2021 on one page, beside the paper's numbers
 ///
 /// Simulated presses are rendered, tracked and calibrated, then compared with their exact truth, in the paper's own
 /// setting and on the default sensor. Solved presses are kept, so a second call is faster. The folder will contain
 /// report.html, with all pictures, and report.json with every number.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The folder to write: new, empty, or with --overwrite an earlier report; without it ./fingervision-reproduction, where an
-    /// earlier report is replaced
+    /// The folder to write: new, empty, or with --overwrite an earlier report; without it ./fingervision-reproduction,
+    /// where an earlier report is replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// One sensor, draft meshes, two indenters, half as many frames: a quick test

@@ -1,4 +1,4 @@
-//! `run.toml`: how a run was made.
+//! Writes `run.toml`, the record of a run: version, source and all parameters.
 
 use fingervision_sink::Field;
 use fingervision_touch::{Profile, TractionGrid};

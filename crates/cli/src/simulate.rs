@@ -1,4 +1,4 @@
-//! `fingervision simulate`: from a scene to frames with exact truth.
+//! `fingervision simulate`: simulates a scene and writes frames with exact truth.
 
 use std::fmt::Write as _;
 use std::io::Write;

@@ -38,7 +38,7 @@ pub(crate) struct SimulationSummary {
     frames: u64,
     /// Frames of the scene.
     frames_asked: u64,
-    /// Where the press comes from: `solved`, `cache` or `rigid`.
+    /// The origin of the press: `solved`, `cache` or `rigid`.
     press: &'static str,
     solving_s: f64,
     drawing_s: f64,
@@ -79,7 +79,7 @@ impl SimulationRun {
         let picture = path.join("preview.png");
         let saved = if frames > 0 { preview.save(&picture) } else { Ok(()) };
         if saved.is_err() {
-            // Half a picture is useless; the error that is reported is the one that interrupted it.
+            // An incomplete picture is not kept; the error that interrupted it is reported.
             let _ = fs::remove_file(&picture);
         }
         let deepest = deepest(&simulation, frames as usize);

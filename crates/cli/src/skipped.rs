@@ -28,7 +28,7 @@ impl Skipped {
     ///
     /// # Errors
     ///
-    /// If `skips` is false or reading cannot continue, the error that keeps a frame from being read.
+    /// The error of a frame that cannot be read, if `skips` is false or reading cannot continue.
     pub(crate) fn next_frame(
         &mut self,
         source: &mut dyn Source,

@@ -1,4 +1,4 @@
-//! How many threads the command may use.
+//! The number of threads that the command uses.
 
 use std::num::NonZero;
 

@@ -1,4 +1,4 @@
-//! `fingervision track`: from a recording to a folder of fields.
+//! `fingervision track`: tracks a recording and writes a folder of fields.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -23,11 +23,12 @@ use crate::tracking::{Run, fields_to_compute};
 /// Without --profile the whole image is tracked, without depth.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV) or a simulated scene
+    /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV) or a
+    /// simulated scene
     ///
     /// A scene is sim:NAME or sim:FILE, as in sim:letter; `fingervision simulate --list` lists the ready-made ones.
-    /// Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft selects a coarse mesh. Without --profile the
-    /// scene's own camera and gel are used.
+    /// Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft selects a coarse mesh. Without --profile
+    /// the scene's own camera and gel are used.
     source: PathBuf,
     /// The folder to write, as in run: new, empty, or with --overwrite a previous run
     #[arg(long, value_name = "DIR")]
@@ -59,8 +60,8 @@ pub(crate) struct Args {
     part: PartArgs,
     /// Skip frames that cannot be read, such as a truncated image, instead of ending the run at the first one
     ///
-    /// Each is named in a note and counted in the result; the reading after it is flagged `dropped`. A video continues at
-    /// its next key frame. The reference frame must be readable.
+    /// Each is named in a note and counted in the result; the reading after it is flagged `dropped`. A video continues
+    /// at its next key frame. The reference frame must be readable.
     #[arg(long)]
     skip_bad_frames: bool,
     /// Replace a previous run in the folder
@@ -70,7 +71,7 @@ pub(crate) struct Args {
     output: OutputArgs,
 }
 
-/// What `--dtype` takes.
+/// The values of `--dtype`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum NumberType {
     Float32,
@@ -86,7 +87,7 @@ impl From<NumberType> for Precision {
     }
 }
 
-/// What `--fields` takes.
+/// The values of `--fields`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct FieldName(Field);
 

@@ -1,4 +1,4 @@
-//! A run: frames from a source through the tracker into a folder.
+//! A run: tracks the frames of a source and writes the results to a folder.
 
 use std::fs;
 use std::path::PathBuf;
@@ -176,7 +176,7 @@ impl Run {
         }
     }
 
-    /// What a profile without depth lacks.
+    /// The missing parts of a profile without depth.
     fn lacks_for_depth(&self) -> String {
         match self.profile.depth.method {
             Some(DepthMethod::Density) => {
@@ -186,7 +186,7 @@ impl Run {
         }
     }
 
-    /// What a profile without elastic depth lacks.
+    /// The missing parts of a profile without elastic depth.
     fn lacks_for_elastic_depth(&self) -> String {
         let Profile { camera, gel, .. } = &self.profile;
         let lacks = match (camera, gel) {
@@ -198,7 +198,7 @@ impl Run {
         format!("{} has {lacks}", self.named_profile())
     }
 
-    /// The profile by its name, or what stands in for it if no file is given.
+    /// The name of the profile, or a description if no file is given.
     fn named_profile(&self) -> String {
         let name = &self.profile.name;
         if *name == Profile::default().name {
@@ -272,7 +272,7 @@ impl Run {
         let drawn = if tally.frames > 0 { preview.save(&path) } else { Ok(()) };
         let has_preview = tally.frames > 0 && drawn.is_ok();
         if drawn.is_err() {
-            // Half a picture is useless; the error that is reported is the one that interrupted it.
+            // An incomplete picture is not kept; the error that interrupted it is reported.
             let _ = fs::remove_file(&path);
         }
         let closed = folder.finish();
@@ -292,8 +292,8 @@ impl Run {
     }
 }
 
-/// The fields that the tracker computes; absent: depth if the profile is calibrated for it, and density where depth is not
-/// elastic.
+/// The fields that the tracker computes; absent: depth if the profile is calibrated for it, and density where depth is
+/// not elastic.
 pub(crate) fn fields_to_compute(asked: Option<&[Field]>, method: DepthMethod) -> Fields {
     let is_asked = |field| asked.is_some_and(|fields| fields.contains(&field));
     let by_default = asked.is_none();

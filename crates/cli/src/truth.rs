@@ -1,4 +1,4 @@
-//! Errors of a reading of a simulated press against its truth.
+//! Errors of a reading of a simulated press, compared with its truth.
 
 use fingervision_gel::Motion;
 use fingervision_touch::Reading;
@@ -6,7 +6,8 @@ use fingervision_touch::Reading;
 /// The errors of one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FrameError {
-    /// Mean distance between the measured displacement and the true one over the valid pixels, px; NaN if none is valid.
+    /// Mean distance between the measured displacement and the true one over the valid pixels, px; NaN if none is
+    /// valid.
     pub(crate) mean_px: f64,
     /// Part of the pixels that are valid, 0 to 1.
     pub(crate) valid: f64,
@@ -14,7 +15,7 @@ pub(crate) struct FrameError {
     pub(crate) largest_motion_px: f64,
 }
 
-/// Compares a reading with the motion that was drawn.
+/// Compares a reading with the motion with which its image was rendered.
 pub(crate) fn frame_error(reading: &Reading, motion: &Motion) -> FrameError {
     let (width, height) = reading.flow.size();
     let (mut sum, mut count, mut largest_motion_px) = (0.0, 0.0, 0.0_f64);

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What happens between gel and indenter in contact. Contact forces never pull.
+/// The contact law between gel and indenter. Contact forces never pull.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ContactLaw {
@@ -17,8 +17,8 @@ pub enum ContactLaw {
 
 /// The rigid indenter's face as a height map over its own plane.
 ///
-/// In the indenter's frame the body fills `z ≤ −height(x, y)`: its foremost point has height 0, a point farther back has
-/// a positive height, in mm. `f64::INFINITY` where there is no body.
+/// In the indenter's frame the body fills `z ≤ −height(x, y)`: its foremost point has height 0, a point farther back
+/// has a positive height, in mm. `f64::INFINITY` where there is no body.
 pub trait Relief: Sync {
     /// Height and derivatives at a point of the indenter's plane, mm.
     fn at(&self, x_mm: f64, y_mm: f64) -> ReliefPoint;

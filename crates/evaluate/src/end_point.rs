@@ -13,8 +13,7 @@ pub fn without_border((width, height): (usize, usize), border: usize) -> Rect {
     Rect { x: border, y: border, width: inner(width), height: inner(height) }
 }
 
-/// Distance between where the flow and the truth lead, px, at every pixel of the region, row by row. Pixels that are
-/// not valid count like all others.
+/// Length of the difference between flow and true flow, px, at every pixel of the region, row by row, valid or not.
 pub fn end_point_errors(flow: &FlowField, truth: &FlowField, region: Rect) -> impl Iterator<Item = f32> {
     pixels(region).map(move |(x, y)| error_at(flow, truth, x, y))
 }
@@ -26,7 +25,7 @@ pub fn mean(errors: impl IntoIterator<Item = f32>) -> f64 {
     sum / f64::from(count)
 }
 
-/// The value that the part `quantile`, 0 to 1, of all errors stays below; not a number if there are none.
+/// The quantile of the errors, `quantile` from 0 to 1; not a number if there are none.
 #[must_use]
 pub fn quantile(errors: impl IntoIterator<Item = f32>, quantile: f64) -> f64 {
     let mut errors: Vec<f32> = errors.into_iter().collect();
@@ -35,7 +34,7 @@ pub fn quantile(errors: impl IntoIterator<Item = f32>, quantile: f64) -> f64 {
     f64::from(*errors.select_nth_unstable_by(place, f32::total_cmp).1)
 }
 
-/// How far validity and predicted deviation can be trusted, summed over estimates.
+/// How reliable validity and predicted deviation are, summed over estimates.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Calibration {
     pixels: usize,
@@ -76,7 +75,7 @@ impl Calibration {
         }
     }
 
-    /// Root mean square of error over predicted deviation where valid, dimensionless: 1 if the prediction holds.
+    /// Root mean square of error over predicted deviation where valid, dimensionless: 1 if the prediction is right.
     #[must_use]
     pub fn error_over_deviation(&self) -> f64 {
         (self.squared_ratios / self.valid as f64).sqrt()
@@ -88,13 +87,13 @@ impl Calibration {
         self.valid as f64 / self.pixels as f64
     }
 
-    /// Part of all pixels that are more than 1 px off.
+    /// Part of all pixels with an error of more than 1 px.
     #[must_use]
     pub fn wrong_part(&self) -> f64 {
         self.wrong as f64 / self.pixels as f64
     }
 
-    /// Part of the pixels more than 1 px off that are valid all the same; 0 where no pixel is.
+    /// Part of the pixels with an error of more than 1 px that are marked as valid; 0 if there are no such pixels.
     #[must_use]
     pub fn trusted_part_of_wrong(&self) -> f64 {
         self.wrong_but_valid as f64 / self.wrong.max(1) as f64

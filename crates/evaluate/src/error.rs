@@ -4,7 +4,7 @@ use fingervision_image::ImageError;
 use fingervision_touch::TrackError;
 use std::path::{Path, PathBuf};
 
-/// What keeps a table from being measured.
+/// Why a table cannot be measured.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum EvaluateError {
@@ -14,7 +14,7 @@ pub enum EvaluateError {
     /// The flow cannot be computed with these parameters.
     #[error(transparent)]
     Flow(#[from] FlowError),
-    /// A frame has not the size that was announced.
+    /// A frame does not have the expected size.
     #[error(transparent)]
     Image(#[from] ImageError),
     /// A frame cannot be tracked.

@@ -35,7 +35,7 @@ impl FilteredDensity {
         &self.feature
     }
 
-    /// 1 where the density holds, 0 elsewhere.
+    /// 1 where the density is valid, 0 elsewhere.
     pub(crate) fn valid(&self) -> &Image<u8> {
         &self.field.valid
     }

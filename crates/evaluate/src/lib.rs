@@ -1,19 +1,20 @@
-//! Readings against truth: the accuracy tables of the tracker.
+//! Compares readings with the truth, and makes the accuracy tables of the tracker.
 //!
 //! Five kinds of test images, each with the required and the measured figure:
 //!
-//! - [`pairs`]: simulated pairs with exact truth, several patterns each, and whether the predicted deviation holds.
-//! - [`recordings`]: recorded pairs and a recorded press. They are not part of the project: they lie in a folder of
-//!   their own, and where that is missing there is nothing to measure.
+//! - [`pairs`]: simulated pairs with exact truth, several patterns each, and a check of the predicted deviation.
+//! - [`recordings`]: recorded pairs and a recorded press. They are not part of the project but in a separate folder. If
+//!   it is missing, they are not measured.
 //! - [`sequences`]: simulated presses, frame by frame through the whole tracker under every reference policy.
-//! - [`resolution`]: a star with exact truth: which periods of a displacement are resolved, and with how much noise.
-//! - [`motion`]: simulated presses at several speeds: the flow in contact, at its rim and elsewhere.
+//! - [`resolution`]: a star pattern with exact truth, which shows the smallest period of a displacement that is
+//!   resolved, and the noise.
+//! - [`motion`]: simulated presses at several speeds: errors of the flow in contact, at its rim and elsewhere.
 //!
 //! Everything is seeded: the same code gives the same tables.
 //!
-//! And the errors of any run: [`run`] compares a folder of fields with the simulator's truth.
+//! In addition, [`run`] compares the fields of any run with the simulator's truth.
 //!
-//! [`dots`] follows a sparse grid of dots, the baseline that a dense pattern is compared with.
+//! [`dots`] tracks a sparse grid of dots, the baseline for the dense pattern.
 //!
 //! ```no_run
 //! let tables = fingervision_evaluate::pairs::measure(3)?;

@@ -1,4 +1,4 @@
-//! Flow between single images, without a start from an earlier frame.
+//! Flow between two images, without a start from an earlier frame.
 
 use crate::EvaluateError;
 use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture, Reference, Start};
@@ -34,7 +34,7 @@ impl Matcher {
         Ok(())
     }
 
-    /// The flow to an image, found without any start.
+    /// The flow to an image, by a search without a start.
     pub(crate) fn find(&mut self, current: &Pixels) -> Result<&Estimate, EvaluateError> {
         self.load(current)?;
         self.estimator.estimate(&self.reference, &self.picture, Start::Search(None), &mut self.estimate);

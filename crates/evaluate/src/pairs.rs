@@ -17,7 +17,7 @@ use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::Pixels;
 use rayon::prelude::*;
 
-/// Left out on every side, px.
+/// Border that is left out on every side, px.
 pub const BORDER_PX: usize = 16;
 
 /// Light 15 % down at the left border and 15 % up at the right one.
@@ -28,14 +28,14 @@ pub(crate) const TILTED_LIGHT: Light = Light { left: 0.85, right: 1.15 };
 pub struct SimulatedPair {
     /// Its name in the tables.
     pub name: &'static str,
-    /// Where the second frame's points went.
+    /// The motion of the second frame's points.
     pub motion: Motion,
     /// Light of the second frame.
     pub light: Light,
-    /// The mean end-point error asked, px.
+    /// The required mean end-point error, px.
     pub asked_px: f64,
-    /// The mean end-point error of `OpenCV`'s inverse search, preset medium, px, as recorded before this code was
-    /// written.
+    /// The mean end-point error of `OpenCV`'s inverse search, preset medium, px: a recorded value for
+    /// comparison.
     pub opencv_px: f64,
 }
 
@@ -65,11 +65,11 @@ impl SimulatedPair {
 pub struct PairTables {
     /// Mean end-point errors, px.
     pub accuracy: Table,
-    /// Whether validity and predicted deviation hold, for the default in colour.
+    /// How reliable validity and predicted deviation are, for the default in colour.
     pub calibration: Table,
 }
 
-/// What one seed of one pair gives: the error of every variant and the calibration of the default.
+/// The result of one seed of one pair: the error of every variant, and the reliability of the default's deviation.
 struct Outcome {
     errors_px: [f64; 5],
     calibration: Calibration,

@@ -1,9 +1,10 @@
-//! Which periods of a displacement the flow resolves, and with how much noise.
+//! Spatial resolution of the flow: the smallest period of a displacement that it resolves, and its noise.
 //!
-//! The star of the DIC Challenge 2.0 \[Reu2022\]: a vertical displacement of 0.5 px that varies as a cosine along y, with a period
-//! that grows along x from 10 to 300 px. For every period the amplitude found is the projection onto the true cosine, over
-//! its own amplitude. Noise is the standard deviation of the flow between two images at rest, which differ by their noise
-//! alone. A coarser method has less of it: the product of both is what counts.
+//! The star of the DIC Challenge 2.0 \[Reu2022\]: a vertical displacement of 0.5 px that varies as a cosine along y,
+//! with a period that grows along x from 10 to 300 px. For every period, the estimated flow is projected onto the true
+//! cosine; the result is given relative to the true amplitude. Noise is the standard deviation of the flow between two
+//! images at rest, which differ only by their noise. A method with coarser resolution has less noise, so the product of
+//! both is compared.
 
 use crate::matcher::Matcher;
 use crate::pairs::BORDER_PX;
@@ -25,10 +26,10 @@ const PERIODS_PX: [f64; 2] = [10.0, 300.0];
 /// Periods that are shown, px.
 const SHOWN_PX: [f64; 10] = [16.0, 20.0, 26.0, 30.0, 40.0, 60.0, 77.0, 100.0, 150.0, 250.0];
 
-/// Columns on both sides of a period's own that are measured with it.
+/// Number of columns on both sides of a period's column that are averaged with it.
 const SIDE: usize = 12;
 
-/// Part of the amplitude from which on a period is resolved.
+/// A period is resolved if at least this part of the amplitude is found.
 const RESOLVED: f64 = 0.9;
 
 /// Side of a cell in the second pattern, px.
@@ -62,11 +63,11 @@ pub fn measure() -> Result<Table, EvaluateError> {
     }
     row("smallest period with 90 % of the amplitude, px", Some(Asked::AtMost(30.0)), &Found::resolved_px);
     row("noise at rest, px", Some(Asked::AtMost(0.02)), &|found| found.noise_px);
-    row("the product of both, px²", None, &|found| found.noise_px * found.resolved_px());
+    row("period times noise, px²", None, &|found| found.noise_px * found.resolved_px());
     Ok(table)
 }
 
-/// What one method gives on one pattern.
+/// The result of one method on one pattern.
 struct Found {
     flow: FlowField,
     noise_px: f64,
@@ -97,7 +98,7 @@ impl Found {
         product / square
     }
 
-    /// The smallest period from which on all whole ones are resolved, px.
+    /// The smallest period, px, such that this and all larger periods of whole px are resolved.
     fn resolved_px(&self) -> f64 {
         let [least, largest] = PERIODS_PX.map(|period| period as usize);
         let unresolved = (least + 2..largest - 2).rev().find(|&period| self.amplitude(period as f64) < RESOLVED);

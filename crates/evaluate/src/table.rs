@@ -3,18 +3,18 @@
 use serde::Serialize;
 use std::fmt;
 
-/// What is asked of a figure.
+/// The required value of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Asked {
-    /// The figure is a cost: this or less.
+    /// Small is good: at most this value.
     AtMost(f64),
-    /// The figure is a merit: this or more.
+    /// Large is good: at least this value.
     AtLeast(f64),
 }
 
 impl Asked {
-    /// Whether a figure meets it. A figure that is not a number never does.
+    /// Whether a figure meets the requirement. A figure that is not a number never does.
     #[must_use]
     pub fn is_met(self, figure: f64) -> bool {
         match self {
@@ -38,14 +38,14 @@ impl fmt::Display for Asked {
 pub struct Row {
     /// What is measured.
     pub name: String,
-    /// What is asked of the first value.
+    /// The requirement on the first value.
     pub asked: Option<Asked>,
-    /// The measured figures, one a column; not a number where a column has none.
+    /// The measured figures, one per column; not a number where a column has none.
     pub values: Vec<f64>,
 }
 
 impl Row {
-    /// Whether the first value misses what is asked of it.
+    /// Whether the first value does not meet its requirement.
     #[must_use]
     pub fn is_short(&self) -> bool {
         let first = self.values.first().copied().unwrap_or(f64::NAN);
@@ -53,12 +53,13 @@ impl Row {
     }
 }
 
-/// Rows of figures under one heading. Prints as aligned text with a mark on every row that is short.
+/// Rows of figures under one heading. Prints as aligned text, with a mark on every row that does not meet its
+/// requirement.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table {
     /// What the table shows, with its unit.
     pub title: String,
-    /// What each column is; the first is the one that is asked about.
+    /// The name of each column; requirements apply to the first one.
     pub columns: Vec<String>,
     /// The rows.
     pub rows: Vec<Row>,
@@ -76,7 +77,7 @@ impl Table {
         self.rows.push(Row { name: name.into(), asked, values });
     }
 
-    /// The rows that miss what is asked.
+    /// The rows that do not meet their requirement.
     pub fn short(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| row.is_short())
     }

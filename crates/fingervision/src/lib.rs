@@ -1,8 +1,8 @@
 //! Camera-based touch: from images of a gel with a dense random pattern to displacement, depth, contact and force.
 //!
-//! A [`Profile`] describes one sensor. A [`Tracker`] made from it takes [`Frame`]s and gives a [`Reading`] for each. Here
-//! the frames are those of a simulated press, whose sensor is known; [`open`] reads them from a folder or a video, and
-//! your own program can make them from the images of a camera.
+//! A [`Profile`] describes one sensor. A [`Tracker`] made from it takes [`Frame`]s and gives a [`Reading`] for each.
+//! Here the frames are those of a simulated press, whose sensor is known; [`open`] reads them from a folder or a video,
+//! and your own program can make them from the images of a camera.
 //!
 #![cfg_attr(feature = "simulate", doc = "```")]
 #![cfg_attr(not(feature = "simulate"), doc = "```ignore")]
@@ -32,11 +32,11 @@
 //!
 //! Lengths are in mm, forces in N, positions in images in px, `(x, y)` with x right, y down and integers at pixel
 //! centres; arrays are `[row][column]`. Depth is positive where the gel is pressed in. All fields of a reading lie on the
-//! reference grid: they belong to points of the gel. What does not hold is marked: [`Reading::flags`] names what is out of
-//! order in a frame, [`Reading::valid`] and [`Reading::depth_deviation`] say it at every pixel.
+//! reference grid: they belong to points of the gel. [`Reading::flags`] lists the problems of a frame. [`Reading::valid`] and
+//! [`Reading::depth_deviation`] mark the pixels that are not valid.
 //!
-//! Errors name what is wrong with its value; their `hint()`, where they have one, says what to do about it. Enums and
-//! structs that will grow are `#[non_exhaustive]`.
+//! Errors name the wrong quantity and its value; their `hint()`, if there is one, says what to do about it. Enums and structs
+//! that may get more members are `#[non_exhaustive]`.
 //!
 //! # Features
 //!
@@ -45,7 +45,7 @@
 //!
 //! # Crates
 //!
-//! All that is here lies in crates of its own, which can be used alone: `fingervision-flow` for the flow,
+//! Everything in this crate comes from other crates, which can be used separately: `fingervision-flow` for the flow,
 //! `fingervision-gel` for all of the simulation, `fingervision-touch` for the tracker's parts, `fingervision-calibrate`
 //! for the fits that write a profile.
 

@@ -1,10 +1,10 @@
-//! The two forms that files have.
+//! The two forms of files: binary and text.
 
-/// What a file consists of: how it is mutated.
+/// The form of a file, which determines how it is mutated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// Numbers as bytes.
     Binary,
-    /// Lines and words; some mutations leave it no UTF-8.
+    /// Lines and words; after some mutations it is not UTF-8.
     Text,
 }

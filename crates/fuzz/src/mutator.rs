@@ -25,7 +25,7 @@ const EDGES: [u64; 14] = [
     0x7fff_ffff_ffff_ffff,
     0xffff_ffff_ffff_ffff,
 ];
-/// What a text's number, or any other word of it, is replaced by.
+/// The words that replace a number or another word of a text.
 const WORDS: [&str; 20] = [
     "0",
     "-0",

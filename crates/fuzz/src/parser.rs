@@ -13,10 +13,10 @@ use crate::watchdog::Watchdog;
 /// How many failures are collected before a run ends.
 const MOST_FAILURES: usize = 10;
 
-/// A parser and what it is tested with.
+/// A parser and the settings of its test.
 #[derive(Debug, Clone)]
 pub struct Parser {
-    /// What a failure calls it; the name also seeds its mutations.
+    /// The name in failure reports; it also seeds the mutations.
     pub name: &'static str,
     /// How its files are mutated.
     pub form: Form,
@@ -28,7 +28,7 @@ pub struct Parser {
     pub most_bytes: u64,
 }
 
-/// What a run has seen.
+/// The results of a run.
 #[derive(Debug, Default)]
 struct Tally {
     /// Inputs that were parsed without an error.

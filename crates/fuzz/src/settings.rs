@@ -1,4 +1,4 @@
-//! Which inputs to run, as environment variables.
+//! The environment variables that select the inputs.
 
 use std::env;
 
@@ -13,7 +13,7 @@ pub(crate) struct Settings {
 }
 
 impl Settings {
-    /// What the environment says, `inputs` where it says nothing.
+    /// The settings from the environment; `inputs` if the environment does not set their number.
     ///
     /// # Panics
     ///

@@ -5,7 +5,7 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread;
 use std::time::Duration;
 
-/// How long one input may take. The slowest parser takes a fraction of a second.
+/// Time limit for one input. The slowest parser takes a fraction of a second.
 const PATIENCE: Duration = Duration::from_mins(1);
 
 /// Watches one parser's inputs for as long as it lives.

@@ -1,4 +1,4 @@
-//! What can be averaged over an area: cells of one colour each.
+//! The interface of patterns whose colour is averaged over an area: cells of one colour each.
 
 /// A plane of cells of one colour each.
 pub(crate) trait Cells {

@@ -1,8 +1,9 @@
 //! Exact area coverage of the cells of a grid by a pixel, or a part of one.
 //!
-//! A pixel's four corners, mapped back to the pattern, span a quadrilateral there. Cutting it at the grid lines gives one
-//! polygon per cell; the pixel is the mean of the cells' colours weighted by the polygons' areas. Nothing is sampled. The
-//! sides are straight, so for a curved motion there is an error of the bulge of a curve one pixel long.
+//! A pixel's four corners, mapped back to the pattern, span a quadrilateral there. Cutting it at the grid lines gives
+//! one polygon per cell; the pixel is the mean of the cells' colours weighted by the polygons' areas. Nothing is
+//! sampled. The sides are straight, so a curved motion causes an error: the deviation of the curve from a straight line
+//! over one pixel.
 
 use crate::cells::Cells;
 use crate::polygon::{Point, cut, signed_area};

@@ -1,8 +1,8 @@
 //! The simulated sensor: images of a patterned gel **with exact truth**.
 //!
-//! There are two. A **scene** is the whole sensor: a [`Scene`] describes the indenter, its motion, and the camera.
-//! [`Simulation`] solves the press by finite elements and returns frames with their [`Truth`]; solved presses are kept in
-//! a [`PressCache`].
+//! There are two simulations. A **scene** is the whole sensor: a [`Scene`] describes the indenter, its motion, and the
+//! camera. [`Simulation`] solves the press by finite elements and returns frames with their [`Truth`]; solved presses
+//! are kept in a [`PressCache`].
 //!
 //! ```
 //! use fingervision_gel::{PressCache, Scene, Simulation};
@@ -21,8 +21,8 @@
 //! A **sheet** is a pattern that is displaced by a formula, without mechanics and without a camera:
 //!
 //! A [`Sheet`] describes the image at rest, a [`Motion`] the displacement of every point. [`SheetRenderer`] draws the
-//! frame: every quarter of a pixel is the area-weighted mean of the pattern cells that it covers; then follow the blur of
-//! the optics, the mean over each pixel, the light, the noise and rounding to 8 bits. [`Motion::flow`] is the
+//! frame: every quarter of a pixel is the area-weighted mean of the pattern cells that it covers; then follow the blur
+//! of the optics, the mean over each pixel, the light, the noise and rounding to 8 bits. [`Motion::flow`] is the
 //! displacement that a tracker should find, exact by construction.
 //!
 //! Coordinates are image px: x right, y down, integer = pixel centre. A point at `x` in the reference lies at

@@ -62,7 +62,7 @@ impl Radial {
 
 /// A camera that is impossible, or that does not see the gel.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("{key} = {value} is impossible: it takes {allowed}")]
+#[error("{key} = {value} is impossible: it must be {allowed}")]
 pub struct CameraError {
     /// Which value, by its path in the file's `[camera]` table.
     pub key: &'static str,

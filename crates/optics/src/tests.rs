@@ -294,7 +294,7 @@ fn an_impossible_camera_is_refused_by_name() {
     let refusal = |params: CameraParams| Camera::new(&params).unwrap_err().to_string();
     assert_eq!(
         refusal(CameraParams { focal_length_px: [0.0, 400.0], ..PINHOLE }),
-        "focal_length_px = [0.0, 400.0] is impossible: it takes two lengths above 0 px"
+        "focal_length_px = [0.0, 400.0] is impossible: it must be two lengths above 0 px"
     );
     let with = |distortion| CameraParams { distortion, ..PINHOLE };
     let none = Distortion::default();

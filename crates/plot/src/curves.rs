@@ -23,7 +23,7 @@ const NAME_PITCH: f32 = 24.0;
 /// Points that belong together, in order.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// What it is called.
+    /// The name.
     pub name: String,
     /// `[x, y]`; one that is not finite leaves a gap.
     pub points: Vec<[f64; 2]>,
@@ -32,7 +32,7 @@ pub struct Curve {
 /// A line through every panel: `y = slope · x + intercept`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StraightLine {
-    /// What it is called.
+    /// The name.
     pub name: String,
     /// Change of y with x.
     pub slope: f64,
@@ -56,9 +56,9 @@ pub struct CurvePlots {
     pub title: String,
     /// The line below.
     pub facts: String,
-    /// What is on the horizontal axis, with its unit.
+    /// The quantity on the horizontal axis, with its unit.
     pub x_name: String,
-    /// What is on the vertical axis, with its unit.
+    /// The quantity on the vertical axis, with its unit.
     pub y_name: String,
     /// From left to right.
     pub panels: Vec<CurvePanel>,

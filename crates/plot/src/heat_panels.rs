@@ -15,7 +15,7 @@ const ROW_GAP: f32 = 56.0;
 /// A field with its scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatPanel<'a> {
-    /// What it is, with its unit.
+    /// The name, with its unit.
     pub heading: String,
     /// The field; values that are not a number are shown as not valid.
     pub values: &'a Image<f32>,

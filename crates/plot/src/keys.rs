@@ -50,7 +50,7 @@ pub fn draw_colour_bar(canvas: &mut Canvas, bar: Area, scale: HeatScale) {
     }
 }
 
-/// What the grey of invalid pixels means, its text on a baseline.
+/// Draws the key of the grey of invalid pixels, with its text on a baseline.
 pub fn draw_invalid_key(canvas: &mut Canvas, (x, y): Point, text: &str) {
     canvas.rectangle(Area { x, y: y - 13.0, width: 22.0, height: 15.0 }, INVALID_COLOUR);
     canvas.text(text, (x + 32.0, y), NOTE);

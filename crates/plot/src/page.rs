@@ -1,4 +1,4 @@
-//! How a page is laid out and lettered: three columns of panels, each with its legend below.
+//! The layout and the lettering of a page: three columns of panels, each with its legend below.
 
 use crate::colour::Rgb;
 use crate::text::{Anchor, Style};
@@ -20,7 +20,7 @@ pub const LEGEND_HEIGHT: f32 = 124.0;
 
 /// The colour of a page.
 pub const BACKGROUND: Rgb = [255; 3];
-/// The colour of what is out of order.
+/// The colour of invalid or wrong values.
 pub const WARNING_INK: Rgb = [179, 38, 30];
 const INK: Rgb = [32, 33, 36];
 const FAINT_INK: Rgb = [95, 99, 104];

@@ -34,7 +34,7 @@ pub struct Style {
     pub is_bold: bool,
     /// Its colour.
     pub colour: Rgb,
-    /// What stands at the place that it is given.
+    /// The point of the text that is placed at the given position.
     pub anchor: Anchor,
 }
 
@@ -53,9 +53,8 @@ impl Style {
         advances.map(|advance| f32::from(advance) * scale).sum()
     }
 
-    /// The outline of a text with its anchor at `x` on the baseline `y`; none for a text without ink. Characters that the
-    /// typeface lacks are left out.
-    /// that the typeface lacks are left out.
+    /// The outline of a text with its anchor at `x` on the baseline `y`; none for a text without ink. Characters that
+    /// the typeface lacks are left out. that the typeface lacks are left out.
     pub(crate) fn outline(&self, text: &str, x: f32, y: f32) -> Option<Path> {
         let (face, scale) = self.face();
         let x = match self.anchor {

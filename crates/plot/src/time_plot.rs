@@ -1,4 +1,4 @@
-//! The strip below the panels: flow, depth and force over time, so that press and release are seen at a glance.
+//! The strip below the panels: flow, depth and force over time, which shows press and release.
 
 use crate::axes::Axes;
 use crate::canvas::{Area, Canvas, Point};
@@ -95,7 +95,7 @@ impl TimePlots<'_> {
     }
 }
 
-/// What the lines are, behind the heading.
+/// Draws the names of the lines, after the heading.
 fn draw_names(canvas: &mut Canvas, (mut x, y): Point, plot: &TimePlot) {
     for (name, colour, _) in plot.lines.iter().filter(|(name, ..)| !name.is_empty()) {
         canvas.line(&[(x, y - 5.0), (x + 24.0, y - 5.0)], 2.5, *colour);

@@ -52,7 +52,7 @@ pub enum SettingsError {
         message: String,
     },
     /// An impossible value.
-    #[error("{place}{key} = {value} is impossible: it takes {allowed}")]
+    #[error("{place}{key} = {value} is impossible: it must be {allowed}")]
     OutOfRange {
         /// The place.
         place: Place,
@@ -83,7 +83,10 @@ impl SettingsError {
                 let mut names = message.split('`').skip(1).step_by(2);
                 let name = names.next()?;
                 let known: Vec<_> = names.collect();
-                Some(nearest(name, &known).map_or_else(|| format!("it takes {}", known.join(", ")), did_you_mean))
+                Some(
+                    nearest(name, &known)
+                        .map_or_else(|| format!("possible values: {}", known.join(", ")), did_you_mean),
+                )
             }
             Self::WrongType { message, .. } if message.starts_with("missing") => {
                 Some("give all keys of the table, or leave the table out".into())

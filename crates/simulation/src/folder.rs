@@ -1,4 +1,4 @@
-//! The folder of a simulated press: frames, their truth, and what is needed to track and to repeat it.
+//! The folder of a simulated press: frames, their truth, and the files that are needed to track and to repeat it.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -74,8 +74,8 @@ impl SimulationFolder {
     ///
     /// # Errors
     ///
-    /// [`SinkError::Busy`], [`SinkError::Previous`] or [`SinkError::FolderNotEmpty`] if the folder is taken, [`SinkError::Write`] if it or a
-    /// file in it cannot be written.
+    /// [`SinkError::Busy`], [`SinkError::Previous`] or [`SinkError::FolderNotEmpty`] if the folder is taken,
+    /// [`SinkError::Write`] if it or a file in it cannot be written.
     pub fn create(path: &Path, scene: &Scene, has_frames: bool, overwrite: bool) -> Result<Self, SinkError> {
         let lock = SIMULATION.claim(path, overwrite)?;
         let (resolved, file) = scene.with_file_beside();

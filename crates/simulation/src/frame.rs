@@ -1,4 +1,4 @@
-//! One frame of a simulated press with what is known about it.
+//! One frame of a simulated press, with its truth.
 
 use fingervision_gel::Truth;
 use fingervision_image::Pixels;

@@ -1,6 +1,6 @@
-//! A simulated press as a recording: frames like a camera's, files like a run's, a picture.
+//! A simulated press as a recording: a source of frames, a folder of files, and a picture.
 //!
-//! [`SimulatedSource`] hands out the frames of a scene that a [`SimulatedLocation`] names, `sim:SCENE`; [`open`] takes
+//! [`SimulatedSource`] provides the frames of a scene that a [`SimulatedLocation`] names, `sim:SCENE`; [`open`] takes
 //! such a location as well as a folder or a video. [`SimulationFolder`] takes a press frame by frame with its truth,
 //! [`SimulationPreview`] draws it. [`simulated_profile`] is the profile of the simulated sensor.
 

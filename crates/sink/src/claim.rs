@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::SinkError;
 
-/// What a command writes into a folder.
+/// The kind of output that a command writes into a folder.
 #[derive(Debug)]
 pub struct FolderKind {
     /// The noun for such a folder.
@@ -47,8 +47,9 @@ impl FolderKind {
     ///
     /// # Errors
     ///
-    /// [`SinkError::Busy`] if another command is writing there, [`SinkError::Previous`] if it holds an earlier one and `overwrite` is not asked for, [`SinkError::FolderNotEmpty`]
-    /// if it holds anything else, [`SinkError::Write`] if it cannot be made or emptied.
+    /// [`SinkError::Busy`] if another command is writing there, [`SinkError::Previous`] if it holds an earlier one and
+    /// `overwrite` is not asked for, [`SinkError::FolderNotEmpty`] if it holds anything else, [`SinkError::Write`] if
+    /// it cannot be made or emptied.
     pub fn claim(&self, path: &Path, overwrite: bool) -> Result<FolderLock, SinkError> {
         fs::create_dir_all(path).map_err(SinkError::writing(path))?;
         let lock = FolderLock::take(path)?;

@@ -18,7 +18,7 @@ pub enum SinkError {
     FolderNotEmpty {
         /// The folder.
         path: PathBuf,
-        /// What was to be written there.
+        /// The kind of output that was to be written there.
         noun: &'static str,
     },
     /// Another command is writing into the folder.

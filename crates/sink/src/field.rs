@@ -1,4 +1,4 @@
-//! What a run can keep of a reading.
+//! The fields of a reading that a run can store.
 
 use fingervision_touch::Reading;
 
@@ -22,8 +22,8 @@ pub enum Field {
     Contact,
     /// Displacement in gel space, mm: `displacement.npy`, float32 `[frame][row][column][x, y, z]`.
     Displacement,
-    /// Traction on the gel, `MPa`: `traction.npy`, float32 `[frame][row][column][x, y, z]` on a grid of its own, in mm over
-    /// the undeformed surface.
+    /// Traction on the gel, `MPa`: `traction.npy`, float32 `[frame][row][column][x, y, z]` on a grid of its own, in mm
+    /// over the undeformed surface.
     Traction,
     /// Predicted standard deviation of the flow, px: `deviation.npy`, float32 `[frame][row][column]`.
     Deviation,

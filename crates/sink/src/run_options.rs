@@ -1,4 +1,4 @@
-//! What a run keeps.
+//! Options of a run: the fields to store and their number format.
 
 use half::f16;
 
@@ -25,7 +25,7 @@ impl Precision {
     }
 }
 
-/// Which fields a run keeps, and whether it may overwrite.
+/// The fields that a run stores, their format, and whether a previous run is overwritten.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunOptions {
     /// Columns and rows of every field, px.

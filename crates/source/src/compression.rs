@@ -1,4 +1,4 @@
-//! Which images of a folder have lossy compression.
+//! Finds the images of a folder that have lossy compression.
 
 use std::path::PathBuf;
 

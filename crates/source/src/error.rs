@@ -4,7 +4,7 @@ use crate::FrameFormat;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What is read, for hints.
+/// The supported formats, for hints.
 const READ: &str = "folders of PNG, JPEG, TIFF or BMP images and videos are read: H.264 in MP4 or MOV, motion JPEG in AVI, MP4 \
                     or MOV";
 
@@ -26,8 +26,8 @@ pub enum SourceError {
         /// The system's message.
         error: io::Error,
     },
-    /// A format that is not read, or not yet.
-    #[error("{}: {what} is not read", path.display())]
+    /// A format that is not supported, or not yet.
+    #[error("{}: {what} is not supported", path.display())]
     NotRead {
         /// The file, folder or name.
         path: PathBuf,
@@ -128,9 +128,9 @@ impl SourceError {
             }
             Self::Frame { .. } => Some("the frames before it are complete: record it again, or leave it out".into()),
             Self::PixelRange { .. } => Some("scale the images to 0 to 1, or store them with 8 or 16 bit".into()),
-            Self::FormatChanged { .. } => Some(
-                "keep frames of one size and one pixel format in a folder, and track the others on their own".into(),
-            ),
+            Self::FormatChanged { .. } => {
+                Some("keep frames of one size and one pixel format in a folder, and track the others separately".into())
+            }
             Self::Simulated { hint, .. } => hint.clone(),
             Self::Io { .. } => Some("check that the file exists and is readable".into()),
             Self::Rate { .. } | Self::Option { .. } => {

@@ -3,7 +3,7 @@
 use fingervision_image::Pixels;
 use std::fmt;
 
-/// What must be the same for all frames of a source.
+/// The properties that must be the same for all frames of a source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameFormat {
     /// Columns, px.

@@ -70,7 +70,7 @@ impl Decoder for H264 {
     fn decode(&mut self, sample: &[u8]) -> Result<Pixels, String> {
         let picture = self.picture(sample).map_err(|fault| match fault {
             UnitFault::Damaged(reason) => reason,
-            UnitFault::NotRead(what) => format!("{what} is not read"),
+            UnitFault::NotRead(what) => format!("{what} is not supported"),
         })?;
         let Some((info, conversion)) = &mut self.stream else { return Err("the H.264 parameters are missing".into()) };
         if (picture.width, picture.height) != (info.width, info.height) {

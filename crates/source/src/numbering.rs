@@ -1,7 +1,7 @@
 //! Sequence numbers that show where frames are missing.
 //!
-//! A frame's sequence number is its place in the recording, not among the remaining frames: if images or times have a
-//! gap, the numbers have one too, and the tracker can count the missing frames.
+//! A frame's sequence number is its position in the complete recording: if images or times have a gap, the numbers have
+//! a gap, too, and the tracker can count the missing frames.
 
 /// A gap between two frames is a missing frame if it is longer than this many usual intervals, dimensionless.
 const LONGEST_INTERVAL: f64 = 1.5;
@@ -31,8 +31,8 @@ pub(crate) fn by_names<'a>(stems: impl IntoIterator<Item = &'a str>) -> Option<V
 
 /// Sequence numbers by times in ascending order, s: from 0, with a gap where times jump.
 ///
-/// An interval that is longer than 1.5 times the usual one, the median, counts as the number of usual intervals that fit
-/// into it.
+/// An interval that is longer than 1.5 times the usual one, the median, counts as the number of usual intervals that
+/// fit into it.
 pub(crate) fn by_times(times_s: &[f64]) -> Vec<u64> {
     let mut intervals: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let steps = intervals.clone();

@@ -1,4 +1,4 @@
-//! One still image, from the bytes of its file to pixels.
+//! Decodes one still image from the bytes of its file.
 
 use crate::jpeg::decode_jpeg;
 use fingervision_image::{Image, Pixels};
@@ -11,8 +11,8 @@ use tiff::{ColorType, TiffError};
 
 /// The most memory that the pixels of one image may take, bytes.
 const MAX_BYTES: u64 = 1 << 30;
-/// The most bytes of pixels that a byte of a file can hold: deflate packs 1032 bytes into one, of which each is eight pixels
-/// of three bytes where a pixel takes one bit.
+/// The most bytes of pixels that a byte of a file can hold: deflate packs 1032 bytes into one, of which each is eight
+/// pixels of three bytes where a pixel takes one bit.
 const MOST_GROWTH: u64 = 1 << 15;
 /// TIFF's code for floating-point samples.
 const FLOATING_POINT: u16 = 3;
@@ -88,7 +88,7 @@ pub(crate) fn pixels(image: DynamicImage) -> Result<Pixels, String> {
         DynamicImage::ImageRgb16(_) | DynamicImage::ImageRgba16(_) => {
             triple(size, &image.into_rgb16()).map(Pixels::Rgb16)
         }
-        _ => Err("this kind of pixel is not read".into()),
+        _ => Err("this kind of pixel is not supported".into()),
     }
 }
 
@@ -123,17 +123,19 @@ fn decode_float_tiff(bytes: &[u8]) -> Result<(DynamicImage, Orientation), Pictur
         ColorType::RGB(_) => (3, 3),
         ColorType::RGBA(_) => (4, 3),
         other => {
-            return Err(PictureFault::Damaged(format!("floating-point TIFF pixels of kind {other:?} are not read")));
+            return Err(PictureFault::Damaged(format!(
+                "floating-point TIFF pixels of kind {other:?} are not supported"
+            )));
         }
     };
     if stored > 1 && tiff.find_tag_unsigned::<u16>(Tag::PlanarConfiguration)?.is_some_and(|planes| planes != 1) {
-        return Err(PictureFault::Damaged("floating-point TIFF with separate colour planes is not read".into()));
+        return Err(PictureFault::Damaged("floating-point TIFF with separate colour planes is not supported".into()));
     }
     let orientation = tiff.find_tag_unsigned::<u8>(Tag::Orientation)?.and_then(Orientation::from_exif);
     let values = match tiff.read_image()? {
         DecodingResult::F32(values) => to_16_bit(&values, width as usize, stored, used)?,
         DecodingResult::F64(values) => to_16_bit(&values, width as usize, stored, used)?,
-        _ => return Err(PictureFault::Damaged("floating-point TIFF of this depth is not read".into())),
+        _ => return Err(PictureFault::Damaged("floating-point TIFF of this depth is not supported".into())),
     };
     let image = if used == 1 {
         ImageBuffer::from_raw(width, height, values).map(DynamicImage::ImageLuma16)

@@ -12,20 +12,21 @@ pub trait Source: Send {
     /// The next frame, or `None` after the last.
     ///
     /// Frames are read one at a time and returned completely. After an error the source is at its end: the frames
-    /// returned so far are valid, and every further call returns `None`, unless [`resume`](Self::resume) continues after
-    /// it.
+    /// returned so far are valid, and every further call returns `None`, unless [`resume`](Self::resume) continues
+    /// after it.
     ///
     /// # Errors
     ///
     /// [`SourceError::Frame`] and [`SourceError::PixelRange`] if the frame cannot be read,
-    /// [`SourceError::FormatChanged`] if it differs from the first in size or pixel format, [`SourceError::NotFound`] and
-    /// [`SourceError::Io`] if its file cannot be read.
+    /// [`SourceError::FormatChanged`] if it differs from the first in size or pixel format, [`SourceError::NotFound`]
+    /// and [`SourceError::Io`] if its file cannot be read.
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError>;
 
-    /// Goes on behind the frame that [`next_frame`](Self::next_frame) gave an error for; false where there is no way on.
+    /// Goes on behind the frame that [`next_frame`](Self::next_frame) gave an error for; false where there is no way
+    /// on.
     ///
-    /// The next frame is the first that needs nothing of what is lost: in H.264 the next key frame. Frames in between are
-    /// left out, which their numbers show.
+    /// The next frame is the first that needs nothing of what is lost: in H.264 the next key frame. Frames in between
+    /// are left out, which their numbers show.
     fn resume(&mut self) -> bool {
         false
     }
@@ -41,13 +42,13 @@ pub trait Source: Send {
     /// One line for logs and reports: where the frames come from and what they are.
     fn description(&self) -> String;
 
-    /// What is odd about the source but does not keep it from being read, a sentence each.
+    /// Remarks about unusual properties of the source that do not prevent reading, one sentence each.
     fn remarks(&self) -> Vec<String> {
         Vec::new()
     }
 }
 
-/// How a source is read.
+/// Options for reading a source.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {

@@ -51,7 +51,7 @@ pub(crate) struct Shown {
     pub(crate) time_s: f64,
 }
 
-/// How the stored picture is turned to stand upright.
+/// The rotation that makes the stored picture upright.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Turn {
     None,

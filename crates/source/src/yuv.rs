@@ -1,4 +1,4 @@
-//! From luma and halved chroma to red, green and blue.
+//! Converts luma and subsampled chroma to red, green and blue.
 //!
 //! A colour matrix is fixed by the weights `Kr` and `Kb` of red and blue in luma (ITU-T H.273, table 4). With luma `Y`
 //! and chroma `U`, `V` on their full scales,

@@ -90,7 +90,7 @@ fn a_pipe_is_refused_before_it_is_opened() {
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     for path in [folder.path(), &pipe] {
         let error = open_error(path);
-        assert!(error.to_string().ends_with("2.png: a pipe, socket or device is not read"), "{error}");
+        assert!(error.to_string().ends_with("2.png: a pipe, socket or device is not supported"), "{error}");
         assert!(error.hint().unwrap().contains("regular files"));
     }
 }
@@ -267,10 +267,10 @@ fn what_is_no_source_is_refused_with_a_hint() {
     let recording = folder.path().join("recording.mcap");
     fs::write(&recording, b"\x89MCAP0\r\n").unwrap();
     let cases = [
-        (folder.path().join("a.png"), "a.png: a single image is not read"),
-        (text, "notes.txt: this kind of file is not read"),
-        (recording, "recording.mcap: a recording is not read"),
-        ("/dev/video0".into(), "/dev/video0: a camera is not read"),
+        (folder.path().join("a.png"), "a.png: a single image is not supported"),
+        (text, "notes.txt: this kind of file is not supported"),
+        (recording, "recording.mcap: a recording is not supported"),
+        ("/dev/video0".into(), "/dev/video0: a camera is not supported"),
         (folder.path().join("missing"), "missing: no such file or folder"),
     ];
     for (path, message) in cases {

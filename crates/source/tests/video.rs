@@ -119,7 +119,7 @@ fn what_is_not_read_is_named_with_the_command_that_converts_it() {
     ];
     for (name, what) in cases {
         let error = open(clip(name), &Options::default()).err().unwrap();
-        assert!(error.to_string().ends_with(&format!("{name}: {what} is not read")), "{error}");
+        assert!(error.to_string().ends_with(&format!("{name}: {what} is not supported")), "{error}");
         let hint = error.hint().unwrap();
         assert!(hint.starts_with("convert it: ffmpeg -i '") && hint.contains("libx264"), "{hint}");
     }

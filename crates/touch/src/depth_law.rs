@@ -1,7 +1,7 @@
 //! From the density feature to depth: a fitted line, or the camera's perspective with a fitted gain.
 //!
-//! [Du2021] fits one line over presses of known depth. The feature follows the inverse of the surface's areal stretch, so
-//! the line is a small-range approximation: deep presses read too shallow. It also treats any expansion as depth,
+//! [Du2021] fits one line over presses of known depth. The feature follows the inverse of the surface's areal stretch,
+//! so the line is a small-range approximation: deep presses read too shallow. It also treats any expansion as depth,
 //! whatever caused it, so its slope depends on the place of the press; an intercept is added to every untouched pixel.
 //!
 //! [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
@@ -34,11 +34,11 @@ pub struct DepthLine {
     pub intercept_mm: f64,
 }
 
-/// `depth = gain · feature / s(m)`, with `s(m)` the relative growth of a surface patch in the image, at the pixel m, per
-/// mm of approach: [`Camera::area_growth_per_mm`], `2 / z₀` for an untilted pinhole at the distance z₀.
+/// `depth = gain · feature / s(m)`, with `s(m)` the relative growth of a surface patch in the image, at the pixel m,
+/// per mm of approach: [`Camera::area_growth_per_mm`], `2 / z₀` for an untilted pinhole at the distance z₀.
 ///
-/// A face that moves straight towards the camera without any strain lowers the density by `s · depth` to first order, so
-/// its gain is 1; a gel that spreads under the face as well has a smaller one.
+/// A face that moves straight towards the camera without any strain lowers the density by `s · depth` to first order,
+/// so its gain is 1; a gel that spreads under the face as well has a smaller one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PerspectiveGain {
     /// Dimensionless; 1 is perspective alone.
@@ -120,8 +120,8 @@ impl DepthLine {
 }
 
 /// Depth at which perspective alone gives a feature of 1, `1 / s(m)`, mm, at every pixel of an image: 12.5 mm for an
-/// untilted pinhole 25 mm away. Not finite where the camera does not see the undeformed surface, or sees it shrink as it
-/// comes nearer, as a strong lens does at its edge.
+/// untilted pinhole 25 mm away. Not finite where the camera does not see the undeformed surface, or sees it shrink as
+/// it comes nearer, as a strong lens does at its edge.
 ///
 /// None if the camera is impossible.
 #[must_use]
@@ -151,7 +151,7 @@ enum Form {
 impl DepthMap {
     /// The law for features of this size, seen by this camera.
     ///
-    /// None if the law needs a camera and there is none, or the camera sees the surface nowhere in the image.
+    /// None if the law needs a camera and there is none, or if no pixel of the image shows the surface.
     #[must_use]
     pub fn new(law: &DepthLaw, camera: Option<&CameraParams>, size: (usize, usize)) -> Option<Self> {
         let form = match law {

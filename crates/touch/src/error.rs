@@ -24,7 +24,7 @@ pub enum TrackError {
         source: ImageError,
     },
     /// A frame differs in size from the first one.
-    #[error("frame {sequence} is {width}x{height} px, the frames before were {expected_width}x{expected_height} px")]
+    #[error("frame {sequence} is {width}x{height} px, the previous frames were {expected_width}x{expected_height} px")]
     SizeChanged {
         /// The frame's sequence number.
         sequence: u64,
@@ -37,7 +37,7 @@ pub enum TrackError {
         /// Rows of the previous frames, px.
         expected_height: usize,
     },
-    /// A frame came after one with the same or a later number, or a later time.
+    /// A frame's number is not larger than that of the previous frame, or its time is earlier.
     #[error("frame {sequence} at {time_s} s came after frame {previous} at {previous_time_s} s")]
     OutOfOrder {
         /// The frame's sequence number.
@@ -50,7 +50,7 @@ pub enum TrackError {
         previous_time_s: f64,
     },
     /// The method for depth needs a gel surface that the camera does not see.
-    #[error("depth: the camera sees the undeformed gel in no pixel of the region")]
+    #[error("depth: no pixel of the region of interest shows the undeformed gel")]
     NoSurface,
     /// The gel's elasticity cannot be inverted.
     #[error(transparent)]
@@ -64,10 +64,10 @@ impl TrackError {
         match self {
             Self::Profile(error) => error.hint(),
             Self::Parameter(error) => {
-                Some(format!("set {} in the profile, or with --set, to {}", error.key, error.allowed))
+                Some(format!("change {} in the profile, or with --set: it must be {}", error.key, error.allowed))
             }
             Self::Flow(FlowError::Parameter { name, range, .. }) => {
-                Some(format!("set flow.{name} in the profile, or with --set, to {range}"))
+                Some(format!("change flow.{name} in the profile, or with --set: it must be {range}"))
             }
             Self::Flow(FlowError::TooSmall { .. }) => {
                 Some("record at a larger size or widen image.region_of_interest".into())

@@ -1,8 +1,8 @@
-//! The fields of a reading that are asked for.
+//! The fields of a reading that are requested.
 
 /// Which fields a tracker computes in addition to the flow and its validity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "each field is asked for on its own")]
+#[expect(clippy::struct_excessive_bools, reason = "each field is requested separately")]
 pub struct Fields {
     /// The density feature.
     pub density: bool,

@@ -1,4 +1,4 @@
-//! The error of every parameter outside its range.
+//! The error for a parameter outside its range.
 
 /// A parameter outside its range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -13,7 +13,7 @@ pub struct ParameterError {
 }
 
 impl ParameterError {
-    /// Fails with this key, value and range unless the value is allowed.
+    /// Returns an error with this key, value and range unless the value is allowed.
     pub(crate) fn unless(
         is_allowed: bool,
         key: &'static str,

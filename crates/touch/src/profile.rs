@@ -1,8 +1,8 @@
 //! The profile: one file that describes one sensor.
 //!
-//! Every part except the algorithms' parameters may be absent; what needs it is then not computed: without `[image]` the
-//! whole frame is used, without camera and gel or a depth law there is no depth. Lengths are in mm, positions in the
-//! image in px of the region of interest.
+//! Every part except the algorithms' parameters may be absent; the quantities that need it are then not computed.
+//! Without `[image]` the whole frame is used. Depth needs either camera and gel or a depth law. Lengths are in mm,
+//! positions in the image in px of the region of interest.
 //!
 //! ```
 //! use fingervision_touch::Profile;
@@ -63,9 +63,9 @@ const SENSOR: &str = "
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Profile {
-    /// What its owner calls the sensor.
+    /// The name of the sensor.
     pub name: String,
-    /// Which part of the camera image shows the gel; absent: all of it.
+    /// The part of the camera image that shows the gel; if absent, the whole image.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub image: Option<ImageSection>,
     /// The camera.
@@ -74,7 +74,7 @@ pub struct Profile {
     /// The gel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gel: Option<GelBlock>,
-    /// How depth is found.
+    /// How depth is computed.
     pub depth: DepthSection,
     /// Parameters of the flow.
     pub flow: FlowParams,
@@ -94,19 +94,19 @@ pub struct ImageSection {
     pub region_of_interest: [usize; 4],
 }
 
-/// How depth is found.
+/// How depth is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DepthSection {
-    /// The method; absent: the one that [`Profile::depth_method`] chooses.
+    /// The method; if absent, the one that [`Profile::depth_method`] selects.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<DepthMethod>,
-    /// The relation from density feature to depth; without it the density gives no depth.
+    /// The relation between density feature and depth; without it, no depth is computed from density.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<DepthLaw>,
 }
 
-/// A method to find depth.
+/// A method to compute depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DepthMethod {
@@ -210,7 +210,8 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`SettingsError::OutOfRange`](fingervision_settings::SettingsError::OutOfRange) naming the first value that is not.
+    /// [`SettingsError::OutOfRange`](fingervision_settings::SettingsError::OutOfRange) naming the first value that is
+    /// not.
     pub fn validate(&self) -> Result<(), ProfileError> {
         validate::validate(self)
     }
@@ -244,8 +245,8 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`ProfileError::ElasticNeeds`] naming the first table that is absent; [`ProfileError::Settings`] if the camera is
-    /// impossible.
+    /// [`ProfileError::ElasticNeeds`] naming the first table that is absent; [`ProfileError::Settings`] if the camera
+    /// is impossible.
     pub fn elastic_sensor(&self) -> Result<(Camera, GelBlock), ProfileError> {
         let absent = |table| ProfileError::ElasticNeeds { table };
         let params = self.camera.ok_or(absent("camera"))?;
@@ -253,7 +254,7 @@ impl Profile {
         Ok((Camera::new(&params).map_err(validate::impossible_camera)?, gel))
     }
 
-    /// Whether depth is elastic and nothing that it needs is absent.
+    /// Whether the method is elastic and camera and gel are known.
     fn has_elastic_depth(&self) -> bool {
         self.depth_method() == DepthMethod::Elastic && self.elastic_sensor().is_ok()
     }

@@ -15,23 +15,23 @@ pub struct Reading {
     pub capture_time_s: f64,
     /// Frames that the source dropped since tracking began.
     pub dropped_frames: u64,
-    /// Which reference the frame was matched with, counted from 0 at start-up.
+    /// Number of the reference that the frame was matched with, from 0.
     pub reference_id: u64,
-    /// References held when the frame was matched.
+    /// Number of references that were kept when the frame was matched.
     pub reference_count: usize,
     /// Photometric error, grey levels: under the stack policy the largest error of the coarse check that decides about
     /// references, otherwise the root mean square of the matching patches' residuals.
     pub photometric_error: f32,
-    /// Time from the frame's arrival to this reading, ms. The only value that differs from run to run.
+    /// Time from the frame's arrival to this reading, ms. It is the only value that differs from run to run.
     pub latency_ms: f64,
-    /// What is wrong with the reading.
+    /// The problems of the reading.
     pub flags: Flags,
     /// Displacement, px.
     pub flow: FlowField,
     /// Predicted standard deviation of the flow, px; infinite where there is no measurement.
     pub deviation: Image<f32>,
-    /// 1 where flow and density are valid, and a depth made from density; 0 elsewhere. Elastic depth also exists where
-    /// the flow is not valid: it is valid where [`Reading::depth_deviation`] is finite.
+    /// 1 where the flow, the density and a depth from density are valid; 0 elsewhere. It does not apply to elastic
+    /// depth, which is valid where [`Reading::depth_deviation`] is finite, even if the flow is not valid there.
     pub valid: Image<u8>,
     /// Density feature `1 − density` after the guided filter, dimensionless, 0 at rest, positive where the surface
     /// expands, 0 where it is not valid; if requested.
@@ -39,7 +39,8 @@ pub struct Reading {
     /// Depth, mm, positive pressed in; if requested and the profile is calibrated.
     pub depth: Option<Image<f32>>,
     /// Expected error of an elastic depth (one standard deviation), mm; infinite where depth is not valid: beside the
-    /// gel, and everywhere in a frame that is lost or does not fit. Elsewhere depth is valid, whether or not the flow is.
+    /// gel, and everywhere in a frame that is lost or does not fit the gel. Elsewhere depth is valid, even if the flow
+    /// is not.
     pub depth_deviation: Option<Image<f32>>,
     /// 1 where the gel touches something; with elastic depth.
     pub contact: Option<Image<u8>>,
@@ -88,7 +89,7 @@ impl Reading {
     }
 }
 
-/// One thing that can be wrong with a reading.
+/// A problem that a reading can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 #[non_exhaustive]
@@ -125,8 +126,8 @@ pub enum Flag {
     /// The flow's deviation is more than 1.8 times that of the images elastic depth was trained on: depth, contact and
     /// force are less certain than their deviation says.
     UncertainFlow,
-    /// An area of more than 0.75 % of the image was not found in it: hidden, or moved too far. Its flow is not valid; depth,
-    /// contact and force are those of the rest.
+    /// An area of more than 0.75 % of the image was not found in it: hidden, or moved too far. Its flow is not valid;
+    /// depth, contact and force are those of the rest.
     AreaLost,
 }
 

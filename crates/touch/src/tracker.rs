@@ -1,4 +1,4 @@
-//! From frame to reading: the same object runs live and offline.
+//! Computes readings from frames; the same object is used live and offline.
 
 mod density_stage;
 mod elastic_stage;
@@ -13,8 +13,8 @@ use std::time::Instant;
 
 /// Tracks the gel through a stream of frames.
 ///
-/// It owns all scratch memory and the reading that it returns: a frame that needs no new reference allocates nothing. The
-/// same frames give the same bits, whatever their source; only [`Reading::latency_ms`] differs.
+/// It owns all scratch memory and the reading that it returns: a frame that needs no new reference allocates nothing.
+/// The same frames give the same bits, whatever their source; only [`Reading::latency_ms`] differs.
 #[derive(Debug)]
 pub struct Tracker {
     region: Rect,
@@ -29,10 +29,10 @@ pub struct Tracker {
     reading: Reading,
 }
 
-/// A stream is lost if less than this part of the textured patches match.
+/// Tracking is lost if less than this part of the textured patches match.
 const LOST_BELOW: f32 = 0.5;
-/// An area that is lost is flagged if it is more than this part of the image. Steep walls of presses that are sheared by 1.5 mm
-/// take up to half of a percent.
+/// An area that is lost is flagged if it is more than this part of the image. Steep walls of presses that are sheared
+/// by 1.5 mm take up to half of a percent.
 const MOST_LOST: f32 = 0.0075;
 /// An image has too little texture if less than this part of its patches can be measured.
 const LEAST_TEXTURED: f32 = 0.1;
@@ -42,8 +42,8 @@ const LIGHT_FACTOR: f32 = 1.25;
 /// the sharpness by a factor of up to 1.23; blur with a standard deviation of 1 px, on images that have 0.7 px, by 1.35
 /// and more.
 const SHARPNESS_FACTOR: f32 = 1.3;
-/// An image is flagged if the unexplained part of the variance exceeds this in half of the patches. For presses it is up
-/// to 0.014.
+/// An image is flagged if the unexplained part of the variance exceeds this in half of the patches. For presses it is
+/// up to 0.014.
 const MOST_UNEXPLAINED: f32 = 0.05;
 
 impl Tracker {
@@ -51,7 +51,7 @@ impl Tracker {
     ///
     /// # Errors
     ///
-    /// [`TrackError`] where the profile does not fit the frames or holds an impossible value.
+    /// [`TrackError`] if the profile does not fit the frames or contains an impossible value.
     pub fn new(
         profile: &Profile,
         frame_size: (usize, usize),
@@ -91,7 +91,7 @@ impl Tracker {
         (self.region.width, self.region.height)
     }
 
-    /// Whether readings carry depth.
+    /// Whether readings contain depth.
     #[must_use]
     pub fn has_depth(&self) -> bool {
         self.reading.depth.is_some()
@@ -187,14 +187,15 @@ impl Tracker {
     }
 }
 
-/// Where the camera looks straight ahead, px of the region: its principal point, or the middle of the whole frame.
+/// The centre of perspective, px of the region: the camera's principal point, or without a camera the middle of the
+/// whole frame.
 fn centre_of_perspective(profile: &Profile, frame_size: (usize, usize), region: Rect) -> [f32; 2] {
     let middle = |size: usize, begin: usize| 0.5 * (size as f32 - 1.0) - begin as f32;
     let of_frame = [middle(frame_size.0, region.x), middle(frame_size.1, region.y)];
     profile.camera.map_or(of_frame, |camera| camera.principal_point_px.map(|at| at as f32))
 }
 
-/// Largest value where `valid` is 1; none if it is nowhere.
+/// Largest value where `valid` is 1; none if no pixel is valid.
 fn largest_valid(values: &Image<f32>, valid: &Image<u8>) -> Option<f32> {
     const LANES: usize = 16;
     let mut largest = [f32::NEG_INFINITY; LANES];

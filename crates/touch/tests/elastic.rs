@@ -96,7 +96,7 @@ fn elastic_depth_without_gel_or_camera_is_refused_where_it_is_asked_for() {
     let mut profile = Profile::default();
     profile.set("depth.method", "elastic").unwrap();
     let error = Tracker::new(&profile, SIZE, true, Fields::default()).unwrap_err();
-    assert_eq!(error.to_string(), "depth.method = \"elastic\" needs [camera], which the profile lacks");
+    assert_eq!(error.to_string(), "depth.method = \"elastic\" needs [camera], which is missing in the profile");
     assert!(matches!(error, TrackError::Profile(_)) && error.hint().is_some());
     assert!(Tracker::new(&profile, SIZE, true, Fields::NONE).is_ok());
 }

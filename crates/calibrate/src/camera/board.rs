@@ -29,7 +29,7 @@ pub struct Node {
 pub struct BoardFlow {
     /// Columns and rows of the region of interest, px.
     pub size: (usize, usize),
-    /// How many images there are.
+    /// Number of images.
     pub images: usize,
     /// The slide.
     pub slide: Slide,
@@ -41,8 +41,8 @@ pub struct BoardFlow {
 
 /// Tracks a board from image to image: it takes the frames in order, then gives the mean flow.
 ///
-/// Every pair is matched independently, without a start, so a wrong step does not affect the next. Only valid flow enters
-/// a node's mean.
+/// Every pair is matched independently, without a start, so a wrong step does not affect the next. Only valid flow
+/// enters a node's mean.
 #[derive(Debug)]
 pub struct BoardTracker {
     region: Rect,

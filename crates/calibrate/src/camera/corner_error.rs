@@ -1,4 +1,4 @@
-//! Why corners do not determine a camera.
+//! Errors of a camera fit to corners.
 
 use thiserror::Error;
 
@@ -25,7 +25,7 @@ pub enum CornerError {
         text: String,
     },
     /// There are too few images.
-    #[error("the corners are of {images} images: at least {LEAST_POSES} are needed")]
+    #[error("the corners come from {images} images: at least {LEAST_POSES} are needed")]
     TooFewImages {
         /// Number of them.
         images: usize,
@@ -45,7 +45,7 @@ pub enum CornerError {
     #[error("the board is not tilted in any image: its corners do not determine the focal length")]
     NoTilt,
     /// No camera explains the corners.
-    #[error("no camera explains the corners: the best misses them by {residual_px:.1} px on average")]
+    #[error("no camera explains the corners: the residual of the best one is {residual_px:.1} px on average")]
     NotConverged {
         /// Mean distance, px.
         residual_px: f64,

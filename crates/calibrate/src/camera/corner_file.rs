@@ -1,4 +1,4 @@
-//! Corners as a file: `image,x_mm,y_mm,u_px,v_px`.
+//! Reads corners from a file with the columns `image,x_mm,y_mm,u_px,v_px`.
 
 use super::corner_error::{CornerError, HEADER};
 use super::corners::Corner;

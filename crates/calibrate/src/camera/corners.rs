@@ -1,4 +1,4 @@
-//! The camera from corners of a checkerboard in several poses, which determine every parameter.
+//! Fits the camera to corners of a checkerboard in several poses, which determine every parameter.
 
 use fingervision_optics::{Camera, CameraParams, Radial};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
@@ -22,9 +22,9 @@ const UNSEEN_PX: f64 = 1e4;
 /// A corner that was detected in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corner {
-    /// Where it is on the board, mm: x right, y down, as the upright board is seen.
+    /// Its position on the board, mm: x right, y down, as seen by an upright camera.
     pub board_mm: [f64; 2],
-    /// Where it was seen, px in the region of interest.
+    /// Its detected position, px in the region of interest.
     pub px: [f64; 2],
 }
 
@@ -34,7 +34,7 @@ pub struct CornerFit {
     /// The camera.
     #[serde(rename = "camera")]
     pub params: CameraParams,
-    /// How many images there are.
+    /// Number of images.
     pub images: usize,
     /// Distance between the predicted and the detected corners, px.
     pub reprojection: Residuals,
@@ -49,8 +49,8 @@ pub struct CornerFit {
 ///
 /// # Errors
 ///
-/// [`CornerError`] if there are too few images or corners, if the corners do not span the board, or if no camera explains
-/// them.
+/// [`CornerError`] if there are too few images or corners, if the corners do not span the board, or if no camera
+/// explains them.
 ///
 /// [Zhang2000]: https://doi.org/10.1109/34.888718
 pub fn fit_corners(images: &[Vec<Corner>], radial: Radial) -> Result<CornerFit, CornerError> {

@@ -16,7 +16,7 @@ pub enum BoardError {
         images: usize,
     },
     /// There is too little texture.
-    #[error("only {:.0} % of image {image} has texture that can be followed", 100.0 * textured)]
+    #[error("only {:.0} % of image {image} has texture that can be tracked", 100.0 * textured)]
     NoTexture {
         /// The image, counted from 1.
         image: usize,
@@ -24,15 +24,15 @@ pub enum BoardError {
         textured: f32,
     },
     /// Two images do not show the same board.
-    #[error("images {image} and {} do not match: {:.0} % of the textured part is found again", image + 1, 100.0 * matched)]
+    #[error("images {image} and {} do not match: {:.0} % of the textured part is found in both", image + 1, 100.0 * matched)]
     NoMatch {
         /// The first of the two, counted from 1.
         image: usize,
-        /// The part that is found again, 0 to 1.
+        /// The part that is found in both, 0 to 1.
         matched: f32,
     },
     /// Nothing moves.
-    #[error("nothing moves: from image to image the board is displaced by {flow_px:.2} px")]
+    #[error("the board does not move: its displacement from image to image is {flow_px:.2} px")]
     Still {
         /// The typical displacement, px.
         flow_px: f64,
@@ -48,13 +48,13 @@ pub enum BoardError {
     /// The board moves in another direction than given.
     #[error("the board moves towards {found_deg:.0}° in the image, not towards {expected_deg:.0}°")]
     WrongDirection {
-        /// Where it moves, degrees from x towards y.
+        /// The direction in which it moves, degrees from x towards y.
         found_deg: f64,
-        /// Where it should, degrees from x towards y.
+        /// The given direction, degrees from x towards y.
         expected_deg: f64,
     },
     /// The board moves by another length than given.
-    #[error("by what is known of the camera the board moves {found_mm:.3} mm from image to image, not {step_mm} mm")]
+    #[error("with the known camera, the board moves {found_mm:.3} mm from image to image, not {step_mm} mm")]
     WrongStep {
         /// The step by the known camera, mm.
         found_mm: f64,
@@ -62,7 +62,7 @@ pub enum BoardError {
         step_mm: f64,
     },
     /// Too little of the image could be tracked in enough of the pairs.
-    #[error("only {:.0} % of the image could be followed through the recording", 100.0 * part)]
+    #[error("only {:.0} % of the image could be tracked through the recording", 100.0 * part)]
     TooLittleSeen {
         /// The part of the grid's nodes that have a flow, 0 to 1.
         part: f64,

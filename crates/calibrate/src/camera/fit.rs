@@ -49,7 +49,7 @@ pub struct CameraFit {
     pub params: CameraParams,
     /// The residuals before and after, of fitted nodes and of those kept for the test.
     pub table: ResidualTable,
-    /// What the slides determine about every unknown, and what they do not.
+    /// The unknowns that the slides determine, and those that they do not.
     pub knowledge: Knowledge,
     /// Standard deviation of a component of a node's flow, px, corrected for the correlation of neighbours.
     pub deviation_px: f64,
@@ -81,10 +81,10 @@ pub struct ResidualTable {
 
 /// Fits the camera to the flow of one slide, or of several of one board by one camera.
 ///
-/// Levenberg–Marquardt minimises the squared residuals of the flow, each divided by its standard deviation, plus those of
-/// the priors ([Du2021] if there are no priors); first over scale and twist alone, then over all unknowns. A fifth of the
-/// nodes is kept for the test. The slides do not show where on the board the origin is: unless a prior is given for it,
-/// it is set to the point that the middle of the picture shows.
+/// Levenberg–Marquardt minimises the squared residuals of the flow, each divided by its standard deviation, plus those
+/// of the priors ([Du2021] if there are no priors); first over scale and twist alone, then over all unknowns. A fifth
+/// of the nodes is kept for the test. The slides do not determine the position of the origin on the board: unless a
+/// prior is given for it, it is set to the point in the middle of the picture.
 ///
 /// # Errors
 ///
@@ -146,7 +146,7 @@ pub fn fit_camera(flows: &[BoardFlow], priors: &Priors, options: FitOptions) -> 
     })
 }
 
-/// What is the same in all stages.
+/// The data that are the same in all stages.
 struct Fit<'a> {
     priors: &'a Priors,
     coordinates: Coordinates,
@@ -195,8 +195,8 @@ fn split(samples: &[Sample]) -> (Vec<Sample>, Vec<Sample>) {
     samples.iter().partition(|_| random.next_u32() <= threshold)
 }
 
-/// The plain camera at the most likely distance. If a focal length was given and a distance was not, the distance follows
-/// from it.
+/// The plain camera at the most likely distance. If a focal length was given and a distance was not, the distance
+/// follows from it.
 fn plain_camera(samples: &[Sample], priors: &Priors) -> Unknowns {
     let mut unknowns = Unknowns::zeros();
     let length = |[x, y]: [f64; 2]| x.hypot(y);

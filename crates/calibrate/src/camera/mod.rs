@@ -1,4 +1,4 @@
-//! The camera, from a patterned board that slides in known steps.
+//! Fits the camera to a patterned board that slides in known steps.
 
 mod board;
 mod corner_error;

@@ -6,8 +6,8 @@ use super::unknowns::{UNKNOWNS, row_by_unknowns};
 
 /// The flow at a pixel, px, when the board moves by `step_mm` along the surface.
 ///
-/// The pixel's ray meets the board at X; the point there appears next at the image of X + step. None where either is not
-/// visible.
+/// The pixel's ray meets the board at X; after the step, this point of the board is seen at the image of X + step. None
+/// if either is not visible.
 #[must_use]
 pub fn board_flow(camera: &Camera, px: [f64; 2], step_mm: [f64; 2]) -> Option<[f64; 2]> {
     let [x, y] = camera.surface_point(px, 0.0)?;
@@ -26,8 +26,8 @@ pub struct BoardFlowJacobian {
 
 /// As [`board_flow`], with the derivatives.
 ///
-/// The pixel is fixed while the camera changes, so the point X that it sees moves on the board: with A the derivative of
-/// the image by the board's x and y and J that by the unknowns,
+/// The pixel is fixed while the camera changes, so the point X that it sees moves on the board: with A the derivative
+/// of the image by the board's x and y and J that by the unknowns,
 ///
 /// ```text
 /// A(X) dX + J(X) dp = 0        d flow = A(X + step) dX + J(X + step) dp

@@ -1,4 +1,4 @@
-//! What a slide determines about a camera, and what it does not.
+//! The unknowns of a camera that a slide determines, and those that it does not.
 
 use nalgebra::{SMatrix, SVector};
 use serde::Serialize;
@@ -35,7 +35,7 @@ pub struct BlindDirection {
     pub change: Vec<(&'static str, f64)>,
     /// Its meaning.
     pub meaning: &'static str,
-    /// What would determine it.
+    /// A measurement that would determine it.
     pub remedy: &'static str,
 }
 
@@ -89,7 +89,8 @@ fn estimates(unknowns: &Unknowns, information: &UnknownsMatrix, priors: &Priors)
     for (place, index) in PLACES.into_iter().enumerate() {
         precision[(place, place)] += weights[index].powi(2);
     }
-    // Columns differ by many orders of magnitude: the matrix is scaled to ones along its diagonal before it is inverted.
+    // Columns differ by many orders of magnitude: the matrix is scaled to ones along its diagonal before it is
+    // inverted.
     let scale = precision.diagonal().map(|value| value.sqrt().recip());
     let scaled =
         SMatrix::<f64, SHOWN, SHOWN>::from_fn(|row, column| precision[(row, column)] * scale[row] * scale[column]);

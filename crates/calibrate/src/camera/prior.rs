@@ -103,7 +103,7 @@ impl Prior {
     ///
     /// The expected form, in words.
     pub fn parse(text: &str) -> Result<(Unknown, Self), String> {
-        let form = || "it takes NAME=VALUE±DEVIATION, as in distance_mm=25±0.5 (+- can be written for ±)".to_string();
+        let form = || "expected NAME=VALUE±DEVIATION, as in distance_mm=25±0.5 (+- can be written for ±)".to_string();
         let (name, number) = text.split_once('=').ok_or_else(form)?;
         let names = || Unknown::ALL.map(Unknown::name).join(", ");
         let unknown = Unknown::ALL.into_iter().find(|unknown| unknown.name() == name.trim());
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn an_invalid_prior_is_explained() {
         for text in ["distance_mm", "distance_mm=25", "distance_mm=25±x", "k1=1±inf"] {
-            assert!(Prior::parse(text).unwrap_err().starts_with("it takes NAME=VALUE"), "{text}");
+            assert!(Prior::parse(text).unwrap_err().starts_with("expected NAME=VALUE"), "{text}");
         }
         assert!(Prior::parse("distance=25±1").unwrap_err().contains("known are rotation_x_rad"));
         assert!(Prior::parse("distance_mm=-25±1").unwrap_err().contains("above 0"));

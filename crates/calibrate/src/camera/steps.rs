@@ -86,7 +86,7 @@ mod tests {
         let uneven = refusal(&[0.0, 1.0, 2.0, 3.4, 4.4, 5.4, 6.4]);
         assert_eq!(uneven, "the steps are uneven: from image 3 to 4 the board moves 1.40 times the usual step");
         let still = refusal(&[0.0, 0.01, 0.0, 0.01, 0.0, 0.01]);
-        assert!(still.starts_with("nothing moves"), "{still}");
+        assert!(still.starts_with("the board does not move"), "{still}");
     }
 
     #[test]
@@ -97,7 +97,7 @@ mod tests {
         let other = check_slide([-8.0, 0.0], slide, None).unwrap_err().to_string();
         assert_eq!(other, "the board moves towards 180° in the image, not towards 0°");
         let wrong = check_slide([16.0, 0.0], slide, Some([8.0, 0.0])).unwrap_err().to_string();
-        assert_eq!(wrong, "by what is known of the camera the board moves 1.000 mm from image to image, not 0.5 mm");
+        assert_eq!(wrong, "with the known camera, the board moves 1.000 mm from image to image, not 0.5 mm");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The report for people.
+//! The report of a camera fit as text.
 
 use std::fmt;
 
@@ -77,7 +77,10 @@ impl CameraReport {
     }
 
     fn write_blind(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\nnot determined  where on the board the origin is: every place slides in the same way")?;
+        writeln!(
+            f,
+            "\nnot determined  the position of the origin on the board: every point of the board slides in the same way"
+        )?;
         for BlindDirection { open, change, meaning, remedy } in &self.knowledge.blind {
             writeln!(f, "not determined  {meaning}")?;
             let change: Vec<String> = change.iter().map(|(name, by)| format!("{name} {}", signed(*by))).collect();
@@ -88,10 +91,7 @@ impl CameraReport {
             writeln!(f, "          together {} do not change the flow; this is {open}", change.join(", "))?;
             writeln!(f, "          what helps: {remedy}")?;
         }
-        writeln!(
-            f,
-            "not determined  whether the step is right: a step that is 1 % wrong makes focal length / distance 1 % wrong"
-        )
+        writeln!(f, "not determined  the step itself: if it is wrong by 1 %, focal length / distance is wrong by 1 %")
     }
 }
 
@@ -105,7 +105,10 @@ impl fmt::Display for CornerFit {
         for (place, uncertainty) in LENS_PLACES.into_iter().chain(POSE_PLACES).zip(&self.uncertainty) {
             writeln!(f, "{:<18} {:>11.5} {uncertainty:>13.5}", Unknown::ALL[place].name(), values[place])?;
         }
-        writeln!(f, "\nThe pose is that of the first image: gel space is the board's there, its origin the board's.")
+        writeln!(
+            f,
+            "\nThe pose is that of the first image: gel space and its origin are those of the board in that image."
+        )
     }
 }
 

@@ -131,7 +131,7 @@ pub(super) fn row_by_unknowns(jacobian: &ParameterJacobian) -> [[f64; UNKNOWNS];
 /// tilt · h/f    twist    T_x/T_z, T_y/T_z    log T_z    k1 (h/f)²    k2 (h/f)⁴    p1 h/f    p2 h/f    f/T_z    u/h
 /// ```
 ///
-/// and only the logarithm is along the valley. With the printed radial form k2 goes with h/f.
+/// and only the logarithm is along the valley. With the published radial form k2 is multiplied by h/f.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Coordinates {
     /// Half the diagonal of the picture, px.

@@ -1,4 +1,4 @@
-//! How bright the images of a recording are, and how noisy.
+//! The brightness and the noise of the images of a recording.
 
 use fingervision_image::{Frame, Rect};
 

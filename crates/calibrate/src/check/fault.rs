@@ -15,15 +15,15 @@ pub enum What {
     Unreadable,
     /// There are too few images, or not as many as depths.
     Count,
-    /// Values at the top of their range: what they show is lost.
+    /// Values at the top of their range, which contain no information.
     TooBright,
     /// Values at the bottom of their range, or hardly above the noise.
     TooDark,
     /// The light changes within the recording.
     Light,
-    /// Texture is too weak to be followed: out of focus, or pattern cells too small for the camera.
+    /// Texture is too weak to be tracked: out of focus, or pattern cells too small for the camera.
     Unsharp,
-    /// All images are identical to the last bit: no camera's are.
+    /// All images are identical to the last bit, which does not happen with a camera.
     Copies,
     /// The whole image moves, though nothing should.
     Drift,
@@ -49,7 +49,7 @@ pub enum What {
     Order,
     /// The press hardly moves the pattern.
     MotionTooSmall,
-    /// Frames that could not be followed.
+    /// Frames that could not be tracked.
     Lost,
     /// The press reaches beyond the image.
     CutByBorder,
@@ -60,9 +60,9 @@ pub enum What {
 pub struct Fault {
     /// Its kind.
     pub what: What,
-    /// What was found, with its figure and unit.
+    /// The measured value, with its unit.
     pub measured: String,
-    /// What is allowed.
+    /// The allowed values.
     pub allowed: String,
     /// What to change before recording again.
     pub remedy: String,
@@ -79,11 +79,12 @@ pub struct RecordingCheck {
     pub saturated: f64,
     /// Largest part of the values of an image at the bottom of their range, 0 to 1.
     pub black: f64,
-    /// Predicted standard deviation of the flow, median over the pixels, of the worst image, px; absent where none was found.
+    /// Predicted standard deviation of the flow, median over the pixels, of the worst image, px; absent where none was
+    /// found.
     pub deviation_px: Option<f64>,
     /// Noise of the camera, standard deviation of a channel, grey levels; of a still recording only.
     pub noise_levels: Option<f64>,
-    /// How far the pattern moves, px: the drift of a still recording, the usual step of a board, the largest motion of a
+    /// Motion of the pattern, px: the drift of a still recording, the usual step of a board, the largest motion of a
     /// press.
     pub motion_px: Option<f64>,
     /// The fault; none: the recording can be used.
@@ -187,11 +188,11 @@ impl From<&DepthFitError> for Fault {
             }
             DepthFitError::TooDeep { depth_mm, .. } => (
                 What::Depths,
-                format!("its deepest depth is {depth_mm} mm"),
+                format!("its largest depth is {depth_mm} mm"),
                 "depths in mm, less than the gel is thick",
             ),
             DepthFitError::TooShallow { depth_mm, .. } => {
-                (What::Depths, format!("its deepest depth is {depth_mm} mm"), "depths in mm that move the gel")
+                (What::Depths, format!("its largest depth is {depth_mm} mm"), "depths in mm that move the gel")
             }
             DepthFitError::PressedAtStart { depth_mm: Some(depth), .. } => (
                 What::PressedAtStart,

@@ -1,8 +1,8 @@
 //! Checks whether a recording can be used for a calibration, and if not, what to change.
 //!
-//! A check takes the frames one by one, then gives a [`RecordingCheck`]: what was measured and what is wrong. Only the
-//! first cause is named: an image that is too dark is not also reported as blurred, a blurred one not as moving too
-//! little.
+//! A check takes the frames one by one, then gives a [`RecordingCheck`] with the measured values and the fault, if
+//! there is one. Only the first cause is reported: an image that is too dark is not also reported as blurred, and a
+//! blurred one is not also reported as moving too little.
 
 mod board;
 mod exposure;

@@ -25,7 +25,7 @@ pub struct PressCheck {
     rest: Option<RestImage>,
     /// The result of that comparison.
     rest_fault: Option<Fault>,
-    /// Depth, mm, and largest motion, px, of every image that was followed.
+    /// Depth, mm, and largest motion, px, of every tracked image.
     motions: Vec<[f64; 2]>,
     frames: usize,
     lost: usize,
@@ -80,7 +80,7 @@ impl PressCheck {
     ///
     /// # Errors
     ///
-    /// Why that image cannot be compared with.
+    /// Why no image can be compared with that one.
     pub fn with_rest(mut self, rest: &Frame) -> Result<Self, Fault> {
         self.rest = Some(RestImage::new(rest, self.region, self.is_colour, &self.flow)?);
         Ok(self)
@@ -113,7 +113,7 @@ impl PressCheck {
             return Some(Fault::new(What::PressedAtStart, measured, "an untouched gel in the first image", remedy));
         }
         if lost as f64 > THRESHOLDS.most_lost * frames as f64 {
-            let measured = format!("{lost} of {frames} images cannot be followed");
+            let measured = format!("{lost} of {frames} images cannot be tracked");
             let remedy = "press in smaller steps, take an image after each, and do not change light and exposure";
             return Some(Fault::new(
                 What::Lost,
@@ -123,7 +123,7 @@ impl PressCheck {
             ));
         }
         if largest < THRESHOLDS.least_motion_px {
-            let measured = format!("nothing moves by more than {largest:.2} px");
+            let measured = format!("the largest motion is {largest:.2} px");
             let remedy = "press deeper, within the camera's field of view";
             return Some(Fault::new(
                 What::MotionTooSmall,

@@ -22,7 +22,7 @@ impl RestImage {
     ///
     /// # Errors
     ///
-    /// Why it cannot be compared with.
+    /// Why no image can be compared with it.
     pub(super) fn new(frame: &Frame, region: Rect, is_colour: bool, params: &FlowParams) -> Result<Self, Fault> {
         let params = FlowParams { colour: params.colour && is_colour, ..*params };
         let estimator = FlowEstimator::new(region.width, region.height, &params)

@@ -1,4 +1,4 @@
-//! Samples of a flow, and what they show about a recording.
+//! Samples of a flow, and the properties of a recording that follow from them.
 
 use fingervision_flow::FlowField;
 use fingervision_image::Image;

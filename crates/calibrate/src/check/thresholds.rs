@@ -1,62 +1,72 @@
-//! The limits on what a recording may look like, all in one place.
+//! The limits for the recordings of a calibration, all in one place.
 //!
-//! What depends on the image is in px of flow or a part of the image; what depends on the light is a part of a level. Grey
-//! levels are absolute where the camera's noise is: it does not change with the light.
+//! Limits on the image are in px of flow or parts of the image, limits on the light are relative to the mean level.
+//! Only the noise of the camera, which does not change with the light, is compared in absolute grey levels.
 
 /// See [`THRESHOLDS`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Thresholds {
-    /// At most this part of an image's values may be at either end of their range. A pattern whose colours fill the whole
-    /// range has half of it there.
+    /// Largest part of an image's values at the bottom, and at the top, of their range: clipped values have no gradient
+    /// to track. For comparison: of a pattern whose colours fill the whole range, half of the values are there.
     pub(super) most_clipped: f64,
-    /// Range of the mean grey level in which a pattern is exposed well. A camera's noise does not shrink with the light, so
-    /// below the minimum the pattern has less than half of the possible contrast over noise.
+    /// Range of the mean grey level of a well exposed pattern. A camera's noise does not shrink with the light: below
+    /// the minimum, the ratio of contrast to noise is less than half of the possible one. Above the maximum, bright
+    /// cells are close to saturation.
     pub(super) mean_levels: [f64; 2],
 
-    /// If the flow's deviation exceeds this over half of the image, px, the texture is too weak: a tenth of the least motion
+    /// Largest median deviation of the flow, px; above it the texture is too weak. It is a tenth of the smallest motion
     /// that a calibration uses.
     pub(super) most_deviation_px: f64,
 
-    /// Still images: this part of the first one has texture.
+    /// Still images: the first one needs texture in at least this part for the test of `least_matched`. With less,
+    /// `most_deviation_px` reports the image.
     pub(super) least_textured: f32,
-    /// Still images: this part of the first one's texture is found again.
+    /// Still images: least part of the first one's texture that is found. An image of the same gel matches nearly
+    /// completely.
     pub(super) least_matched: f32,
-    /// Still images: allowed motion of the whole image, px: with more, a calibration to a hundredth of a pixel is impossible.
+    /// Still images: largest motion of the whole image, px. With more, a calibration to a hundredth of a pixel is
+    /// impossible.
     pub(super) most_drift_px: f64,
-    /// Still images: allowed motion of all but `moving_part` of the image against the rest, px: several deviations of the least
-    /// accurate flow that passes.
+    /// Still images: largest motion of all but `moving_part` of the image against the rest, px: five times
+    /// `most_deviation_px`, so that noise alone does not exceed it.
     pub(super) most_motion_px: f64,
-    /// Part of an image that may move by more than the motion that is allowed for the rest.
+    /// Part of an image whose motion is ignored, so that single wrong samples have no effect.
     pub(super) moving_part: f64,
-    /// Still images: allowed relative change of the mean level: well above noise, well below what the flow tolerates.
+    /// Still images: largest relative change of the mean level: far above the noise of the mean, far below the change
+    /// that the flow tolerates.
     pub(super) most_flicker: f64,
-    /// No camera has less noise than this, grey levels.
+    /// Least noise, grey levels. No camera has less; images with less are copies of one image.
     pub(super) least_noise_levels: f64,
 
-    /// A press's first image: if less than this part of the pattern is found, it is another pattern.
+    /// First image of a press: least part of the pattern that is found in the image of the untouched gel; with less, it
+    /// shows another pattern.
     pub(super) least_matched_at_rest: f32,
-    /// A press's first image: allowed motion of the whole image since the gel was recorded untouched, px.
+    /// First image of a press: largest shift of the whole image against the image of the untouched gel, px. A larger
+    /// shift means that camera or gel has moved in its mount.
     pub(super) most_shift_px: f64,
-    /// A press's first image: allowed motion of all but `moving_part` of the image, px.
+    /// First image of a press: largest motion of all but `moving_part` of the image, px. It equals `least_motion_px`,
+    /// the motion from which a press can be measured.
     pub(super) most_motion_at_rest_px: f64,
 
-    /// A step below this, px, is smaller than the unevenness of a hand-driven stage.
+    /// Least step of the board, px: a shorter one is smaller than the unevenness of a stage that is moved by hand.
     pub(super) least_step_px: f64,
-    /// A step above this part of the image's smaller side leaves too little of the board in both images.
+    /// Largest step of the board, as a part of the image's smaller side: a longer one leaves too little of the board in
+    /// both images.
     pub(super) most_step: f64,
 
-    /// A press whose largest motion is below this, px, contains little information about depth.
+    /// Least value of the largest motion in a press, px: ten times `most_deviation_px`; a smaller motion contains
+    /// little information about depth.
     pub(super) least_motion_px: f64,
-    /// If more than this part of the images is lost, the curve has gaps.
+    /// Largest part of a press's images that may be lost: with more, the curve has gaps.
     pub(super) most_lost: f64,
-    /// The border is this part of the image's smaller side.
+    /// Width of the border, as a part of the image's smaller side.
     pub(super) border: f64,
-    /// A press whose motion at the border is this part of its largest does not end within the image.
+    /// A press whose motion at the border is this part of its largest motion or more extends beyond the image.
     pub(super) most_at_border: f64,
 }
 
-/// The values in use. One without a source is a choice; the tests of this crate hold it against simulated recordings with and
-/// without the fault.
+/// The values in use. Limits without a stated measurement are choices. The tests of this crate check them with
+/// simulated recordings with and without the fault.
 pub(super) const THRESHOLDS: Thresholds = Thresholds {
     most_clipped: 0.01,
     mean_levels: [40.0, 215.0],

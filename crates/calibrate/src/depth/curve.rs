@@ -24,7 +24,7 @@ pub struct PressPoint {
     pub perspective_mm: Option<f64>,
 }
 
-/// Position of a press in the image, by the distance of the most expanded place from the image's centre.
+/// Position of a press in the image: the distance of the most expanded point from the image's centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Place {
@@ -32,11 +32,11 @@ pub enum Place {
     Centre,
     /// Up to 45 %.
     Midway,
-    /// Beyond.
+    /// Beyond that.
     Corner,
 }
 
-/// A press: its frames, from the untouched gel on.
+/// A press: its frames, starting with the untouched gel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PressCurve {
     /// Its name.
@@ -114,7 +114,8 @@ impl PressRecorder {
     ///
     /// # Errors
     ///
-    /// [`DepthFitError::Track`] if the image cannot be tracked, [`DepthFitError::Count`] if the depths have no row for it.
+    /// [`DepthFitError::Track`] if the image cannot be tracked, [`DepthFitError::Count`] if the depths have no row for
+    /// it.
     pub fn push(&mut self, frame: &Frame) -> Result<(), DepthFitError> {
         let Some(&depth_mm) = self.depths_mm.get(self.frames) else {
             return Err(self.miscounted(self.frames as u64 + 1));
@@ -143,9 +144,9 @@ impl PressRecorder {
     ///
     /// # Errors
     ///
-    /// [`DepthFitError::Count`] if depths are left over, [`DepthFitError::PressedAtStart`] if the first image shows a
-    /// pressed gel, [`DepthFitError::Lost`] if more than half of the images were lost, [`DepthFitError::Unordered`] if motion does
-    /// not grow with depth.
+    /// [`DepthFitError::Count`] if there are more depths than images, [`DepthFitError::PressedAtStart`] if the first
+    /// image shows a pressed gel, [`DepthFitError::Lost`] if more than half of the images were lost,
+    /// [`DepthFitError::Unordered`] if motion does not grow with depth.
     pub fn finish(self) -> Result<PressCurve, DepthFitError> {
         if self.frames != self.depths_mm.len() {
             return Err(self.miscounted(self.frames as u64));
@@ -221,8 +222,8 @@ fn maxima(
     Some((largest.into(), finder.find(product, &reading.valid).map(f64::from)))
 }
 
-/// The mean place of the valid pixels with at least half of the largest feature, px: the face and the expanded gel around
-/// it. None where there are none.
+/// The mean place of the valid pixels with at least half of the largest feature, px: the face and the expanded gel
+/// around it. None where there are none.
 fn spreading_place(reading: &Reading, largest: f64) -> Option<[f64; 2]> {
     let feature = reading.density.as_ref()?;
     let (mut count, mut place) = (0.0, [0.0; 2]);

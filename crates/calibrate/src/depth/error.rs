@@ -14,7 +14,7 @@ pub enum DepthFitError {
     Track {
         /// The press.
         press: String,
-        /// What is wrong.
+        /// The error.
         source: Box<TrackError>,
     },
     /// The profile was made for images of another size.
@@ -31,7 +31,7 @@ pub enum DepthFitError {
         principal_point_px: [f64; 2],
     },
     /// The table of depths is missing.
-    #[error("{}: it has no depths: neither {DEPTH_FILE} nor truth/force.csv", folder.display())]
+    #[error("{}: there are no depths: neither {DEPTH_FILE} nor truth/force.csv exists", folder.display())]
     NoDepths {
         /// The press.
         folder: PathBuf,
@@ -65,7 +65,7 @@ pub enum DepthFitError {
         depths: u64,
     },
     /// The depth is the same in every frame.
-    #[error("{press}: its depth never changes: {depth_mm} mm in every frame")]
+    #[error("{press}: the depth is the same in every frame: {depth_mm} mm")]
     Constant {
         /// The press.
         press: String,
@@ -73,7 +73,7 @@ pub enum DepthFitError {
         depth_mm: f64,
     },
     /// The first image shows a pressed gel.
-    #[error("{press}: it is pressed already at the start{}", depth_mm.map_or(String::new(), |depth| format!(": {depth} mm in the first frame")))]
+    #[error("{press}: the gel is already pressed at the start{}", depth_mm.map_or(String::new(), |depth| format!(": {depth} mm in the first frame")))]
     PressedAtStart {
         /// The press.
         press: String,
@@ -91,7 +91,7 @@ pub enum DepthFitError {
         depth_mm: f64,
     },
     /// Deeper than the gel is thick.
-    #[error("{press}: its deepest depth is {depth_mm} mm, and {most_mm} mm is {limit}")]
+    #[error("{press}: its largest depth is {depth_mm} mm, above {most_mm} mm, {limit}")]
     TooDeep {
         /// The press.
         press: String,
@@ -103,7 +103,7 @@ pub enum DepthFitError {
         limit: &'static str,
     },
     /// Too shallow to be measured.
-    #[error("{press}: its deepest depth is {depth_mm} mm: below {least_mm} mm nothing is seen to move")]
+    #[error("{press}: its largest depth is {depth_mm} mm: below {least_mm} mm no motion can be measured")]
     TooShallow {
         /// The press.
         press: String,
@@ -121,7 +121,7 @@ pub enum DepthFitError {
         correlation: f64,
     },
     /// A slope that no sensor has.
-    #[error("the depth law is impossible: a slope of {slope_mm:.3} mm where {expected_mm:.3} mm is to be expected")]
+    #[error("the depth law is impossible: a slope of {slope_mm:.3} mm, expected about {expected_mm:.3} mm")]
     Impossible {
         /// Of the line through the origin, mm.
         slope_mm: f64,
@@ -131,7 +131,7 @@ pub enum DepthFitError {
         factor: f64,
     },
     /// A law that does not reproduce the depths.
-    #[error("no depth law holds: it errs by {error_mm:.3} mm on presses of up to {deepest_mm} mm")]
+    #[error("no depth law fits the presses: the error is {error_mm:.3} mm for depths of up to {deepest_mm} mm")]
     Useless {
         /// On presses that were left out, mm; with a single press on its own frames.
         error_mm: f64,
@@ -155,7 +155,7 @@ pub enum DepthFitError {
         press: String,
     },
     /// A slope per position needs the camera.
-    #[error("the profile has no [camera]: there is no perspective to take the slope from")]
+    #[error("the profile has no [camera], which the perspective law needs")]
     NoCamera,
 }
 

@@ -15,7 +15,7 @@ pub enum Method {
     Line,
     /// A line through the origin: untouched gel has no depth.
     Origin,
-    /// Through the origin, with a slope at every pixel by the camera's perspective times a gain.
+    /// A line through the origin, whose slope at every pixel is that of the camera's perspective times a gain.
     Perspective,
 }
 
@@ -25,7 +25,7 @@ pub struct PressFit {
     /// Its curve.
     #[serde(flatten)]
     pub curve: PressCurve,
-    /// Depth, mm, by the feature.
+    /// The line that gives depth, mm, from the feature.
     pub line: LineFit,
 }
 
@@ -47,9 +47,9 @@ pub struct FittedLaw {
 pub struct DepthFit {
     /// One for each press, in the given order.
     pub presses: Vec<PressFit>,
-    /// Depth, mm, by the feature, over all frames of all presses.
+    /// The same line over all frames of all presses.
     pub pooled: LineFit,
-    /// The line through the origin over the same.
+    /// The line through the origin over the same frames.
     pub origin: OriginFit,
     /// The gain of perspective, dimensionless; absent without a camera.
     pub perspective: Option<OriginFit>,
@@ -59,7 +59,7 @@ pub struct DepthFit {
     pub laws: Vec<FittedLaw>,
     /// The law with the least error: on presses that were left out, if there are several.
     pub best: Method,
-    /// Why no single line fits, if none does.
+    /// Warnings, for example that no single line fits.
     pub warnings: Vec<String>,
 }
 
@@ -186,7 +186,7 @@ fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<St
     let mut warnings: Vec<String> = poor
         .map(|press| {
             format!(
-                "{}: its density feature hardly follows its depth (r = {:.2}): leave it out if its contact is as small as 1 mm, \
+                "{}: its density feature hardly grows with its depth (r = {:.2}): leave it out if its contact is as small as 1 mm, \
                  and check the order of its images",
                 press.curve.name, press.line.correlation
             )
@@ -204,7 +204,7 @@ fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<St
     let least = presses.iter().map(|press| press.line.correlation).fold(1.0, f64::min);
     if pooled.correlation < least - THRESHOLDS.most_drop {
         warnings.push(format!(
-            "depth by one line is uncertain: the correlation of all presses together is {:.3}, of each alone {least:.3} or more",
+            "depth from one line is uncertain: the correlation is {:.3} for all presses together, but {least:.3} or more for each press",
             pooled.correlation
         ));
     }
@@ -248,7 +248,7 @@ mod tests {
             [
                 "one line does not fit all presses: their slopes differ by a factor of 3.0, from 8.0 mm (near) to 24.0 mm \
                  (far)",
-                "depth by one line is uncertain: the correlation of all presses together is 0.730, of each alone 1.000 or more"
+                "depth from one line is uncertain: the correlation is 0.730 for all presses together, but 1.000 or more for each press"
             ]
         );
     }
@@ -265,7 +265,7 @@ mod tests {
         let features = [0.0, 0.06, 0.01, 0.06, 0.02, 0.06, 0.02, 0.06, 0.03, 0.05, 0.05];
         small.points.iter_mut().zip(features).for_each(|(point, feature)| point.feature = feature);
         let fit = DepthFit::new(vec![curve("a", 12.0, 0.0, 10.0), curve("b", 12.0, 0.0, 10.0), small]).unwrap();
-        assert!(fit.warnings[0].starts_with("small: its density feature hardly follows"), "{:?}", fit.warnings);
+        assert!(fit.warnings[0].starts_with("small: its density feature hardly grows"), "{:?}", fit.warnings);
         let law = fit.law(Method::Origin).unwrap();
         fit.check(law, &fingervision_touch::Profile::default()).unwrap();
     }

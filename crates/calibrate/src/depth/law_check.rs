@@ -1,6 +1,6 @@
 //! Rejects fitted laws that no sensor can have.
 //!
-//! A table in another unit still gives a line. These limits are wide: they accept every camera-based sensor.
+//! A line can also be fitted to depths in another unit. These limits are wide: they accept every camera-based sensor.
 
 use fingervision_touch::{DepthLaw, Profile};
 

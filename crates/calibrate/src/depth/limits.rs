@@ -1,7 +1,7 @@
 //! Possible depths of a press, and possible laws fitted to presses.
 //!
-//! A table in another unit, with another sign or in another order still gives a line. These limits are wide: they accept
-//! every camera-based sensor, and reject what no sensor can be.
+//! A line can also be fitted to a table in another unit, with another sign or in another order. These limits are wide:
+//! they accept every camera-based sensor and reject values that no sensor can have.
 
 use fingervision_touch::Profile;
 
@@ -37,8 +37,8 @@ pub(crate) fn check_depths(press: &str, depths_mm: &[f64], profile: &Profile) ->
 fn deepest(profile: &Profile) -> (f64, &'static str) {
     let gel = profile.gel.map(|gel| (gel.thickness_mm, "the gel's thickness"));
     let camera = profile.camera.map(|camera| (camera.translation_mm[2], "the distance to the camera"));
-    let limits = [Some((THRESHOLDS.deepest_mm, "more than any gel")), gel, camera].into_iter().flatten();
-    limits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((THRESHOLDS.deepest_mm, "more than any gel"))
+    let limits = [Some((THRESHOLDS.deepest_mm, "the limit for any gel")), gel, camera].into_iter().flatten();
+    limits.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((THRESHOLDS.deepest_mm, "the limit for any gel"))
 }
 
 #[cfg(test)]
@@ -48,16 +48,19 @@ mod tests {
     #[test]
     fn depths_that_are_none_of_a_press_are_refused() {
         let refusal = |depths: &[f64]| check_depths("a", depths, &Profile::default()).unwrap_err().to_string();
-        assert_eq!(refusal(&[0.5, 0.5, 0.5]), "a: its depth never changes: 0.5 mm in every frame");
-        assert_eq!(refusal(&[0.5, 1.0]), "a: it is pressed already at the start: 0.5 mm in the first frame");
+        assert_eq!(refusal(&[0.5, 0.5, 0.5]), "a: the depth is the same in every frame: 0.5 mm");
+        assert_eq!(refusal(&[0.5, 1.0]), "a: the gel is already pressed at the start: 0.5 mm in the first frame");
         assert_eq!(refusal(&[]), "a: 1 images, but 0 depths");
         assert_eq!(refusal(&[0.0, -0.5, -1.0]), "a: frame 1 has a negative depth, -0.5 mm");
-        assert_eq!(refusal(&[0.0, 500.0, 1000.0]), "a: its deepest depth is 1000 mm, and 50 mm is more than any gel");
-        assert_eq!(refusal(&[0.0, 0.001]), "a: its deepest depth is 0.001 mm: below 0.02 mm nothing is seen to move");
+        assert_eq!(
+            refusal(&[0.0, 500.0, 1000.0]),
+            "a: its largest depth is 1000 mm, above 50 mm, the limit for any gel"
+        );
+        assert_eq!(refusal(&[0.0, 0.001]), "a: its largest depth is 0.001 mm: below 0.02 mm no motion can be measured");
         check_depths("a", &[0.01, 0.5, 1.0, 0.0], &Profile::default()).unwrap();
         let gel = "name = 'a'\n[gel]\nsize_mm = [30.0, 30.0]\nthickness_mm = 3.0\npoissons_ratio = 0.48\n";
         let error = check_depths("a", &[0.0, 3.5], &Profile::from_toml(gel).unwrap()).unwrap_err();
-        assert_eq!(error.to_string(), "a: its deepest depth is 3.5 mm, and 3 mm is the gel's thickness");
+        assert_eq!(error.to_string(), "a: its largest depth is 3.5 mm, above 3 mm, the gel's thickness");
         assert!(error.hint().unwrap().contains("µm"), "{error:?}");
     }
 }

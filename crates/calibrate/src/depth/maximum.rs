@@ -1,33 +1,34 @@
 //! The largest value of a field in a frame, plain and robust.
 //!
-//! Away from the camera's axis a face that comes nearer also moves outwards in the image, and the gel behind it is
-//! stretched into a rim whose feature exceeds the face's. The plain maximum is then that of the rim, the robust one that
-//! of the face.
+//! Away from the camera's axis, a face that comes nearer also moves outwards in the image. The gel behind it is
+//! stretched into a rim whose feature is larger than that of the face. The plain maximum is then that of the rim, the
+//! robust maximum that of the face.
 
 use fingervision_image::Image;
 use serde::Serialize;
 
-/// Which value of a field represents a frame.
+/// The value of a field that represents a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Maximum {
     /// The largest valid value, as published.
     #[default]
     Plain,
-    /// The largest median over squares: the largest value that half of such a square reaches, where invalid pixels reach
-    /// none. Its side is a seventh of the image's shorter one, at least 9 px. A rim or an outlier narrower than half of
-    /// that does not count; a face that fills half of a square keeps its value, even if its rims are not valid.
+    /// The largest median over squares: the largest value that half of the pixels of a square reach, where invalid
+    /// pixels count as not reaching it. The side of a square is a seventh of the image's shorter side, at least 9 px. A
+    /// rim or an outlier narrower than half of a square has no effect; a face that fills half of a square keeps its
+    /// value, even if its rims are not valid.
     Robust,
 }
 
-/// The image's shorter side over that of the square of [`Maximum::Robust`]. Where a sensor sees 30 mm of gel that is 4
-/// mm: the gel's stretch along the outer edges of a sliding face, 1 to 2 mm wide, then fills less than half of any
-/// square.
+/// The image's shorter side over the side of the squares of [`Maximum::Robust`]. If a sensor sees 30 mm of gel, a
+/// square is 4 mm wide. The stretched gel along the outer edges of a sliding face is 1 to 2 mm wide and fills less than
+/// half of any square.
 const WINDOW_PART: usize = 7;
-/// Its least side, px: a little over the ±2σ of the density's Gaussian, so that noise, which is correlated over that
-/// length, cannot fill half of it.
+/// Least side of a square, px: a little more than the ±2σ of the density's Gaussian, so that noise, which is correlated
+/// over this length, cannot fill half of a square.
 const LEAST_WINDOW: usize = 9;
-/// How often the interval that holds the robust maximum is halved: to a millionth of the range.
+/// Number of bisections of the interval that contains the robust maximum: to a millionth of the range.
 const HALVINGS: usize = 20;
 
 /// Finds the maximum of fields of one size; owns its scratch memory.
@@ -36,7 +37,7 @@ pub struct MaximumFinder {
     kind: Maximum,
     /// Side of the square, px.
     window: usize,
-    /// How many pixels of the window's columns reach a level, column by column.
+    /// Number of pixels that reach a level, for each column of the window.
     columns: Vec<u32>,
 }
 
@@ -48,7 +49,7 @@ impl MaximumFinder {
         Self { kind, window, columns: vec![0; width] }
     }
 
-    /// The maximum where `valid` is 1; none if nothing is, or less than half of every window is.
+    /// The maximum where `valid` is 1; none if no pixel is valid, or if less than half of every window is valid.
     ///
     /// # Panics
     ///

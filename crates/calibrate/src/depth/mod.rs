@@ -2,9 +2,9 @@
 //!
 //! [Du2021] presses squares into the gel at its centre, midway and at a corner, takes the largest density feature of
 //! every frame, and fits one line to all. A [`PressRecorder`] makes such a curve from a press. A [`DepthFit`] fits the
-//! published line, one through the origin and the camera's perspective to all of them, and reports the error of each on
-//! presses not used for the fit, and whether one line fits at all. Depth is fitted as a function of the feature, because
-//! that is how it is used; the depths are taken as exact.
+//! published line, a line through the origin and the law of perspective to all of them. It reports the error of each on
+//! presses that were not used for the fit, and whether one line fits all presses. Depth is fitted as a function of the
+//! feature, because it is used in this direction, although the depths are the exact values.
 //!
 //! [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
 

@@ -1,14 +1,14 @@
-//! Whether the images of a press are in the order of its depths: the gel moves more the deeper it is pressed.
+//! Checks whether the images of a press are in the order of its depths: the deeper the press, the larger the motion.
 
 use fingervision_touch::Reading;
 
 use super::regression::fit_line;
 use super::thresholds::THRESHOLDS;
 
-/// Correlation of motion and depth that a press has at least, dimensionless.
+/// Least correlation of motion and depth in a press, dimensionless.
 pub(crate) const LEAST_CORRELATION: f64 = THRESHOLDS.least_correlation;
 
-/// Every this many pixels the motion is read along both axes.
+/// Distance between the pixels whose motion is read, along both axes.
 const STEP: usize = 4;
 
 /// The largest valid motion of a reading, px.
@@ -24,8 +24,8 @@ pub(crate) fn largest_motion_px(reading: &Reading) -> f64 {
     largest.into()
 }
 
-/// The correlation of depth, mm, and largest motion, px, of a press's frames if it is that of images in another order; none
-/// where there are too few frames, or depth or motion does not change.
+/// The correlation of depth, mm, and largest motion, px, over a press's frames if it is so small that the images are
+/// not in order; none if there are too few frames, or if depth or motion does not change.
 pub(crate) fn disorder(motions: &[[f64; 2]]) -> Option<f64> {
     let line = fit_line(motions).filter(|line| line.count >= THRESHOLDS.least_counted)?;
     (line.correlation < LEAST_CORRELATION).then_some(line.correlation)

@@ -1,7 +1,7 @@
 //! Straight lines through points, by least squares.
 //!
-//! The uncertainties are the standard ones of linear regression: they assume that the residuals are independent of each
-//! other. Frames of one press are not entirely, so these are lower limits.
+//! The uncertainties are the standard ones of linear regression, which assume independent residuals. The residuals of
+//! frames of one press are partly correlated, so these are lower limits.
 
 use serde::Serialize;
 
@@ -39,7 +39,7 @@ pub struct OriginFit {
 
 /// The least-squares line in y through points `[x, y]`.
 ///
-/// None for fewer than three points, and where x or y never changes.
+/// None for fewer than three points, or if x or y never changes.
 #[must_use]
 pub fn fit_line(points: &[[f64; 2]]) -> Option<LineFit> {
     let count = points.len();
@@ -70,7 +70,7 @@ pub fn fit_line(points: &[[f64; 2]]) -> Option<LineFit> {
 
 /// The least-squares line in y through the origin and points `[x, y]`.
 ///
-/// None for fewer than two points, and where x is 0 everywhere.
+/// None for fewer than two points, or if x is always 0.
 #[must_use]
 pub fn fit_through_origin(points: &[[f64; 2]]) -> Option<OriginFit> {
     let count = points.len();

@@ -1,4 +1,4 @@
-//! The fit in words and figures.
+//! The report of a depth fit as text.
 
 use std::fmt;
 

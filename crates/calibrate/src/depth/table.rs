@@ -30,8 +30,8 @@ impl PressFolder {
     /// Reads the depths of a press: from `depth.csv`, or from the `truth/force.csv` of a simulation. The images are in
     /// its subfolder `frames`, or beside the table.
     ///
-    /// The table is comma-separated. Its first line names the columns; read are `depth_mm` and, if present, `frame`,
-    /// which counts the rows from 0, and `force_z_n`.
+    /// The table is comma-separated. Its first line names the columns. The column `depth_mm` is read, and, if present,
+    /// `frame`, which counts the rows from 0, and `force_z_n`.
     ///
     /// # Errors
     ///
@@ -60,7 +60,7 @@ struct Columns {
     forces_n: Option<Vec<f64>>,
 }
 
-/// The columns of a table; or the line, from 1, and what is wrong there. Rows of empty cells are left out.
+/// The columns of a table; or the line, from 1, and its error. Rows of empty cells are left out.
 fn columns(text: &str) -> Result<Columns, CsvFault> {
     let table = CsvTable::parse(text)?;
     let (depth, force) = (table.needed(DEPTH_COLUMN)?, table.place(NORMAL_FORCE));

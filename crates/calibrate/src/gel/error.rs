@@ -12,14 +12,14 @@ pub enum GelFitError {
     /// There is nothing to fit to.
     #[error("there are no presses to fit the gel to")]
     NoPresses,
-    /// The profile lacks the start of the fit.
+    /// The profile has no camera, or no gel to start the fit from.
     #[error("the profile has no [{table}]")]
     Absent {
         /// The table.
         table: &'static str,
     },
     /// Young's modulus is to be fitted, but there are no forces.
-    #[error("youngs-modulus is to be fitted, but none of {presses} presses has forces")]
+    #[error("youngs-modulus cannot be fitted: none of {presses} presses has forces")]
     NoForces {
         /// Number of presses.
         presses: usize,
@@ -57,7 +57,7 @@ pub enum GelFitError {
         thickness_mm: f64,
     },
     /// The presses do not determine the values to be fitted.
-    #[error("the presses do not tell {}", if free[0] && free[1] { "Poisson's ratio from thickness" } else if free[0] { "Poisson's ratio" } else { "the thickness" })]
+    #[error("the presses do not determine {}", if free[0] && free[1] { "Poisson's ratio and the thickness separately" } else if free[0] { "Poisson's ratio" } else { "the thickness" })]
     Blind {
         /// Whether Poisson's ratio and thickness were to be fitted.
         free: [bool; 2],
@@ -75,9 +75,9 @@ pub enum GelFitError {
         thickness_mm: f64,
     },
     /// No gel moves like this surface.
-    #[error("no gel moves like this: {:.0} % of the depth stay unexplained around contact, 5 % at most may", 100.0 * unexplained)]
+    #[error("no gel explains the motion around contact: the residual is {:.0} % of the depth, at most 5 % is allowed", 100.0 * unexplained)]
     Misfit {
-        /// What remains unexplained by the best gel, root mean square over the depth.
+        /// The residual with the best gel, root mean square over the depth.
         unexplained: f64,
     },
     /// The gel is impossible, or its cells are too coarse.

@@ -27,7 +27,7 @@ pub struct GelEstimate {
 /// Why the surface may not determine the gel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Why {
-    /// Whether it does not, however small the deviations are.
+    /// Whether it does not determine the gel even if the deviations are small.
     is_certain: bool,
     text: &'static str,
 }
@@ -68,7 +68,7 @@ pub(super) fn estimate(
     GelEstimate { key, before, value, deviation, scatter, is_determined, remark }
 }
 
-/// Young's modulus; `is_asked` and `has_forces` say whether it was to be fitted and could be.
+/// Young's modulus; `is_asked` is whether it was requested, `has_forces` whether it could be fitted.
 pub(super) fn modulus_estimate(
     before: Option<f64>,
     stiff: Option<Modulus>,

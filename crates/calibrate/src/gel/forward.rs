@@ -1,4 +1,4 @@
-//! Predictions of linear elasticity for frames: the motion around contact and the force, for any gel.
+//! Predictions of linear elasticity for frames: the motion around contact and the force, for a given gel.
 
 use fingervision_elastic::{BlockOperator, GelBlock, LayerError, SurfaceGrid};
 use fingervision_touch::{Limits, Strain, Tractions};
@@ -8,7 +8,7 @@ use super::look::Look;
 /// Termination of the solver for tractions: well below the effect of a small change of the gel on the motion.
 const LIMITS: Limits = Limits { tolerance: 5e-4, most_iterations: 60 };
 
-/// Number of operators that are cached; making one takes as long as explaining some fifty frames.
+/// Number of operators that are cached; making one takes as long as the predictions for some fifty frames.
 const KEPT: usize = 16;
 
 /// Predictions of gels for frames.

@@ -49,7 +49,7 @@ pub(super) struct Known {
 }
 
 impl Look {
-    /// A frame from its cells; none where nothing touches the gel.
+    /// A frame from its cells; none if nothing touches the gel.
     ///
     /// The depths found in contact are scaled until the deepest is the known one.
     pub(super) fn new(cells: &Cells<'_>, known: Known, gel: &GelBlock) -> Option<Self> {

@@ -1,14 +1,14 @@
-//! From presses of known depth to the gel: Poisson's ratio, thickness and Young's modulus.
+//! Fits a gel to presses of known depth: Poisson's ratio, thickness and Young's modulus.
 //!
 //! In contact the displacement of the gel is known: the depth from the indenter, the motion along the surface from the
-//! flow. Linear elasticity then predicts how the gel around contact moves. That depends on two numbers: Poisson's ratio,
-//! which determines whether the gel is pushed outwards or drawn in, and the thickness, which determines how far the
-//! effect of a press reaches. Both are fitted to the flow around contact. Known forces then give Young's modulus, to
-//! which they are proportional; without forces it cannot be determined.
+//! flow. Linear elasticity then predicts how the gel around contact moves. That depends on two numbers: Poisson's
+//! ratio, which determines whether the gel is pushed outwards or drawn in, and the thickness, which determines how far
+//! the effect of a press reaches. Both are fitted to the flow around contact. Known forces then give Young's modulus,
+//! to which they are proportional; without forces it cannot be determined.
 //!
 //! Depth and outline of contact are found by the elastic inverse ([`ElasticDepth`]), with the gel that is being fitted,
-//! in rounds. Its depths are scaled until the deepest is the known one. Only shallow frames are used: a neo-Hookean gel
-//! deviates from linear elasticity with the square of depth over thickness.
+//! in rounds. Its depths are scaled until the deepest is the known one. Only shallow frames are used, because the
+//! deviation of a neo-Hookean gel from linear elasticity grows with the square of depth over thickness.
 
 mod error;
 mod estimate;
@@ -43,7 +43,7 @@ use forward::{Explained, Models};
 use look::{Known, Look};
 use thresholds::THRESHOLDS;
 
-/// What is fitted; the rest keeps the profile's value.
+/// The values that are fitted; the others keep the profile's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unknowns {
     /// Poisson's ratio.

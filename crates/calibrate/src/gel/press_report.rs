@@ -1,4 +1,4 @@
-//! What a gel fit found in each press.
+//! The results of a gel fit for each press.
 
 use serde::Serialize;
 

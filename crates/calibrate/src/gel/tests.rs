@@ -1,5 +1,5 @@
-//! Presses into a linear block whose gel is known: the measurements are computed by elasticity itself, on cells of half
-//! the width.
+//! Presses into a linear block of a known gel. Their measurements are computed with the same elasticity, on cells of
+//! half the width.
 
 use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
 use fingervision_touch::{Cells, Limits, Seen, Strain, Tractions};

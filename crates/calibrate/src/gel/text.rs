@@ -1,4 +1,4 @@
-//! The report for people.
+//! The report of a gel fit as text.
 
 use std::fmt;
 

@@ -19,7 +19,8 @@ pub(super) fn of_presses(
     let released = presses.iter().filter(|press| press.was_released).map(of_release);
     let misfit = (unexplained > THRESHOLDS.usual_unexplained).then(|| of_misfit(unexplained));
     let is_at_end = ratio.value.is_some_and(|ratio| ratio > THRESHOLDS.end_of_ratios);
-    let at_end = is_at_end.then(|| "Poisson's ratio is at the upper end, 0.499: nearly incompressible".into());
+    let at_end = is_at_end
+        .then(|| "Poisson's ratio is at the upper end of its range, 0.499: the gel is nearly incompressible".into());
     released
         .chain(misfit)
         .chain(reports.iter().filter_map(of_depths))
@@ -46,8 +47,8 @@ fn of_release(press: &GelPress) -> String {
 
 fn of_misfit(unexplained: f64) -> String {
     format!(
-        "{:.1} % of the depth remain unexplained, usual are at most {:.0} %: is the gel bonded to a flat window, the camera \
-         calibrated, the depth right?",
+        "the residual is {:.1} % of the depth, usual is at most {:.0} %: check that the gel is bonded to a flat window, and check \
+         the camera's calibration and the depths",
         100.0 * unexplained,
         100.0 * THRESHOLDS.usual_unexplained
     )
@@ -59,7 +60,7 @@ fn of_depths(press: &GelPressReport) -> Option<String> {
     let factor = deepest.found_mm / deepest.depth_mm;
     (!(1.0 / THRESHOLDS.most_depth_factor..THRESHOLDS.most_depth_factor).contains(&factor)).then(|| {
         format!(
-            "{}: at {:.2} mm the depth in its images is {:.2} mm: check its depths, and the distance in [camera]",
+            "{}: the known depth is {:.2} mm, the depth in its images {:.2} mm: check its depths, and the distance in [camera]",
             press.name, deepest.depth_mm, deepest.found_mm
         )
     })

@@ -1,4 +1,4 @@
-//! The press whose tracking is timed; other programs can be timed on the same images.
+//! The press whose tracking is timed; its images can also be written, to time other programs on them.
 
 use std::fmt;
 use std::fs;

@@ -1,4 +1,4 @@
-//! The result of the bench.
+//! The results of `fingervision bench`.
 
 use std::fmt;
 
@@ -20,7 +20,7 @@ pub(super) struct Report {
     /// The largest displacement of the press, px.
     press_px: f64,
     instruction_set: String,
-    /// How many frames were timed.
+    /// Number of timed frames.
     frames: usize,
     frame_ms: Times,
     /// Frames over their total time.
@@ -101,7 +101,8 @@ impl Times {
     }
 }
 
-/// The value below which `percent` per cent of the values lie, linear between neighbours. `sorted` contains at least one.
+/// The value below which `percent` per cent of the values lie, linear between neighbours. `sorted` contains at least
+/// one.
 fn percentile(sorted: &[f64], percent: f64) -> f64 {
     let rank = percent / 100.0 * (sorted.len() - 1) as f64;
     let (below, above) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
@@ -112,7 +113,8 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Mean distance between the measured displacement `[u, v]` in a region of the image and the true one, valid or not, px.
+/// Mean distance between the measured displacement `[u, v]` in a region of the image and the true one, valid or not,
+/// px.
 ///
 /// The border is excluded; NaN if nothing remains.
 pub(super) fn end_point_error_px([u, v]: [&Image<f32>; 2], motion: &Motion, region: Rect) -> f64 {

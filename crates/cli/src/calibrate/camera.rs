@@ -27,7 +27,11 @@ const PROFILE_DISTANCE_PART: f64 = 0.1;
 
 /// Find pose and lens of the camera, using a patterned board that slides in known steps
 ///
-/// Put a flat board with a dense random pattern where the gel's surface will be, slide it along x by equal steps and take an image after each: 21 images. The flow from image to image, averaged, gives position, tilt, distortion, focal length and principal point, and the profile's `[camera]` is written. One slide does not distinguish focal length from distance: measure the distance from the lens to the board and give it with `--prior distance_mm=25±0.5`, or add a second slide perpendicular to the first, with the board tilted by 15° or more.
+/// Put a flat board with a dense random pattern where the gel's surface will be, slide it along x by equal steps and
+/// take an image after each: 21 images. The flow from image to image, averaged, gives position, tilt, distortion, focal
+/// length and principal point, and the profile's `[camera]` is written. One slide does not distinguish focal length
+/// from distance: measure the distance from the lens to the board and give it with `--prior distance_mm=25±0.5`, or add
+/// a second slide perpendicular to the first, with the board tilted by 15° or more.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The images of the board, in order: a folder, a video or sim:board; further slides of the same board follow
@@ -45,12 +49,18 @@ pub(crate) struct Args {
     profile: PathBuf,
     /// Prior knowledge, as in `distance_mm=25±0.5` or `focal_length_px=400+-4`; may be repeated
     ///
-    /// Names: `rotation_x_rad`, `rotation_y_rad`, `rotation_z_rad`, `translation_x_mm`, `translation_y_mm`, `distance_mm`, `k1`, `k2`, `p1`, `p2`, `focal_length_px`, `principal_x_px`, `principal_y_px`. Without one for distance or focal length, the distance of the profile's `[camera]` is used with a deviation of 10 %; without that, 50±25 mm.
+    /// Names: `rotation_x_rad`, `rotation_y_rad`, `rotation_z_rad`, `translation_x_mm`, `translation_y_mm`,
+    /// `distance_mm`, `k1`, `k2`, `p1`, `p2`, `focal_length_px`, `principal_x_px`, `principal_y_px`. Without one for
+    /// distance or focal length, the distance of the profile's `[camera]` is used with a deviation of 10 %; without
+    /// that, 50±25 mm.
     #[arg(long = "prior", value_name = "NAME=VALUE±SD", value_parser = Prior::parse)]
     priors: Vec<(Unknown, Prior)>,
-    /// Instead of a slide, corners of a checkerboard in 3 or more poses: a table with the columns image, `x_mm`, `y_mm`, `u_px`, `v_px`
+    /// Instead of a slide, corners of a checkerboard in 3 or more poses: a table with the columns image, `x_mm`,
+    /// `y_mm`, `u_px`, `v_px`
     ///
-    /// A row for each corner: the image's number, where the corner is on the board, x right and y down, and where it was detected, in the region of interest. In the first image the board lies where the gel's surface will be, upright; in the others it is tilted by 15° to 40° to different sides. No priors are needed.
+    /// It has a row for each corner: the number of the image, the position of the corner on the board, x right and y
+    /// down, and its detected position in the region of interest. In the first image the board lies where the gel's
+    /// surface will be, upright; in the others it is tilted by 15° to 40° to different sides. No priors are needed.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["boards", "step_mm", "direction", "priors", "start", "picture"])]
     corners: Option<PathBuf>,
     /// The form of radial distortion
@@ -66,7 +76,7 @@ pub(crate) struct Args {
     output: OutputArgs,
 }
 
-/// What `--radial` takes.
+/// The values of `--radial`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum RadialName {
     /// 1 + k1 r² + k2 r⁴
@@ -75,7 +85,7 @@ enum RadialName {
     Printed,
 }
 
-/// What `--start` takes.
+/// The values of `--start`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum StartName {
     /// Upright, without distortion, with the scale of the mean flow
@@ -299,6 +309,6 @@ pub(super) fn direction(text: &str) -> Result<f64, String> {
     match text {
         "x" => Ok(0.0),
         "y" => Ok(90.0),
-        _ => text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| "it takes x, y or degrees".into()),
+        _ => text.parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(|| "expected x, y or degrees".into()),
     }
 }

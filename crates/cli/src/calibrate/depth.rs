@@ -1,4 +1,4 @@
-//! `fingervision calibrate depth`: fits the law that turns density into depth to presses of known depth.
+//! `fingervision calibrate depth`: fits the relation between density and depth to presses of known depth.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -19,15 +19,15 @@ use crate::output::OutputArgs;
 /// Fit the relation from density feature to depth, using presses of known depth
 ///
 /// Every press is tracked with the profile; the largest density feature of each frame is compared with the known depth.
-/// Three laws are fitted to all presses: the published line, a line through the origin, and the camera's perspective. The
-/// report shows how well each press and all together are explained, which law has the least error, and warns if no single
-/// law fits. In the profile only depth.density changes.
+/// Three laws are fitted to all presses: the published line, a line through the origin, and the camera's perspective.
+/// The report shows how well each press and all presses together fit, and which law has the least error. It warns if no
+/// single law fits. In the profile only depth.density changes.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Presses: folders of images with their depths, or simulated scenes, as in calibration-centre-1mm
     ///
-    /// A folder contains images, directly or in its subfolder frames/, and depth.csv: a line `frame,depth_mm`, then a row
-    /// for every image, from 0. A folder written by `simulate` contains all of this. The first image shows the gel
+    /// A folder contains images, directly or in its subfolder frames/, and depth.csv: a line `frame,depth_mm`, then a
+    /// row for every image, from 0. A folder written by `simulate` contains all of this. The first image shows the gel
     /// untouched.
     #[arg(required_unless_present = "simulated")]
     presses: Vec<String>,
@@ -53,7 +53,7 @@ pub(crate) struct Args {
     output: OutputArgs,
 }
 
-/// What `--method` takes.
+/// The values of `--method`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum MethodName {
     /// A line with an intercept, as published: the intercept is added to every untouched pixel
@@ -64,7 +64,7 @@ enum MethodName {
     Perspective,
 }
 
-/// What `--maximum` takes.
+/// The values of `--maximum`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum MaximumName {
     /// The largest value, as published
@@ -102,7 +102,7 @@ struct DepthResult<'a> {
     picture: &'a Path,
 }
 
-/// What changes in the profile.
+/// The part of the profile that changes.
 #[derive(Debug, Serialize)]
 struct DepthTable<'a> {
     density: &'a DepthLaw,
@@ -145,7 +145,8 @@ pub(super) fn fit(args: &Args, profile: &Profile) -> Result<DepthFit, Failure> {
     Ok(DepthFit::new(curves)?)
 }
 
-/// Writes the picture, and the law of this form into the profile unless no sensor has such a law; gives the law and the picture's file.
+/// Writes the picture, and the law of this form into the profile if a sensor can have such a law; returns the law and
+/// the picture's file.
 pub(super) fn write<'a>(
     args: &Args,
     fit: &'a DepthFit,

@@ -17,18 +17,18 @@ use crate::output::OutputArgs;
 
 /// Find Poisson's ratio, thickness and Young's modulus of the gel, from presses of known depth
 ///
-/// Every press is tracked with the profile; four of its frames, 4 to 12 % of the thickness deep, are used. The motion of
-/// the gel around contact determines Poisson's ratio and thickness; forces from a scale or a force sensor determine
+/// Every press is tracked with the profile; four of its frames, 4 to 12 % of the thickness deep, are used. The motion
+/// of the gel around contact determines Poisson's ratio and thickness; forces from a scale or a force sensor determine
 /// Young's modulus. The report shows how well each value is determined, and the determined ones are written to the
 /// profile's `[gel]`. The profile needs `[camera]`, and a `[gel]` to start from.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Presses: folders of images with their depths, or simulated scenes, as in sim:circle?draft
     ///
-    /// A folder contains images, directly or in its subfolder frames/, and depth.csv: a line `frame,depth_mm,force_z_n`,
-    /// then a row for every image, from 0; the column of normal forces, N, may be left out. A folder written by
-    /// `simulate` contains all of this. The first image shows the gel untouched. Small contacts give the most
-    /// information: no wider than the gel is thick.
+    /// A folder contains images, directly or in its subfolder frames/, and depth.csv: a line
+    /// `frame,depth_mm,force_z_n`, then a row for every image, from 0; the column of normal forces, N, may be left out.
+    /// A folder written by `simulate` contains all of this. The first image shows the gel untouched. Small contacts
+    /// give the most information: no wider than the gel is thick.
     #[arg(required = true)]
     presses: Vec<String>,
     /// Solve simulated scenes on a coarse mesh: seconds instead of minutes
@@ -49,7 +49,7 @@ pub(crate) struct Args {
     output: OutputArgs,
 }
 
-/// What `--fit` takes.
+/// The values of `--fit`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum Value {
     /// `gel.poissons_ratio`
@@ -115,7 +115,7 @@ fn fit_presses(
     Ok(fit_gel(&presses, profile, unknowns)?)
 }
 
-/// With another camera than the profile's the values would be wrong, and the fit would not show it.
+/// If the press has another camera than the profile, the values would be wrong without any sign in the fit.
 fn other_camera(press: &str, apart_px: f64) -> Failure {
     Failure::new(
         format!(

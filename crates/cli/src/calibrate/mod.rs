@@ -30,7 +30,7 @@ pub(crate) struct Args {
     guide: guide::GuideArgs,
 }
 
-/// What is fitted.
+/// The parts that can be fitted.
 #[derive(Debug, Subcommand)]
 enum Part {
     Camera(camera::Args),

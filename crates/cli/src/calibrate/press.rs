@@ -27,11 +27,11 @@ pub(super) struct Press {
     pub(super) sensor: Option<(CameraParams, GelBlock)>,
 }
 
-/// Two cameras count as different if they see points of a simulated gel farther apart than this part of the image; a fit
-/// to a recording of a board stays within a third of it.
+/// Two cameras count as different if they see points of a simulated gel farther apart than this part of the image. The
+/// error of a fit to a recording of a board is at most a third of it.
 const OTHER_CAMERA: f64 = 0.01;
-/// Two cameras count as different if their distances to the gel differ by more than this part: depth then looks
-/// different.
+/// Two cameras count as different if their distances to the gel differ by more than this part, because depth then
+/// causes different motion in the image.
 const OTHER_DISTANCE: f64 = 0.05;
 /// Points of the gel that are compared, along each side.
 const POINTS: usize = 5;

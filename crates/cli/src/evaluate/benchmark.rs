@@ -16,17 +16,17 @@ use crate::report_folder::ReportFolder;
 /// The folder of a benchmark if none is given.
 const FOLDER: &str = "fingervision-benchmark";
 
-/// What `--entry` takes.
+/// The value of `--entry`.
 fn entry(text: &str) -> Result<Entry, String> {
     match text.split_once('=') {
         Some((name, folder)) if !name.trim().is_empty() && !folder.is_empty() => {
             Ok(Entry { name: name.trim().into(), folder: folder.into() })
         }
-        _ => Err("it takes NAME=FOLDER".into()),
+        _ => Err("expected NAME=FOLDER".into()),
     }
 }
 
-/// On which mesh scenes are solved.
+/// The mesh on which scenes are solved.
 #[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
 pub(super) enum Mesh {
     /// 0.75 mm where the gel is touched: seconds per press
@@ -56,7 +56,8 @@ pub(super) struct BenchmarkArgs {
     entries: Vec<Entry>,
     /// Give the tracker a value that differs from the simulated sensor, as in `elastic.network=false`; may be repeated
     ///
-    /// Any key of a profile: shows the effect of a wrong value, or what a part of the tracker contributes.
+    /// Any key of a profile can be given. This shows the effect of a wrong value, or the contribution of a part of the
+    /// tracker.
     #[arg(long = "set", value_name = "KEY=VALUE", conflicts_with = "run", value_parser = assignment)]
     assignments: Vec<(String, String)>,
     /// Solve the scenes on this mesh; calibration presses use the draft mesh
@@ -103,7 +104,7 @@ pub(super) fn benchmark(
     output.result(out, &BenchmarkResult { report, page }, &text)
 }
 
-/// Writes the scenes, for other programs to take part.
+/// Writes the scenes for other programs that take part.
 fn write_cases(folder: &ReportFolder, cases: &[Case]) -> Result<(), Failure> {
     cases.iter().try_for_each(|case| folder.add(&format!("cases/{}.toml", case.name), case.scene.to_toml().as_bytes()))
 }

@@ -16,33 +16,39 @@ use benchmark::BenchmarkArgs;
 
 /// The picture's name in its folder.
 const PICTURE: &str = "evaluation.png";
-/// The picture's folder in a run's.
+/// The picture's folder in the folder of a run.
 pub(crate) const FOLDER: &str = "evaluation";
 
 /// Compare a run with its truth: errors of flow, depth and force, as a table and a picture
 ///
-/// Depth and flow are compared where the truth is visible and the run is valid, everywhere and in three regions: inside the true contact, within 1 mm of its border on both sides (its inner half lies inside as well), and outside of both. Distances are measured on the undeformed gel. If a run contains its own validity of depth (`depth_valid.npy`, from elasticity), depth, displacement and contact are compared there, and depth once more where the flow is valid too. Any program that writes flow.npy [frames, rows, columns, 2], in px, or depth.npy [frames, rows, columns], in mm, can be compared; valid.npy, run.toml and readings.csv may be absent.
+/// Depth and flow are compared where the truth is visible and the run is valid, everywhere and in three regions: inside
+/// the true contact, within 1 mm of its border on both sides (its inner half is also inside), and outside of both.
+/// Distances are measured on the undeformed gel. If a run contains its own validity of depth (`depth_valid.npy`, from
+/// elasticity), depth, displacement and contact are compared where that is 1, and depth a second time where the flow is
+/// also valid. Any program that writes flow.npy [frames, rows, columns, 2], in px, or depth.npy [frames, rows,
+/// columns], in mm, can be compared; valid.npy, run.toml and readings.csv may be absent.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The folder that `track --out` wrote, or any other with such arrays
+    /// The folder that `track --out` wrote, or any other folder with such arrays
     #[arg(required_unless_present = "benchmark", conflicts_with = "benchmark")]
     run: Option<PathBuf>,
     /// The folder that `simulate --out` wrote, or its subfolder `truth`
     #[arg(required_unless_present = "benchmark")]
     truth: Option<PathBuf>,
-    /// Compare methods for depth over all ready-made scenes instead, under seven variations of the sensor and of friction
+    /// Instead, compare methods for depth over all ready-made scenes, with seven variations of the sensor and of
+    /// friction
     ///
-    /// Every scene is solved, rendered and tracked; every method that needs calibration gets the nine calibration presses
-    /// of the same sensor. The folder will contain report.html, report.json and the scenes in cases/.
+    /// Every scene is solved, rendered and tracked; every method that needs calibration gets the nine calibration
+    /// presses of the same sensor. The folder will contain report.html, report.json and the scenes in cases/.
     #[arg(long)]
     benchmark: bool,
     #[command(flatten)]
     of_benchmark: BenchmarkArgs,
-    /// The folder for evaluation.png, or for the benchmark's report; without it RUN/evaluation or ./fingervision-benchmark,
-    /// where an earlier one is replaced
+    /// The folder for evaluation.png, or for the benchmark's report; without it RUN/evaluation or
+    /// ./fingervision-benchmark, where an earlier one is replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Compare only the first frames, those that all files contain, if the run was cut short
+    /// If the run was interrupted, compare only the first frames, which all files contain
     #[arg(long, conflicts_with = "benchmark")]
     common_frames: bool,
     /// Replace an earlier evaluation.png or report in the folder of --out

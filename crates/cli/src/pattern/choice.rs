@@ -10,8 +10,8 @@ pub(super) struct PatternArgs {
     /// Kind of pattern
     #[arg(long, value_enum, default_value_t = Kind::Colour)]
     pub(super) kind: Kind,
-    /// Width and height of the pattern, mm, rounded to a whole number of cells; without it 30,30, or the gel's size in a
-    /// score
+    /// Width and height of the pattern, mm, rounded to a whole number of cells; without it 30,30, or the gel's size in
+    /// a score
     #[arg(long, value_name = "W,H", value_parser = size)]
     pub(super) size_mm: Option<[f64; 2]>,
     /// Side of a colour cell, mm [default: 0.1]
@@ -37,7 +37,7 @@ pub(super) struct PatternArgs {
     levels: Option<[u8; 2]>,
 }
 
-/// What `--kind` takes.
+/// The values of `--kind`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum Kind {
     /// Dense random colours: every cell at least 30 apart in RGB from its eight neighbours

@@ -19,8 +19,8 @@ pub(crate) use score::simulated_camera;
 ///
 /// With --out a page is written with the pattern, crop marks, a scale bar of 10 mm and a caption with everything needed
 /// to make the same pattern again. Print it at 100 % and check the bar. With --score a table over cell sizes shows the
-/// noise of the flow with the profile's camera, by the Cramér–Rao bound, so that a size can be chosen before anything is
-/// printed.
+/// noise of the flow with the profile's camera, by the Cramér–Rao bound, so that a size can be chosen before anything
+/// is printed.
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("task").required(true).multiple(true)))]
 pub(crate) struct Args {
@@ -82,5 +82,5 @@ fn dpi(text: &str) -> Result<f64, String> {
 /// Two values separated by a comma.
 fn pair<T: std::str::FromStr + Copy>(text: &str, example: &str) -> Result<[T; 2], String> {
     let values = text.split_once(',').and_then(|(a, b)| Some([a.trim().parse().ok()?, b.trim().parse().ok()?]));
-    values.ok_or_else(|| format!("it takes two values separated by a comma, as in {example}"))
+    values.ok_or_else(|| format!("expected two values separated by a comma, as in {example}"))
 }

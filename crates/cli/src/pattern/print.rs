@@ -32,7 +32,7 @@ pub(super) struct Written {
     px_per_m: Option<u32>,
 }
 
-/// What `--page` takes.
+/// The values of `--page`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum PageName {
     /// 210x297 mm
@@ -105,7 +105,8 @@ fn format(file: &Path) -> Result<Format, Failure> {
     }
 }
 
-/// Px per m: as requested, with a note if that mixes cells, otherwise what suits the cells best.
+/// Px per m: as requested, with a note if pixels then cover parts of several cells; otherwise the best value for the
+/// cells.
 fn resolution(args: &Args, print: &Print) -> u32 {
     let px_per_m = |dpi: f64| (dpi / M_PER_INCH).round() as u32;
     let wanted = px_per_m(args.dpi.unwrap_or(USUAL_DPI));
@@ -129,7 +130,7 @@ fn decimal(value: f64) -> String {
 fn save(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
     fs::write(file, bytes).map_err(|error| {
         if matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded) {
-            // Half a page is worse than none; if it cannot be removed either, the error is sufficient.
+            // An incomplete page is removed. If that fails, too, the first error is sufficient.
             let _ = fs::remove_file(file);
         }
         let hint = match error.kind() {

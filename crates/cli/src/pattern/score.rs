@@ -46,7 +46,7 @@ pub(super) struct SightArgs {
     /// Score: width and height of the image; without it the profile's region of interest, or 480,480
     #[arg(long, value_name = "W,H", value_parser = image_size, requires = "score")]
     image_px: Option<[usize; 2]>,
-    /// Score: assume a camera that looks straight on, with px of this size on the gel, instead of the profile's camera
+    /// Score: assume a camera without tilt, with px of this size on the gel, instead of the profile's camera
     #[arg(long, value_name = "MM", value_parser = scale, requires = "score")]
     mm_per_px: Option<f64>,
     /// Score: standard deviation of the optics' blur, px

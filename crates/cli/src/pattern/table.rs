@@ -5,7 +5,7 @@ use std::fmt;
 use fingervision_gel::{Trackability, View};
 use serde::Serialize;
 
-/// Factor within which a deviation counts as nearly the least.
+/// A deviation up to this factor above the least one counts as nearly as good.
 const NEARLY: f64 = 1.05;
 
 /// A size with its predicted noise.

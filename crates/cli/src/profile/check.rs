@@ -1,4 +1,4 @@
-//! `fingervision profile check`: what is wrong, looks wrong or is missing.
+//! `fingervision profile check`: wrong, suspicious and missing values.
 
 use std::fmt;
 use std::io::Write;
@@ -13,10 +13,10 @@ use super::show::Facts;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
-/// Check a profile: values that are impossible or look wrong, and what is missing for depth and force
+/// Check a profile: impossible and suspicious values, and the parts that are missing for depth and force
 ///
-/// The command exits with 1 if there are faults, with which tracking fails or its numbers are wrong; warnings and missing
-/// parts are only listed. With a recording the profile is also checked against the size of its frames.
+/// The command exits with 1 if there are faults: tracking would fail, or its numbers would be wrong. Warnings and
+/// missing parts are only listed. With a recording the profile is also checked against the size of its frames.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The profile, or the run.toml of a run

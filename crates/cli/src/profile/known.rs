@@ -11,7 +11,8 @@ pub(super) struct Known {
     /// Width and height of the camera's images, px, as in 640x480
     #[arg(long, value_name = "WxH", value_parser = size_px)]
     pub(super) image_size: Option<[usize; 2]>,
-    /// The part of the image that shows the gel: left column, top row, width and height, px, as in 15,15,610,450; without it the whole image
+    /// The part of the image that shows the gel: left column, top row, width and height, px, as in 15,15,610,450;
+    /// without it the whole image
     #[arg(long, value_name = "X,Y,W,H", value_parser = region)]
     pub(super) region_of_interest: Option<[usize; 4]>,
     /// Distance from the lens to the gel's surface, mm, as in 25
@@ -50,25 +51,25 @@ fn numbers<const N: usize, T: FromStr + Copy + Default>(text: &str) -> Option<[T
 
 fn size_px(text: &str) -> Result<[usize; 2], String> {
     let size = numbers(text).filter(|size: &[usize; 2]| size.iter().all(|&side| side > 0));
-    size.ok_or_else(|| "it takes a width and a height above 0 px, as in 640x480".into())
+    size.ok_or_else(|| "expected a width and a height above 0 px, as in 640x480".into())
 }
 
 fn region(text: &str) -> Result<[usize; 4], String> {
     let region = numbers(text).filter(|&[_, _, width, height]: &[usize; 4]| width > 0 && height > 0);
-    region.ok_or_else(|| "it takes x, y, width and height in px, as in 15,15,610,450".into())
+    region.ok_or_else(|| "expected x, y, width and height in px, as in 15,15,610,450".into())
 }
 
 fn size_mm(text: &str) -> Result<[f64; 2], String> {
     let size = numbers(text).filter(|size: &[f64; 2]| size.iter().all(|side| side.is_finite() && *side > 0.0));
-    size.ok_or_else(|| "it takes a width and a height above 0 mm, as in 30,30".into())
+    size.ok_or_else(|| "expected a width and a height above 0 mm, as in 30,30".into())
 }
 
 fn positive(text: &str) -> Result<f64, String> {
     let value = text.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0);
-    value.ok_or_else(|| "it takes a number above 0".into())
+    value.ok_or_else(|| "expected a number above 0".into())
 }
 
 fn ratio(text: &str) -> Result<f64, String> {
     let ratio = text.parse().ok().filter(|ratio| (0.0..0.5).contains(ratio));
-    ratio.ok_or_else(|| "it takes a number from 0 to below 0.5".into())
+    ratio.ok_or_else(|| "expected a number from 0 to below 0.5".into())
 }

@@ -28,7 +28,7 @@ const DEPTH: &str = "\
 ";
 
 fn image(known: &Known) -> String {
-    let heading = "# Which part of the camera's image shows the gel: x, y, width, height, px. Without this table it is the whole image.\n";
+    let heading = "# The part of the camera's image that shows the gel: x, y, width, height, px. Without this table it is the whole image.\n";
     let whole = known.image_size.map(|[width, height]| [0, 0, width, height]);
     match known.region_of_interest.or(whole) {
         Some(region) => format!("{heading}[image]\nregion_of_interest = {region:?}\n"),
@@ -56,7 +56,7 @@ fn camera(known: &Known) -> Result<String, Failure> {
     let [cx, cy] = size.unwrap_or([640.0, 480.0]).map(|side| 0.5 * (side - 1.0));
     let distance = known.distance_mm.unwrap_or(25.0);
     let worth = if is_known {
-        "A first estimate: sufficient to try depth, not to measure."
+        "This is a first estimate: good enough to try depth, too inaccurate for measurements."
     } else {
         "Not used until the # is removed: together with [gel] it gives depth, contact and displacement."
     };

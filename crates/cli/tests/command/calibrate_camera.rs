@@ -84,7 +84,7 @@ fn the_report_says_what_a_slide_does_not_tell() {
         "8 images of 160x120 px, 0.5 mm a step along 0°",
         "before, plain camera",
         "4.57e-3 before, 2.23e-3 after, 2.16e-3 in the test",
-        "not determined  where on the board the origin is",
+        "not determined  the position of the origin on the board",
         "not determined  focal length against distance",
         "--prior distance_mm=25±0.5",
         "50 ± 25, which determines it",
@@ -167,7 +167,7 @@ fn a_profile_of_another_image_size_is_named() {
 fn a_board_that_rests_turns_or_is_blank_is_named() {
     let bench = board(ALONG_X);
     reorder(&bench, &[0; 8]);
-    refused(&bench, "", "nothing moves", "slide the board by the same step");
+    refused(&bench, "", "the board does not move", "slide the board by the same step");
     for number in 0..8 {
         save(
             &DynamicImage::from(GrayImage::from_pixel(160, 120, image::Luma([90]))),
@@ -206,7 +206,7 @@ fn corners_of_a_checkerboard_give_a_camera_without_a_slide() {
         ended.expect_failure(what, hint);
         assert!(!bench.path("none.toml").exists());
     };
-    refused("short.csv", "short.csv: the corners are of 2 images", "5 or more poses");
+    refused("short.csv", "short.csv: the corners come from 2 images", "5 or more poses");
     bench.write("torn.csv", &table[..table.len() - 30]);
     refused("torn.csv", "is not five numbers", "a row for each corner");
     refused("nowhere.csv", "nowhere.csv: No such file", "name a file with the corners");

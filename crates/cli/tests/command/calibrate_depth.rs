@@ -89,7 +89,7 @@ fn presses_that_share_no_line_are_warned_of_with_the_factor() {
     let ended = bench.run("calibrate depth flat steep --profile sensor.toml").expect_done();
     let factor = "warning      one line does not fit all presses: their slopes differ by a factor of 4.0, from ";
     assert!(ended.out.contains(factor), "{}", ended.out);
-    assert!(ended.out.contains("the correlation of all presses together is"), "{}", ended.out);
+    assert!(ended.out.contains(" for all presses together, but "), "{}", ended.out);
 }
 
 #[test]
@@ -131,11 +131,11 @@ fn a_press_that_is_none_is_named_and_the_profile_stays_as_it_was() {
         assert_eq!(fs::read_to_string(bench.path("sensor.toml")).unwrap(), PROFILE, "{press}");
         assert!(!bench.path("sensor-depth.png").exists(), "{press}");
     };
-    refused("nothing", "nothing: it has no depths: neither depth.csv nor truth/force.csv", "a row for every image");
-    refused("constant", "constant: its depth never changes: 0.5 mm in every frame", "with the depth of every image");
+    refused("nothing", "nothing: there are no depths: neither depth.csv nor truth/force.csv", "a row for every image");
+    refused("constant", "constant: the depth is the same in every frame: 0.5 mm", "with the depth of every image");
     refused(
         "late",
-        "late: it is pressed already at the start: 0.5 mm in the first frame",
+        "late: the gel is already pressed at the start: 0.5 mm in the first frame",
         "before the indenter touches",
     );
     refused("few", "few: 6 images, but 5 depths", "write a row with the depth of every image");
@@ -156,7 +156,7 @@ fn a_recording_that_begins_pressed_is_told_by_its_images() {
     bench.write("released/depth.csv", "depth_mm\n0\n0.2\n0.4\n0.6\n0.8\n1\n");
     bench
         .run("calibrate depth released --profile sensor.toml")
-        .expect_failure("released: it is pressed already at the start", "before the indenter touches");
+        .expect_failure("released: the gel is already pressed at the start", "before the indenter touches");
 }
 
 #[test]
@@ -183,8 +183,8 @@ fn depths_that_no_press_has_are_refused() {
         assert_eq!(fs::read_to_string(bench.path("sensor.toml")).unwrap(), PROFILE, "{name}");
     };
     let part = |frame: u32| f64::from(frame) / f64::from(FRAMES - 1);
-    refused("micrometres", &|frame| 1000.0 * part(frame), "and 20 mm is the distance to the camera", "if it is in µm");
-    refused("metres", &|frame| 0.001 * part(frame), "its deepest depth is 0.001 mm", "if it is in m");
+    refused("micrometres", &|frame| 1000.0 * part(frame), "above 20 mm, the distance to the camera", "if it is in µm");
+    refused("metres", &|frame| 0.001 * part(frame), "its largest depth is 0.001 mm", "if it is in m");
     refused("upwards", &|frame| -part(frame), "upwards: frame 1 has a negative depth, -0.2 mm", "reverse the signs");
     let shuffled = [0.0, 0.8, 0.9, 0.2, 1.0, 0.4];
     refused("shuffled", &|frame| shuffled[frame as usize], "does not follow the depth", "number the images");

@@ -83,11 +83,11 @@ fn what_cannot_be_fitted_is_named_and_the_profile_stays_as_it_was() {
         bench.run(&format!("calibrate gel {arguments}")).expect_failure(error, hint);
     };
     let sensor = "--profile sensor.toml";
-    refused(&format!("press {sensor}"), "press: it has no depths", "depth.csv");
+    refused(&format!("press {sensor}"), "press: there are no depths", "depth.csv");
     refused(&format!("nowhere {sensor}"), "nowhere: there is no such folder", "give folders");
     refused(&format!("small {sensor}"), "images are 128x96 px, but the profile's camera", "use the profile");
     refused(&format!("shallow {sensor}"), "no frame is 0.29 to 0.86 mm deep", "record the press in smaller steps");
-    refused(&format!("late {sensor}"), "pressed already at the start: 0.5 mm", "begin the recording");
+    refused(&format!("late {sensor}"), "already pressed at the start: 0.5 mm", "begin the recording");
     refused(&format!("weak {sensor}"), "line 3: force_z_n = none is not a force", "first line names the columns");
     bench.write(
         "blind.toml",

@@ -181,9 +181,9 @@ fn a_wrong_input_is_refused_with_what_to_do_and_no_profile_is_written() {
     };
     let depths = |rows: [&str; 5]| bench.write("sensor/press-2/depth.csv", &format!("depth_mm\n{}\n", rows.join("\n")));
     depths(["0", "500", "1000", "1500", "2000"]);
-    refused("", "press-2: its deepest depth is 2000 mm", "divide the column by 1000");
+    refused("", "press-2: its largest depth is 2000 mm", "divide the column by 1000");
     depths(["0", "20", "40", "60", "80"]);
-    refused("", "press-2: its deepest depth is 80 mm", "divide the column by 1000");
+    refused("", "press-2: its largest depth is 80 mm", "divide the column by 1000");
     depths(["0", "-0.5", "-1", "-1.5", "-2"]);
     refused("", "press-2: frame 1 is -0.5 mm deep", "reverse the signs");
     depths(["0", "0.5", "1", "1.5", "2"]);

@@ -21,7 +21,7 @@ fn one_image_is_too_few() {
     let bench = Workbench::new();
     bench.press(1);
     bench.run("track press --out run").expect_failure("press: one frame", "record the gel at rest first");
-    bench.run("track press/0000.png --out run").expect_failure("a single image is not read", "give the folder");
+    bench.run("track press/0000.png --out run").expect_failure("a single image is not supported", "give the folder");
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn a_truncated_video_ends_the_run_with_the_frames_before_it() {
 fn a_video_of_another_kind_is_named_with_the_way_out() {
     let clips = concat!(env!("CARGO_MANIFEST_DIR"), "/../source/testdata");
     let bench = Workbench::new();
-    bench.run(&format!("track {clips}/vp9.webm --out run")).expect_failure("WebM video is not read", "ffmpeg -i");
+    bench.run(&format!("track {clips}/vp9.webm --out run")).expect_failure("WebM video is not supported", "ffmpeg -i");
 }
 
 #[test]
@@ -115,9 +115,9 @@ fn a_file_that_is_no_image_is_named() {
     bench.run("track press --out run").expect_failure("0001.png: frame 1: ", "frames before it are complete");
     bench.expect_run_of(1);
     bench.write("notes.txt", "not a recording");
-    bench.run("track notes.txt --out run2").expect_failure("notes.txt: this kind of file is not read", "are read");
+    bench.run("track notes.txt --out run2").expect_failure("notes.txt: this kind of file is not supported", "are read");
     bench.write("empty.mp4", "");
-    bench.run("track empty.mp4 --out run2").expect_failure("empty.mp4: an empty file is not read", "are read");
+    bench.run("track empty.mp4 --out run2").expect_failure("empty.mp4: an empty file is not supported", "are read");
 }
 
 #[test]

@@ -124,21 +124,21 @@ fn the_truth_of_another_scene_is_refused() {
 #[test]
 fn what_cannot_be_compared_is_named() {
     let bench = simulated();
-    bench.run("evaluate run simulation").expect_failure("run holds neither flow.npy nor depth.npy", "track --out");
+    bench.run("evaluate run simulation").expect_failure("run contains neither flow.npy nor depth.npy", "track --out");
     bench.run("track press --out run").expect_done();
-    bench.run("evaluate simulation run").expect_failure("simulation holds neither", "give the run first");
-    bench.run("evaluate run run/nowhere").expect_failure("run/nowhere holds neither", "simulate --out");
+    bench.run("evaluate simulation run").expect_failure("simulation contains neither", "give the run first");
+    bench.run("evaluate run run/nowhere").expect_failure("run/nowhere contains neither", "simulate --out");
     bench.write("taken", "a file");
     bench.run("evaluate run simulation --out taken").expect_failure("taken/evaluation.png", "choose another");
 
     fs::remove_file(bench.path("press/0004.png")).unwrap();
     bench.run("track press --out run --overwrite").expect_done();
-    bench.run("evaluate run simulation").expect_failure("run/flow.npy counts 4 frames", "--common-frames");
+    bench.run("evaluate run simulation").expect_failure("run/flow.npy contains 4 frames", "--common-frames");
     let report = evaluated(&bench, "evaluate run simulation --json --common-frames");
     assert_eq!(report["frames"], 4);
 
     let path = bench.path("simulation/truth/flow.npy");
     let whole = fs::read(&path).unwrap();
     fs::write(&path, &whole[..whole.len() / 2]).unwrap();
-    bench.run("evaluate run simulation").expect_failure("truth/flow.npy: the header counts 5 frames", "cut short");
+    bench.run("evaluate run simulation").expect_failure("truth/flow.npy: the header states 5 frames", "cut short");
 }

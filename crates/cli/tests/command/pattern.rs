@@ -84,8 +84,8 @@ fn what_cannot_be_is_refused() {
     refused("--out a.pdf --cell-mm 0", "cell_mm = 0 is impossible", "0.001 to 1000 mm");
     refused("--out a.pdf --cell-mm -0.1", "cell_mm = -0.1 is impossible", "0.001 to 1000 mm");
     refused("--out a.pdf --cell-mm nan", "cell_mm = NaN is impossible", "0.001 to 1000 mm");
-    refused("--out a.pdf --cell-mm 20", "30 mm of cells of 20 mm are 2 across", "a larger pattern");
-    refused("--out a.pdf --cell-mm 0.001", "are 30000 across: 3 to 4096 can be made", "a smaller pattern");
+    refused("--out a.pdf --cell-mm 20", "30 mm with cells of 20 mm has 2 across", "a larger pattern");
+    refused("--out a.pdf --cell-mm 0.001", "has 30000 across: 3 to 4096 are possible", "a smaller pattern");
     refused("--out a.pdf --levels 100,120", "span of the pattern's levels is 20", "differ more");
     refused("--out a.pdf --levels 200,100", "levels = [200, 100] is impossible", "in this order");
     refused("--out a.pdf --kind dots --dot-diameter-mm 2", "dots of 2 mm overlap", "below 2.0000 mm");
@@ -158,7 +158,7 @@ fn a_score_without_a_camera_says_which_it_takes() {
 fn a_camera_that_sees_no_gel_is_refused() {
     refused(
         "--score --set gel.size_mm=[1,1] --set gel.thickness_mm=1 --set gel.poissons_ratio=0.4",
-        "the camera sees the gel nowhere",
+        "the camera does not see the gel",
         "check the camera's",
     );
 }

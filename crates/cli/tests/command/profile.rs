@@ -23,7 +23,7 @@ fn an_unknown_key_is_named_with_its_line() {
 #[test]
 fn an_impossible_value_is_named() {
     let ended = with_profile("[gel]\nsize_mm = [30, 30]\nthickness_mm = -10\npoissons_ratio = 0.48");
-    ended.expect_failure("gel.thickness_mm = -10.0 is impossible: it takes a finite length above 0 mm", "in mm");
+    ended.expect_failure("gel.thickness_mm = -10.0 is impossible: it must be a finite length above 0 mm", "in mm");
     with_profile("[flow]\nnoise_levels = -1").expect_failure("flow.noise_levels = -1", "0.01 to 64");
 }
 

@@ -57,7 +57,7 @@ fn a_rate_that_the_source_does_not_take_is_refused() {
     bench
         .run("track sim:letter?fps=abc --out run")
         .expect_failure("abc is not a number of frames per second", "--fps 60");
-    bench.run("track sim:letter?speed=2 --out run").expect_failure("the option speed=2 is not read", "fps=RATE");
+    bench.run("track sim:letter?speed=2 --out run").expect_failure("the option speed=2 is not supported", "fps=RATE");
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn a_pipe_among_the_images_is_refused_and_not_waited_for() {
     assert!(std::process::Command::new("mkfifo").arg(folder.join("0003.png")).status().unwrap().success());
     bench
         .run("track press --out run")
-        .expect_failure("0003.png: a pipe, socket or device is not read", "regular files");
+        .expect_failure("0003.png: a pipe, socket or device is not supported", "regular files");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What the elements must satisfy, whatever they are used for.
+//! Properties that the elements must have in every use.
 
 use super::element::{self, Stiffness, evaluate};
 use super::{Assembly, BlockMesh, Material, graded_lines};

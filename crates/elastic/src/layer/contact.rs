@@ -1,4 +1,4 @@
-//! A rigid body pressed into a layer: what the elements and the block are compared with in tests.
+//! A rigid body pressed into a layer: the reference solution for tests of the elements and of the block.
 
 use super::{Layer, LayerError, LayerOperator, SurfaceGrid};
 
@@ -39,8 +39,8 @@ pub(crate) struct LayerPress {
     pub(crate) has_converged: bool,
 }
 
-/// Presses rigid bodies into a layer: finds the tractions on a contact region that cause given displacements there, zero
-/// elsewhere, by conjugate gradients preconditioned with the stiffness of waves.
+/// Presses rigid bodies into a layer: finds the tractions on a contact region that cause given displacements there,
+/// zero elsewhere, by conjugate gradients preconditioned with the stiffness of waves.
 #[derive(Debug)]
 pub(crate) struct LayerContact {
     operator: LayerOperator,
@@ -108,8 +108,8 @@ impl LayerContact {
         self.finish(press)
     }
 
-    /// Prescribes displacements `(x, y, z)`, mm, in a region, as of a body that the gel sticks to. Displacements outside
-    /// the region are not read.
+    /// Prescribes displacements `(x, y, z)`, mm, in a region, as of a body that the gel sticks to. Displacements
+    /// outside the region are not read.
     ///
     /// # Panics
     ///

@@ -1,8 +1,8 @@
 //! A rigid indenter pressed into the gel, step by step.
 //!
 //! Contact is node against surface and exact: where a node touches, its displacement along the indenter's normal (and
-//! along the surface, where it sticks) is prescribed, and the reaction is the contact force. The set of touching nodes is
-//! found together with the displacement: a node that would penetrate is added, one that would have to be pulled is
+//! along the surface, where it sticks) is prescribed, and the reaction is the contact force. The set of touching nodes
+//! is found together with the displacement: a node that would penetrate is added, one that would have to be pulled is
 //! released ([Hueeber2005]). Between nodes the surface may penetrate the indenter's edges by less than a cell resolves.
 
 mod constraint;
@@ -26,7 +26,7 @@ use crate::{ContactLaw, GelBlock, Law, Pose, Relief, SurfaceState};
 use frame::Frame;
 use touch::Touch;
 
-/// How often a step may be halved.
+/// Largest number of times that a step is halved.
 const MOST_HALVINGS: u32 = 6;
 
 /// Called repeatedly while a step is solved; returns whether to continue.
@@ -149,8 +149,8 @@ impl<'a> Press<'a> {
         self.step_while(pose, &mut || ControlFlow::Continue(()))
     }
 
-    /// The same, but it can be stopped: `should_continue` is called before every Newton iteration. If it is stopped, the
-    /// press is in the last converged state.
+    /// The same, but it can be stopped: `should_continue` is called before every Newton iteration. If it is stopped,
+    /// the press is in the last converged state.
     ///
     /// # Errors
     ///

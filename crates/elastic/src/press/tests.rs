@@ -1,4 +1,4 @@
-//! Presses whose outcome is known.
+//! Presses with a known solution.
 
 use super::{Press, PressError, PressSetup};
 use crate::layer::{ContactParams, LayerContact};

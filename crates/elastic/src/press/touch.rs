@@ -5,12 +5,12 @@ use crate::{ContactLaw, Relief};
 
 /// A node this little inside the indenter does not touch it, mm.
 const PENETRATION_MM: f64 = 1e-7;
-/// A sliding node that repeatedly misses the face by more than this, mm, is wedged in an inner edge between two faces: it
-/// is fixed at its place.
+/// A sliding node that repeatedly misses the face by more than this, mm, is wedged in an inner edge between two faces:
+/// it is fixed at its place.
 const WEDGED_MM: f64 = 1e-5;
 /// A node is released only if it must be pulled by this share of the largest nodal force.
 const PULL: f64 = 1e-7;
-/// How often the state of a node may change in a step; afterwards it stays in contact.
+/// Largest number of changes of a node's state in a step; afterwards it stays in contact.
 const MOST_CHANGES: u8 = 4;
 
 /// The contact state of a surface node.
@@ -28,8 +28,9 @@ pub(super) enum Touch {
 
 /// Coulomb friction at a node.
 ///
-/// The shear force grows with the slip up to its bound, the coefficient times the normal force, and is then constant: `t
-/// = −bound · s / max(|s|, s₀)`. Sticking in Coulomb's law corresponds to a slip below `s₀`, [`FrictionState::ELASTIC_SLIP_MM`].
+/// The shear force grows with the slip up to its bound, the coefficient times the normal force, and is then constant:
+/// `t = −bound · s / max(|s|, s₀)`. Sticking in Coulomb's law corresponds to a slip below `s₀`,
+/// [`FrictionState::ELASTIC_SLIP_MM`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct FrictionState {
     /// Point of the face that slip is counted from, in the indenter's frame, mm.

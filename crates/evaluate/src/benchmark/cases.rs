@@ -1,24 +1,24 @@
-//! What is benchmarked: scenes × variations.
+//! The cases of the benchmark: scenes × variations.
 
 use fingervision_gel::{MeshParams, ReadyMade, Resolution, Scene, SceneError};
 use serde::Serialize;
 
 use crate::experiment::Extent;
 
-/// A change of the default sensor, or of what touches it.
+/// A change of the default sensor, or of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Variation {
-    /// Its name, a part of the case's.
+    /// Its name, which is a part of the case's name.
     pub name: &'static str,
-    /// What it changes, in words.
+    /// Its description.
     pub about: &'static str,
     /// Paths of the scene and their values.
     #[serde(skip)]
     assignments: &'static [(&'static str, &'static str)],
-    /// The variation whose calibration it takes: its own sensor's.
+    /// The variation whose calibration it uses: one with the same sensor.
     #[serde(skip)]
     pub(super) sensor: &'static str,
-    /// Whether a pattern of dots shows the same.
+    /// Whether the variation also applies to a pattern of dots.
     #[serde(skip)]
     pub(super) has_dots: bool,
 }
@@ -69,11 +69,11 @@ impl Variation {
         Self::ALL.iter().find(|variation| variation.name == name)
     }
 
-    /// A scene so varied.
+    /// A scene under this variation.
     ///
     /// # Errors
     ///
-    /// [`SceneError`] if it cannot be.
+    /// [`SceneError`] if it is impossible.
     pub fn apply(&self, mut scene: Scene) -> Result<Scene, SceneError> {
         scene.set_all(self.assignments.iter().copied())?;
         Ok(scene)
@@ -89,15 +89,15 @@ pub struct Case {
     pub base: &'static str,
     /// The variation.
     pub variation: &'static Variation,
-    /// What is simulated.
+    /// The scene that is simulated.
     pub scene: Scene,
 }
 
-/// Every case, on meshes so fine: the truth belongs to the images whatever the mesh.
+/// Every case, on meshes of this resolution. Truth and images come from the same mesh, so any resolution can be used.
 ///
 /// # Errors
 ///
-/// [`SceneError`] if a scene cannot be varied so.
+/// [`SceneError`] if a scene is impossible under a variation.
 pub fn cases(extent: Extent, mesh: Resolution) -> Result<Vec<Case>, SceneError> {
     let is_press = |name: &str| name != "board" && !name.starts_with("calibration-");
     let is_asked = |name: &str| extent == Extent::Full || ["circle", "sphere", "letter"].contains(&name);
@@ -115,7 +115,7 @@ pub fn cases(extent: Extent, mesh: Resolution) -> Result<Vec<Case>, SceneError> 
     Ok(cases)
 }
 
-/// What a scene of this extent is solved and drawn with.
+/// The settings with which a scene of this extent is solved and drawn.
 pub(super) fn adapt(scene: &mut Scene, extent: Extent, resolution: Resolution) -> Result<(), SceneError> {
     scene.mesh = MeshParams { resolution, ..MeshParams::default() };
     extent.shorten(scene)

@@ -8,20 +8,20 @@ use super::Case;
 use crate::experiment::ExperimentError;
 use crate::run::{LastFrame, RunError};
 
-/// Another program that takes part: `FOLDER/<case>/depth.npy`, float32 `[frames, rows, columns]`, mm, positive pressed in, on
-/// the reference grid. Its last frame counts. `valid.npy`, uint8, may say where it is trusted.
+/// Another program that takes part: `FOLDER/<case>/depth.npy`, float32 `[frames, rows, columns]`, mm, positive pressed
+/// in, on the reference grid. Its last frame is evaluated. `valid.npy`, uint8, can mark the valid pixels.
 ///
-/// The cases' scenes stand in the benchmark's own folder as `cases/<case>.toml`; `simulate` makes images of them.
+/// The scenes of the cases are in the benchmark's folder as `cases/<case>.toml`; `simulate` makes images of them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
-    /// What the table calls it.
+    /// Its name in the table.
     pub name: String,
     /// Its folder.
     pub folder: PathBuf,
 }
 
 impl Entry {
-    /// Depth and trust in the last frame of a case; none where there is no such folder.
+    /// Depth and validity in the last frame of a case; none if there is no such folder.
     pub(super) fn read(&self, case: &Case) -> Result<Option<[LastFrame; 2]>, ExperimentError> {
         let folder = self.folder.join(&case.name);
         let size = (case.scene.render.width, case.scene.render.height);
@@ -31,7 +31,7 @@ impl Entry {
         Ok(Some([depth, valid]))
     }
 
-    /// Checks that there is something to read at all.
+    /// Checks that there is a result for at least one case.
     ///
     /// # Errors
     ///

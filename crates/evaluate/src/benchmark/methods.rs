@@ -6,11 +6,11 @@ use serde::Serialize;
 
 use crate::experiment::{Following, Recording, clipped, depth_of};
 
-/// A way from images to depth.
+/// A method that computes depth from images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// Depth is 0 everywhere: what every way should beat.
+    /// Depth is 0 everywhere: every method should be better.
     Nothing,
     /// The published line with its intercept.
     Density,
@@ -18,7 +18,7 @@ pub enum Method {
     DensityOrigin,
     /// A slope at every pixel from the camera's perspective.
     DensityPerspective,
-    /// The same, nothing below zero.
+    /// The same, with negative depth set to 0.
     DensityClipped,
     /// The published line on 15×15 dots instead of the dense pattern.
     Dots,
@@ -27,7 +27,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// Every way, the simplest first.
+    /// Every method, the simplest first.
     pub const ALL: [Self; 7] = [
         Self::Nothing,
         Self::Density,
@@ -52,15 +52,17 @@ impl Method {
         }
     }
 
-    /// What it does, in a line.
+    /// A description in one line.
     #[must_use]
     pub fn about(self) -> &'static str {
         match self {
             Self::Nothing => "depth 0 everywhere",
             Self::Density => "the published line with its intercept",
             Self::DensityOrigin => "a line through the origin",
-            Self::DensityPerspective => "through the origin, its slope at every pixel that of the camera's perspective",
-            Self::DensityClipped => "the same, with nothing below 0 mm",
+            Self::DensityPerspective => {
+                "a line through the origin, whose slope at every pixel follows from the camera's perspective"
+            }
+            Self::DensityClipped => "the same, with negative depth set to 0",
             Self::Dots => "15×15 dots, interpolated, and the published line",
             Self::Elastic => {
                 "from the flow by the gel's elasticity and the camera's perspective, without calibration presses"
@@ -68,12 +70,13 @@ impl Method {
         }
     }
 
-    /// How the gel is followed for it.
+    /// How the gel is tracked for it.
     pub(super) fn following(self) -> Following {
         if self == Self::Dots { Following::Dots } else { Following::Dense }
     }
 
-    /// Depth of a feature by what was calibrated; none where the law cannot be had, or depth follows from no feature.
+    /// Depth from a feature by the calibrated law; none if there is no such law, or if the method does not use the
+    /// feature.
     pub(super) fn depth(self, feature: &Image<f32>, fit: &DepthFit, recording: &Recording) -> Option<Image<f32>> {
         let method = match self {
             Self::Elastic => return None,

@@ -44,7 +44,7 @@ impl BenchmarkReport {
             "Every method that needs calibration had the nine calibration presses of its own sensor: squares of 1, 2 and 3 mm \
              at the centre, midway and near a corner, tracked from images, sticking contact.",
         );
-        let mut table = HtmlTable::new("What is compared", ["method", "what it does"]);
+        let mut table = HtmlTable::new("The methods", ["method", "description"]);
         for name in self.methods() {
             let known = Method::ALL.into_iter().find(|method| method.name() == name);
             table.row(name, [Cell::text(known.map_or("another program's depth.npy", Method::about))]);
@@ -66,7 +66,7 @@ impl BenchmarkReport {
     fn means_table(&self, variation: &str) -> HtmlTable {
         let mut table = HtmlTable::new(
             "Mean absolute error over the scenes, mm",
-            ["method", "everywhere", "inside", "near border", "outside", "worst inside", "worse than nothing"],
+            ["method", "everywhere", "inside", "near border", "outside", "worst inside", "worse than depth 0"],
         );
         let rows: Vec<&MethodMeans> = self.means.iter().filter(|means| means.variation == variation).collect();
         let figures = |means: &MethodMeans| {

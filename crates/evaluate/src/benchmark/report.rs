@@ -15,13 +15,15 @@ pub struct MethodScore {
     /// Its errors in the last frame, mm.
     #[serde(flatten)]
     pub score: DepthScore,
-    /// Pixels that both it and the truth call contact over those that either does, 0 to 1; none if it does not estimate contact.
+    /// Intersection over union of estimated and true contact, 0 to 1; none if the method does not estimate contact.
     pub contact_overlap: Option<f64>,
     /// Error of the normal force over the true one, dimensionless; none if it does not estimate force.
     pub normal_force: Option<f64>,
-    /// Distance of the shear force from the true one over its size; none where that is below 5 % of the normal force.
+    /// Length of the error of the shear force over the true shear force, dimensionless; none where the true one is
+    /// below 5 % of the normal force.
     pub shear_force: Option<f64>,
-    /// Error of the torque about z over the true one; none where that is below the normal force on an arm of 0.1 mm.
+    /// Error of the torque about z over the true torque, dimensionless; none where the true one is below the normal
+    /// force times an arm of 0.1 mm.
     pub torque: Option<f64>,
 }
 
@@ -50,11 +52,11 @@ pub struct CaseReport {
     pub scene: &'static str,
     /// The variation's name.
     pub variation: &'static str,
-    /// How deep the indenter is in the last frame, mm.
+    /// Depth of the indenter in the last frame, mm.
     pub depth_mm: f64,
-    /// Mean distance between the flow found and the true one over the trusted pixels, px.
+    /// Mean end-point error of the flow over the valid pixels, px.
     pub flow_error_px: f64,
-    /// One a method.
+    /// One entry per method.
     pub scores: Vec<MethodScore>,
 }
 
@@ -65,36 +67,36 @@ pub struct MethodMeans {
     pub method: String,
     /// The variation.
     pub variation: &'static str,
-    /// Over how many cases.
+    /// Number of cases.
     pub cases: usize,
     /// Mean over the cases of the errors over the whole image.
     pub everywhere_mm: f64,
-    /// Inside contact.
+    /// The same inside contact.
     pub inside_mm: f64,
-    /// Within 1 mm of its border.
+    /// The same within 1 mm of the border of contact.
     pub border_mm: f64,
-    /// Outside.
+    /// The same outside contact.
     pub outside_mm: f64,
     /// The largest of the cases' errors inside contact.
     pub worst_inside_mm: f64,
-    /// On how many cases it is worse over the whole image than predicting nothing.
+    /// Number of cases in which its error over the whole image is larger than that of depth 0 everywhere.
     pub worse_than_nothing: usize,
     /// Mean over the cases of [`MethodScore::contact_overlap`].
     pub contact_overlap: Option<f64>,
-    /// Of [`MethodScore::normal_force`].
+    /// Mean over the cases of [`MethodScore::normal_force`].
     pub normal_force: Option<f64>,
-    /// Of [`MethodScore::shear_force`].
+    /// Mean over the cases of [`MethodScore::shear_force`].
     pub shear_force: Option<f64>,
-    /// Of [`MethodScore::torque`].
+    /// Mean over the cases of [`MethodScore::torque`].
     pub torque: Option<f64>,
 }
 
 /// The whole table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BenchmarkReport {
-    /// How much was benchmarked.
+    /// How much was computed.
     pub extent: Extent,
-    /// What the variations change.
+    /// The variations.
     pub variations: Vec<&'static Variation>,
     /// Means by variation and method.
     pub means: Vec<MethodMeans>,
@@ -190,7 +192,7 @@ pub(super) fn percent(part: Option<f64>) -> String {
     part.map_or_else(|| "—".into(), |part| format!("{:.1} %", 100.0 * part))
 }
 
-/// The means, a table a variation.
+/// The means, one table per variation.
 impl fmt::Display for BenchmarkReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (key, value) in &self.told {
@@ -201,7 +203,7 @@ impl fmt::Display for BenchmarkReport {
         }
         for variation in &self.variations {
             writeln!(f, "{}: {}", variation.name, variation.about)?;
-            let columns = ["everywhere", "inside", "border", "outside", "worst inside", "worse than none"];
+            let columns = ["everywhere", "inside", "border", "outside", "worst inside", "worse than 0"];
             writeln!(f, "  {:22}{}", "mean error, mm", columns.map(|name| format!("{name:>16}")).concat())?;
             for means in self.means.iter().filter(|means| means.variation == variation.name) {
                 write!(f, "  {:22}", means.method)?;

@@ -13,10 +13,10 @@ use super::cases::adapt;
 use super::{BenchmarkReport, Case, CaseReport, Entry, Extent, Method, MethodScore, Variation};
 use crate::experiment::{ElasticScore, ExperimentError, Following, Recording, calibrate, follow_last};
 
-/// What to benchmark.
+/// The settings of a benchmark.
 #[derive(Debug)]
 pub struct Benchmark<'a> {
-    /// How much.
+    /// How much is computed.
     pub extent: Extent,
     /// The cases, those of [`cases`](super::cases) or some of them.
     pub cases: Vec<Case>,
@@ -37,12 +37,13 @@ impl Benchmark<'_> {
     }
 }
 
-/// Runs the benchmark. A case that cannot be solved to its end is skipped and named. `progress` is called after every case and calibration with its name; it may end the run.
+/// Runs the benchmark. A case that cannot be solved to its end is skipped and named. `progress` is called after every
+/// case and calibration with its name; it can end the run.
 ///
 /// # Errors
 ///
-/// [`ExperimentError`] if a case cannot be drawn, tracked or scored, or a calibration press not be solved; [`ExperimentError::Interrupted`] if `progress` wants
-/// it to end.
+/// [`ExperimentError`] if a case cannot be drawn, tracked or evaluated, or if a calibration press cannot be solved;
+/// [`ExperimentError::Interrupted`] if `progress` ends the run.
 pub fn run(
     benchmark: &Benchmark,
     progress: &(dyn Fn(&str) -> ControlFlow<()> + Sync),
@@ -89,13 +90,13 @@ fn fits(benchmark: &Benchmark, progress: &(dyn Fn(&str) -> ControlFlow<()> + Syn
     sensors.filter(|&(sensor, is_dots)| needs(sensor, is_dots)).map(fit).collect()
 }
 
-/// The scene with 15×15 dots for a pattern.
+/// The scene with a pattern of 15×15 dots.
 pub(crate) fn with_dots(mut scene: Scene) -> Result<Scene, SceneError> {
     scene.set_all([("pattern", "{ kind = \"dots\", dots = [15, 15], levels = [16, 240] }")])?;
     Ok(scene)
 }
 
-/// What a way of following came to in the last frame.
+/// The result of one way of tracking in the last frame.
 struct Last {
     flow: FlowField,
     feature: Image<f32>,
@@ -114,7 +115,7 @@ fn last(recording: &Recording, following: Following) -> Result<Last, ExperimentE
     })
 }
 
-/// Mean distance between the places that flow and truth lead to, over what is trusted and seen, px.
+/// Mean end-point error over the pixels that are valid and visible, px.
 pub(crate) fn flow_error_px(flow: &FlowField, valid: &Image<u8>, truth: &Truth) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for pixel in 0..valid.values().len() {

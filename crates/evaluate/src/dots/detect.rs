@@ -1,11 +1,12 @@
-//! Dark dots on a bright ground and their centres.
+//! Finds dark dots on a bright background, and their centres.
 
 use fingervision_image::Image;
 use nalgebra::{Matrix3, Vector3};
 
-/// How far around a dot its light is gathered, px: what optics blur carries beyond its edge.
+/// Width around a dot, px, that is included in its centre, because the blur of the optics spreads the dot beyond its
+/// edge.
 const MARGIN: usize = 3;
-/// Ground between a dot and the image's edge, px: nearer, optics blur carries part of its light out of the image.
+/// Least distance of a dot from the image's edge, px: nearer, blur spreads a part of the dot out of the image.
 const CLEAR: usize = 2;
 /// Least number of px of a dot.
 const LEAST_AREA: usize = 9;
@@ -19,13 +20,13 @@ struct Region {
     bounds: [usize; 4],
 }
 
-/// The centres `(x, y)` of dark dots on a bright ground, px, from the upper left on.
+/// The centres `(x, y)` of dark dots on a bright background, px, starting at the upper left.
 ///
-/// The threshold is the one that parts dark and bright best (Otsu, *IEEE Transactions on Systems, Man and Cybernetics* 9,
-/// 1979). A centre is the mean place of a region's pixels and those up to 3 px around it, each weighted by how much darker
-/// it is than the ground, a plane through what surrounds the dot; nothing is clipped, so noise does not bias it. Regions that reach within 2 px of the image's edge, and
-/// those of a size unlike the others', are no dots. Where something else than ground begins within 3 px of a dot, its
-/// centre is biased.
+/// The threshold is the one that best separates dark from bright (Otsu, *IEEE Transactions on Systems, Man and
+/// Cybernetics* 9, 1979). A centre is the weighted mean position of a region's pixels and those up to 3 px around it.
+/// The weight of a pixel is its difference from the background, a plane fitted to the surroundings of the dot. Negative
+/// weights are kept, so that noise causes no bias. Regions within 2 px of the image's edge, and regions that differ
+/// much in size from the others, do not count as dots. Anything but background within 3 px of a dot biases its centre.
 #[must_use]
 pub fn find_dots(grey: &Image<f32>) -> Vec<[f64; 2]> {
     let threshold = threshold(grey);
@@ -44,7 +45,7 @@ pub fn find_dots(grey: &Image<f32>) -> Vec<[f64; 2]> {
     dots.filter_map(|(region, label)| centre(grey, &labels, region, label)).collect()
 }
 
-/// The grey level that parts dark and bright with the largest variance between both.
+/// The grey level that separates dark from bright with the largest variance between both.
 fn threshold(grey: &Image<f32>) -> f32 {
     let mut counts = [0.0_f64; 256];
     for &level in grey.values() {
@@ -73,7 +74,7 @@ fn threshold(grey: &Image<f32>) -> f32 {
     (0.5 * (best.1.start() + best.1.end())) as f32
 }
 
-/// Every pixel's region, counted from 1, 0 for the ground; and the regions.
+/// The region of every pixel, counted from 1, 0 for the background; and the regions.
 fn regions(grey: &Image<f32>, threshold: f32) -> (Image<u32>, Vec<Region>) {
     let (width, height) = grey.size();
     let mut labels = Image::filled(width, height, 0_u32);
@@ -111,7 +112,7 @@ impl Region {
     }
 }
 
-/// The centroid of the light that a dot takes away; none where there is no ground beside it.
+/// The centroid of a dot's darkness; none if there is no background beside it.
 fn centre(grey: &Image<f32>, labels: &Image<u32>, region: &Region, label: u32) -> Option<[f64; 2]> {
     let [left, top, right, bottom] = region.bounds;
     let columns = left.saturating_sub(MARGIN)..=(right + MARGIN).min(grey.width() - 1);
@@ -121,7 +122,7 @@ fn centre(grey: &Image<f32>, labels: &Image<u32>, region: &Region, label: u32) -
     let row = |x: usize, y: usize| Vector3::new(1.0, x as f64 - middle[0], y as f64 - middle[1]);
     let on_edge =
         |x: usize, y: usize| [columns.start(), columns.end()].contains(&&x) || [rows.start(), rows.end()].contains(&&y);
-    // The ground is a plane: light falls off across the image.
+    // The background is a plane, because the light varies across the image.
     let (mut normal, mut moment) = (Matrix3::zeros(), Vector3::zeros());
     for (x, y) in pixels().filter(|&(x, y)| on_edge(x, y) && labels.at(x, y) == 0) {
         let row = row(x, y);

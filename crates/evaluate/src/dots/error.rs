@@ -1,12 +1,12 @@
 use fingervision_image::ImageError;
 use fingervision_touch::ParameterError;
 
-/// What keeps dots from being followed.
+/// Why dots cannot be tracked.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DotError {
-    /// The image shows too few dots, or all in a row, for a field between them.
-    #[error("{seen} dots are seen where {least} or more, not all in a row, are needed")]
+    /// The image shows too few dots to interpolate between them, or all of them are on one line.
+    #[error("{seen} dots are visible: {least} or more, not all on one line, are needed")]
     TooFew {
         /// Dots found.
         seen: usize,

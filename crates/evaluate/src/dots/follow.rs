@@ -1,15 +1,15 @@
-//! Finds the dots of one frame again in the next.
+//! Finds the dots of one frame in the next one.
 
-/// A dot is sought within this part of the distance between neighbours.
+/// A dot is searched within this part of the distance between neighbours.
 const GATE: f64 = 0.45;
 /// Number of nearest neighbours whose mean motion a lost dot takes.
 const NEIGHBOURS: usize = 4;
 
-/// The dots of the first image on their way.
+/// The dots of the first image, tracked through the others.
 #[derive(Debug, Clone)]
 pub(super) struct Followed {
     reference_px: Vec<[f64; 2]>,
-    /// Where each is, or is thought to be.
+    /// The position of each dot, predicted where it was not found.
     places_px: Vec<[f64; 2]>,
     /// Motion since the frame before, px.
     motions_px: Vec<[f64; 2]>,
@@ -58,13 +58,13 @@ impl Followed {
         &self.is_seen
     }
 
-    /// How far a dot is from where it was first seen, px.
+    /// Displacement of a dot since the first image, px.
     pub(super) fn displacement_px(&self, dot: usize) -> [f64; 2] {
         [0, 1].map(|axis| self.places_px[dot][axis] - self.reference_px[dot][axis])
     }
 
-    /// Finds every dot among those of the next image: the two must be nearest to each other, within reach of where the last
-    /// motion leads.
+    /// Finds every dot among those of the next image: the two must be each other's nearest, within reach of the
+    /// position predicted from the last motion.
     pub(super) fn advance(&mut self, found_px: &[[f64; 2]]) {
         let expected: Vec<[f64; 2]> = self
             .places_px
@@ -88,7 +88,7 @@ impl Followed {
         self.carry_the_lost();
     }
 
-    /// A dot that is not seen keeps its place among its neighbours.
+    /// A dot that is not found moves with its neighbours.
     fn carry_the_lost(&mut self) {
         for dot in (0..self.places_px.len()).filter(|&dot| !self.is_seen[dot]) {
             let seen = self.neighbours[dot].iter().filter(|&&other| self.is_seen[other]).take(NEIGHBOURS);

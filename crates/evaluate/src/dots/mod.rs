@@ -1,13 +1,13 @@
-//! Tracks a sparse grid of dots: the baseline that a dense pattern is compared with.
+//! Tracks a sparse grid of dots, the baseline for the dense pattern.
 //!
 //! The centre of a dot is the centroid of its darkness, with the background subtracted, accurate to a twentieth of a
 //! pixel. Each dot is searched where its last motion predicts it, and assigned only if the two are each other's
 //! nearest; a lost dot takes the motion of its neighbours until it is found again. Between the dots the displacement is
-//! the thin-plate spline through all visible dots ([Bookstein1989]). It passes through scattered points, so that
-//! missing dots do no harm.
+//! the thin-plate spline through all visible dots ([Bookstein1989]). It does not need a regular grid, so dots may be
+//! missing.
 //!
-//! [`DotTracker`] gives the flow, [`DotSensor`] the density feature from it, by the same estimator and filter that a dense
-//! flow goes through; depth follows by the same laws.
+//! [`DotTracker`] gives the flow, [`DotSensor`] the density feature from it, with the same estimator and filter as for
+//! a dense flow; depth follows by the same laws.
 //!
 //! [Bookstein1989]: https://doi.org/10.1109/34.24792
 

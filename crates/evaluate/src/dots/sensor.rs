@@ -1,4 +1,4 @@
-//! From images of dots to the density feature.
+//! Computes the density feature from images of dots.
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Image, Pixels};
@@ -12,9 +12,9 @@ use crate::filtered_density::FilteredDensity;
 pub struct DotTouch<'a> {
     /// Displacement, px.
     pub flow: &'a FlowField,
-    /// The density feature `1 − density` after the filter, dimensionless; a depth law takes it from here.
+    /// The density feature `1 − density` after the filter, dimensionless; the input of a depth law.
     pub feature: &'a Image<f32>,
-    /// 1 where both hold, 0 elsewhere.
+    /// 1 where both are valid, 0 elsewhere.
     pub valid: &'a Image<u8>,
     /// Dots that are not found.
     pub lost: usize,
@@ -28,7 +28,7 @@ pub struct DotSensor {
 }
 
 impl DotSensor {
-    /// A sensor that measures from this image on.
+    /// A sensor whose first image is this one.
     ///
     /// # Errors
     ///

@@ -17,11 +17,11 @@ pub(super) struct ThinPlate {
     points: Vec<[f64; 2]>,
     /// Length that makes coordinates dimensionless, px.
     scale_px: f64,
-    /// Nodes either way; the first lies one step before the image.
+    /// Number of nodes along x and y; the first one lies one step before the image.
     nodes: (usize, usize),
     /// A row for every node, a column for every point.
     kernel: DMatrix<f32>,
-    /// The system for the points in use, and those.
+    /// The linear system for the points in use, and these points.
     solver: Option<(Vec<bool>, LU<f64, Dyn, Dyn>)>,
     values: Vec<f32>,
 }
@@ -37,8 +37,8 @@ impl ThinPlate {
         Self { points: points.to_vec(), scale_px, nodes, kernel, solver: None, values }
     }
 
-    /// Writes the spline through these values at the points in use. Returns whether there is one: three points or more, not
-    /// all in a row.
+    /// Writes the spline through these values at the points in use. Returns whether there is one: it needs three points
+    /// or more, not all on one line.
     pub(super) fn interpolate_into(
         &mut self,
         values: &[[f64; 2]],
@@ -66,7 +66,7 @@ impl ThinPlate {
         true
     }
 
-    /// Whether these points lie in more than a row: their scatter has two directions.
+    /// Whether these points are not all on one line: their scatter has two directions.
     fn is_plane(&self, used: &[usize]) -> bool {
         let count = used.len() as f64;
         let mean = [0, 1].map(|axis| used.iter().map(|&point| self.points[point][axis]).sum::<f64>() / count);
@@ -139,8 +139,8 @@ fn radial(a: [f64; 2], b: [f64; 2], scale_px: f64) -> f64 {
     if squared > 0.0 { 0.5 * squared * squared.ln() } else { 0.0 }
 }
 
-/// Weights of the four nodes around a place between the inner two, 0 to 1 (Keys, *IEEE Transactions on Acoustics, Speech, and
-/// Signal Processing* 29, 1981).
+/// Weights of the four nodes around a place between the inner two, 0 to 1 (Keys, *IEEE Transactions on Acoustics,
+/// Speech, and Signal Processing* 29, 1981).
 fn cubic(t: f32) -> [f32; 4] {
     let (t2, t3) = (t * t, t * t * t);
     [0.5 * (-t + 2.0 * t2 - t3), 0.5 * (2.0 - 5.0 * t2 + 3.0 * t3), 0.5 * (t + 4.0 * t2 - 3.0 * t3), 0.5 * (t3 - t2)]

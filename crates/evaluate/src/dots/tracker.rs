@@ -1,4 +1,4 @@
-//! From images of dots to a dense flow.
+//! Computes a dense flow from images of dots.
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Image, Pixels, Rect, grey_into};
@@ -11,17 +11,17 @@ use super::spline::ThinPlate;
 /// Least number of dots for a field.
 const LEAST: usize = 4;
 
-/// What one image of dots tells.
+/// The result of one image of dots.
 #[derive(Debug, Clone)]
 pub struct DotReading {
-    /// Displacement of every pixel since the first image, px, on its grid: the thin-plate spline through the dots that are
-    /// seen. Beyond the outermost it is extrapolated.
+    /// Displacement of every pixel since the first image, px, on its grid: the thin-plate spline through the dots that
+    /// are found. Beyond the outermost dots it is extrapolated.
     pub flow: FlowField,
     /// Dots of the first image that are not found in this one.
     pub lost: usize,
 }
 
-/// Follows the dots of a first image through those that come after it.
+/// Tracks the dots of a first image through all later ones.
 #[derive(Debug, Clone)]
 pub struct DotTracker {
     size: (usize, usize),
@@ -32,11 +32,11 @@ pub struct DotTracker {
 }
 
 impl DotTracker {
-    /// A tracker that measures from this image on.
+    /// A tracker whose first image is this one.
     ///
     /// # Errors
     ///
-    /// [`DotError::TooFew`] if it shows fewer than four dots, or all in a row.
+    /// [`DotError::TooFew`] if it shows fewer than four dots, or all on one line.
     pub fn new(first: &Pixels) -> Result<Self, DotError> {
         let size = first.size();
         let mut grey = Image::filled(size.0, size.1, 0.0);
@@ -53,23 +53,23 @@ impl DotTracker {
         Ok(tracker)
     }
 
-    /// Where the dots were in the first image, `(x, y)`, px.
+    /// Positions of the dots in the first image, `(x, y)`, px.
     #[must_use]
     pub fn reference_px(&self) -> &[[f64; 2]] {
         self.dots.reference_px()
     }
 
-    /// How far each dot is from there in the last image, px; none where it was not found.
+    /// Displacement of each dot from there in the last image, px; none where it was not found.
     pub fn displacements_px(&self) -> impl Iterator<Item = Option<[f64; 2]>> {
         self.dots.is_seen().iter().enumerate().map(|(dot, is_seen)| is_seen.then(|| self.dots.displacement_px(dot)))
     }
 
-    /// The reading of the next image. Between two images a dot may move by less than half the distance to its neighbour,
-    /// beyond the prediction by its last motion.
+    /// The reading of the next image. Between two images a dot may move by less than half the distance to its
+    /// neighbour, beyond the prediction by its last motion.
     ///
     /// # Errors
     ///
-    /// [`DotError::SizeChanged`], and [`DotError::TooFew`] if fewer than four dots are found again, or all in a row. The
+    /// [`DotError::SizeChanged`], and [`DotError::TooFew`] if fewer than four dots are found, or all on one line. The
     /// tracker stays usable.
     pub fn track(&mut self, image: &Pixels) -> Result<&DotReading, DotError> {
         let (found, expected) = (image.size(), self.size);

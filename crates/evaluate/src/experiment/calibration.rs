@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::{ExperimentError, Following, Recording, follow};
 
-/// The nine presses, and where in the gel each is: squares of 6 mm, 1, 2 and 3 mm deep.
+/// The nine presses and their positions on the gel: squares of 6 mm, 1, 2 and 3 mm deep.
 pub const CALIBRATION: [(&str, Place); 9] = [
     ("calibration-centre-1mm", Place::Centre),
     ("calibration-centre-2mm", Place::Centre),
@@ -21,7 +21,7 @@ pub const CALIBRATION: [(&str, Place); 9] = [
     ("calibration-corner-3mm", Place::Corner),
 ];
 
-/// Fits depth laws to the nine presses of a sensor. `record` has the sensor see a ready-made scene.
+/// Fits depth laws to the nine presses of a sensor. `record` makes this sensor's recording of a ready-made scene.
 ///
 /// # Errors
 ///
@@ -35,7 +35,8 @@ pub fn calibrate(
     Ok(DepthFit::new(curves)?)
 }
 
-/// The curve of a press: the largest feature of every frame, the published maximum, where the displacement is trusted.
+/// The curve of a press: the largest feature of every frame (the published maximum) over the pixels with valid
+/// displacement.
 fn curve(recording: &Recording, place: Place, following: Following) -> Result<PressCurve, ExperimentError> {
     let camera = recording.profile.camera;
     let slopes = camera.and_then(|camera| perspective_slopes_mm(&camera, recording.size()));

@@ -10,7 +10,7 @@ use super::Recording;
 ///
 /// # Errors
 ///
-/// [`DepthFitError`] if the law cannot be had, or no camera sees the surface that it needs.
+/// [`DepthFitError`] if the law is not available, or the camera does not see the surface.
 pub fn depth_of(
     feature: &Image<f32>,
     fit: &DepthFit,
@@ -25,7 +25,7 @@ pub fn depth_of(
     Ok(depth)
 }
 
-/// The same depth with nothing below zero.
+/// The same depth with negative values set to 0.
 #[must_use]
 pub fn clipped(mut depth: Image<f32>) -> Image<f32> {
     depth.values_mut().iter_mut().for_each(|depth| *depth = depth.max(0.0));

@@ -8,28 +8,30 @@ use serde::Serialize;
 use super::{DepthScore, ExperimentError, Recording, Scorer};
 use crate::run::{LEAST_ARM_MM, LEAST_SHEAR};
 
-/// How far the elastic inverse is from the truth. Forces are those of a gel whose Young's modulus is known.
+/// The errors of the elastic inverse. Forces are computed with the true Young's modulus.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ElasticScore {
     /// Errors of depth.
     pub depth: DepthScore,
-    /// Pixels that both it and the truth call contact over those that either does, 0 to 1.
+    /// Intersection over union of estimated and true contact, 0 to 1.
     pub contact_overlap: f64,
     /// Error of the normal force over the true one, dimensionless; none for a frame that does not fit the gel.
     pub normal_force: Option<f64>,
-    /// Distance of the shear force from the true one over its size; none where that is below 5 % of the normal force.
+    /// Length of the error of the shear force over the true shear force, dimensionless; none where the true one is
+    /// below 5 % of the normal force.
     pub shear_force: Option<f64>,
-    /// Error of the torque about z over the true one; none where that is below the normal force on an arm of 0.1 mm.
+    /// Error of the torque about z over the true torque, dimensionless; none where the true one is below the normal
+    /// force times an arm of 0.1 mm.
     pub torque: Option<f64>,
 }
 
 impl ElasticScore {
-    /// Of the last frame of a recording, from its flow, the deviation of that and where it holds, by what its profile says; with the depth, mm. A
-    /// frame that does not fit the gel has depth 0.
+    /// The errors for the last frame of a recording, from its flow, the deviation of the flow and its validity, with
+    /// the recording's profile; also returns the estimated depth, mm. A frame that does not fit the gel has depth 0.
     ///
     /// # Errors
     ///
-    /// [`ExperimentError`] if the profile has no camera or no gel, or the gel's elasticity cannot be had.
+    /// [`ExperimentError`] if the profile has no camera or no gel, or the elastic model of the gel cannot be made.
     pub fn of(
         recording: &Recording,
         (flow, deviation, valid): (&FlowField, &Image<f32>, &Image<u8>),
@@ -62,12 +64,12 @@ impl ElasticScore {
     }
 }
 
-/// An error as a part of the true value; none where that is not above the least.
+/// An error relative to the true value; none where the true value is not above `least`.
 fn part(error: f64, truth: f64, least: f64) -> Option<f64> {
     (truth.abs() > least).then(|| error.abs() / truth.abs())
 }
 
-/// Pixels that both masks call contact over those that either does, over what is seen; 0 for a frame that does not fit.
+/// Intersection over union of both contact masks over the visible pixels; 0 for a frame that does not fit the gel.
 fn overlap(found: &ElasticFields, recording: &Recording) -> f64 {
     let truth = &recording.truth;
     let seen = truth.visible.values().iter().zip(truth.contact.values()).zip(found.contact.values());

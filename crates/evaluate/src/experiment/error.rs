@@ -8,11 +8,11 @@ use fingervision_touch::{ParameterError, ProfileError, TrackError};
 use crate::dots::DotError;
 use crate::run::RunError;
 
-/// What keeps an experiment from its end.
+/// Why an experiment ended early.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExperimentError {
-    /// The scene cannot be.
+    /// The scene is impossible, or cannot be solved or drawn.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A press was not solved to its end.
@@ -20,7 +20,7 @@ pub enum ExperimentError {
     EndedEarly {
         /// The scene.
         scene: String,
-        /// How far it came.
+        /// Why it was not, and how far it got.
         reason: String,
     },
     /// The camera is impossible.
@@ -50,13 +50,13 @@ pub enum ExperimentError {
     /// A picture or a file cannot be written.
     #[error(transparent)]
     Sink(#[from] SinkError),
-    /// Somebody wants it to end.
+    /// The caller interrupted it.
     #[error("interrupted")]
     Interrupted,
 }
 
 impl ExperimentError {
-    /// What the user can do about it, where there is something to say.
+    /// What the user can do about it, if anything.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {

@@ -1,4 +1,4 @@
-//! From images to displacement and density feature, by the dense pattern or by dots.
+//! Computes displacement and density feature from images, with the dense pattern or with dots.
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Frame, Image};
@@ -9,7 +9,7 @@ use super::{ExperimentError, Recording};
 use crate::dots::{DotSensor, DotTouch};
 use crate::filtered_density::FilteredDensity;
 
-/// How points of the gel are followed.
+/// How points of the gel are tracked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Following {
     /// By the tracker, on a dense pattern.
@@ -18,27 +18,27 @@ pub enum Following {
     Dots,
 }
 
-/// What was found in a frame, on the reference grid.
+/// The measurements of a frame, on the reference grid.
 #[derive(Debug, Clone, Copy)]
 pub struct Followed<'a> {
     /// Displacement, px.
     pub flow: &'a FlowField,
-    /// The density feature `1 − density` after the filter, dimensionless. As published it is taken of the displacement
-    /// everywhere, trusted or not.
+    /// The density feature `1 − density` after the filter, dimensionless. As in the publication, it is computed from
+    /// the displacement everywhere, valid or not.
     pub feature: &'a Image<f32>,
-    /// Predicted standard deviation of the displacement, px; infinite where nothing is known of it, as of dots.
+    /// Predicted standard deviation of the displacement, px; infinite where it is not known, as for dots.
     pub deviation: &'a Image<f32>,
-    /// 1 where the displacement is trusted.
+    /// 1 where the displacement is valid.
     pub valid: &'a Image<u8>,
     /// From the arrival of the image to the feature, ms.
     pub latency_ms: f64,
 }
 
-/// Follows a recording and hands every frame's fields to `take`.
+/// Tracks a recording and passes the fields of every frame to `take`.
 ///
 /// # Errors
 ///
-/// [`ExperimentError::Track`] or [`ExperimentError::Dots`] if a frame cannot be followed.
+/// [`ExperimentError::Track`] or [`ExperimentError::Dots`] if a frame cannot be tracked.
 pub fn follow(
     recording: &Recording,
     profile: &Profile,

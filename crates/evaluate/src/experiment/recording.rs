@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use super::{ExperimentError, Scorer};
 
-/// Frames a second that are written into the frames: no figure depends on it.
+/// Frames per second in the frames' time stamps; no result depends on it.
 const FRAMES_PER_SECOND: f64 = 90.0;
 
 /// A simulated press: its images, and the truth of its last frame.
@@ -19,7 +19,7 @@ pub struct Recording {
     pub name: String,
     /// The tracker's profile: the scene's camera and gel, unless [changed](Self::told).
     pub profile: Profile,
-    /// How deep the indenter is in every frame, mm.
+    /// Depth of the indenter in every frame, mm.
     pub depths_mm: Vec<f64>,
     /// The last frame's truth.
     pub truth: Truth,
@@ -36,12 +36,13 @@ impl Recording {
     ///
     /// # Errors
     ///
-    /// [`ExperimentError::Scene`] if the scene cannot be, [`ExperimentError::EndedEarly`] if it was not solved to its end.
+    /// [`ExperimentError::Scene`] if the scene is impossible, [`ExperimentError::EndedEarly`] if it was not solved to
+    /// its end.
     pub fn of(scene: &Scene, cache: &PressCache) -> Result<Self, ExperimentError> {
         Self::told(scene, &[], cache)
     }
 
-    /// The same with changed values of the tracker's profile: keys with their values.
+    /// The same with some values of the tracker's profile changed, given as keys with their values.
     ///
     /// # Errors
     ///
@@ -49,7 +50,7 @@ impl Recording {
     pub fn told(scene: &Scene, assignments: &[(String, String)], cache: &PressCache) -> Result<Self, ExperimentError> {
         let mut profile = simulated_profile(scene);
         profile.set_all(assignments.iter().map(|(key, value)| (key.as_str(), value.as_str())))?;
-        // All ways to depth are compared, so only what no way uses is without effect.
+        // All methods for depth are compared, so a value has no effect only if none of them uses it.
         let keys = assignments.iter().map(|(key, _)| key.as_str());
         profile.expect_effect(keys.filter(|key| !key.starts_with("depth.")), Fields::default())?;
         let mut simulation = Simulation::new(scene)?;
@@ -78,13 +79,13 @@ impl Recording {
         self.truth.depth.size()
     }
 
-    /// Scores depth maps by the truth of the last frame.
+    /// A scorer that compares depth maps with the truth of the last frame.
     #[must_use]
     pub fn scorer(&self) -> Scorer<'_> {
         Scorer::new(&self.truth, &self.camera)
     }
 
-    /// The images as a camera hands them out.
+    /// The images as frames of a camera.
     pub fn frames(&self) -> impl Iterator<Item = Frame> {
         self.images.iter().enumerate().map(|(number, pixels)| Frame {
             sequence: number as u64,

@@ -9,34 +9,35 @@ use crate::run::{BORDER_MM, BorderBand, Correlation};
 
 /// Mean absolute errors of a depth map, mm.
 ///
-/// Unlike `evaluate`, it counts **every pixel whose truth is seen**, trusted or not: a method does not gain by leaving
-/// pixels out. A depth that is not a number counts as 0 mm. `trusted` is the same over the pixels that the method trusts.
+/// Unlike `evaluate`, this counts **every pixel whose truth is visible**, valid or not, so that a method has no
+/// advantage from leaving pixels out. A depth that is not a number counts as 0 mm. `trusted` is the error over the
+/// valid pixels only.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DepthScore {
     /// Over the whole image.
     pub everywhere_mm: f64,
-    /// In the true contact; NaN where nothing is touched.
+    /// In the true contact; NaN if nothing is touched.
     pub inside_mm: f64,
-    /// Within 1 mm of the true contact's border, on both sides; NaN where there is none.
+    /// Within 1 mm of the true contact's border, on both sides; NaN if there is none.
     pub border_mm: f64,
     /// Neither in contact nor near its border.
     pub outside_mm: f64,
-    /// Over the whole image where the method trusts itself.
+    /// Over all pixels that the method marks as valid.
     pub trusted_mm: f64,
-    /// Part of the seen pixels that the method trusts, 0 to 1.
+    /// Part of the visible pixels that the method marks as valid, 0 to 1.
     pub trusted: f64,
-    /// Pearson's correlation of estimate and truth; NaN where either is the same everywhere.
+    /// Pearson's correlation of estimate and truth; NaN if either is constant.
     pub correlation: f64,
 }
 
-/// Scores depth maps of one truth.
+/// Computes the errors of depth maps against one truth.
 #[derive(Debug)]
 pub struct Scorer<'a> {
     truth: &'a Truth,
     near: Vec<bool>,
 }
 
-/// A sum and how many it has.
+/// A sum and its number of values.
 #[derive(Debug, Clone, Copy, Default)]
 struct Mean {
     sum: f64,
@@ -64,7 +65,7 @@ impl<'a> Scorer<'a> {
         Self { truth, near }
     }
 
-    /// The errors of a depth map on the truth's grid. `valid` is 1 where the method trusts it.
+    /// The errors of a depth map on the truth's grid. `valid` is 1 where the method marks it as valid.
     ///
     /// # Panics
     ///

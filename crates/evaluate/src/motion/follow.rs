@@ -1,4 +1,4 @@
-//! One press, tracked at a pace.
+//! One press, tracked at several speeds.
 
 use super::Tally;
 use super::tally::Regions;
@@ -10,16 +10,16 @@ use fingervision_simulation::simulated_profile;
 use fingervision_touch::{Fields, Profile, Tracker};
 use std::ops::ControlFlow;
 
-/// Steps of the press from one image to the next.
+/// The paces: numbers of steps of the press from one image to the next.
 pub const PACES: [usize; 5] = [1, 2, 4, 10, 20];
 
 /// Steps of every press: each pace divides them.
 const STEPS: usize = 20;
 
-/// Images a second that are written into the frames: no figure depends on it.
+/// Frames per second in the frames' time stamps; no result depends on it.
 const FRAMES_PER_SECOND: f64 = 90.0;
 
-/// A gel and a kind of contact.
+/// A gel and a contact law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variant {
     poissons_ratio: &'static str,
@@ -35,7 +35,7 @@ impl Variant {
         Self { poissons_ratio: "0.48", contact: "{ friction = 0.5 }" },
     ];
 
-    /// What it is, in words.
+    /// Its description.
     #[must_use]
     pub fn name(&self) -> String {
         format!("Poisson's ratio {}, contact {}", self.poissons_ratio, self.contact)

@@ -1,8 +1,8 @@
-//! Simulated presses at several speeds: does the flow hold, and how well at the rim of the contact?
+//! Simulated presses at several speeds: errors and validity of the flow, in particular at the rim of the contact.
 //!
 //! Every press is solved once and tracked at several paces, with 1, 2, 4, 10 or 20 of its steps from one image to the
-//! next. The flow of every image is compared with the exact truth, by place: in contact, near its border and elsewhere. All
-//! visible pixels count, whether they are valid or not, unless a figure says otherwise.
+//! next. The flow of every image is compared with the exact truth, by region: in contact, near its border and
+//! elsewhere. All visible pixels count, whether they are valid or not, unless the name of a row says otherwise.
 
 mod follow;
 mod tally;
@@ -18,33 +18,33 @@ use rayon::prelude::*;
 /// Error of the flow in contact, px, above which a contact may be lost.
 const LOST_PX: f64 = 0.15;
 
-/// What is measured.
+/// The settings of the measurement.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Meshes so fine: the truth belongs to the images whatever the mesh.
+    /// Resolution of the meshes. Truth and images come from the same mesh, so any resolution can be used.
     pub mesh: Resolution,
-    /// Only these scenes; all presses without it.
+    /// The scenes to measure; all presses if empty.
     pub scenes: Vec<String>,
 }
 
 /// The tables of [`measure`].
 #[derive(Debug, Clone)]
 pub struct Tables {
-    /// Error in contact by scene and pace, and what is asked of all.
+    /// Error in contact by scene and pace, and the required values over all scenes.
     pub motion: Table,
     /// Error and validity by distance from the border of the contact, at pace 1.
     pub rim: Table,
-    /// Whether the predicted deviation covers the error, by place.
+    /// Part of the errors within the predicted deviation, by region.
     pub deviation: Table,
 }
 
-/// Tracks the ready-made presses, with two gels and two kinds of contact each, at all paces. `progress` gets the name of
-/// every press before it is solved.
+/// Tracks the ready-made presses, with two gels and two kinds of contact each, at all paces. `progress` is called
+/// with the name of every press before it is solved.
 ///
 /// # Errors
 ///
-/// [`ExperimentError::Scene`] for a scene that is not known or cannot be solved; [`ExperimentError::Track`] if a frame cannot be
-/// tracked, which would be a bug.
+/// [`ExperimentError::Scene`] for a scene that is not known or cannot be solved; [`ExperimentError::Track`] if a frame
+/// cannot be tracked, which would be a bug.
 pub fn measure(
     options: &Options,
     cache: &PressCache,
@@ -79,17 +79,19 @@ pub fn measure(
         tallies.iter().map(figure).sum::<f64>() / tallies.len().max(1) as f64
     };
     row("largest step, px", None, &|all| largest(all, |tally| tally.step_px));
-    row("runs above 0.15 px in contact", None, &|all| {
+    row("presses above 0.15 px in contact, number", None, &|all| {
         all.iter().filter(|tally| tally.contact_px() > LOST_PX).count() as f64
     });
-    row("valid but more than 0.5 px off, largest part", Some(Asked::AtMost(0.001)), &|all| largest(all, Tally::wrong));
+    row("valid with an error above 0.5 px, largest part", Some(Asked::AtMost(0.001)), &|all| {
+        largest(all, Tally::wrong)
+    });
     row("valid, mean part", Some(Asked::AtLeast(0.97)), &|all| mean(all, Tally::valid));
     row("within 1 mm of the border, mean, px", Some(Asked::AtMost(0.12)), &|all| mean(all, Tally::rim_px));
     row("within 1 mm of the border, largest, px", None, &|all| largest(all, Tally::rim_px));
     row("within 1 mm of the border, valid, mean part", Some(Asked::AtLeast(0.5)), &|all| mean(all, Tally::rim_valid));
     row("flagged images, mean part", None, &|all| mean(all, Tally::flagged));
-    row("normal force off in the last image, mean part", Some(Asked::AtMost(0.02)), &|all| mean(all, Tally::force_off));
-    row("normal force off in the last image, largest part", Some(Asked::AtMost(0.05)), &|all| {
+    row("error of the last normal force, mean part", Some(Asked::AtMost(0.02)), &|all| mean(all, Tally::force_off));
+    row("error of the last normal force, largest part", Some(Asked::AtMost(0.05)), &|all| {
         largest(all, Tally::force_off)
     });
     Ok(Tables { motion, rim: rim(&all[0]), deviation: deviation(&all) })
@@ -108,7 +110,7 @@ fn rim(tallies: &[Tally]) -> Table {
     table
 }
 
-/// How much of the error the deviation covers.
+/// Part of the errors within the predicted deviation.
 fn deviation(all: &[Vec<Tally>]) -> Table {
     let columns = ["contact", "rim", "outside"];
     let mut table =

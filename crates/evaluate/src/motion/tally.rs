@@ -6,7 +6,7 @@ use fingervision_image::Image;
 use fingervision_optics::Camera;
 use fingervision_touch::Reading;
 
-/// Distances from the border of the contact that are told apart, mm.
+/// Bands of distance from the border of the contact: the largest distance of each, mm.
 pub const BANDS_MM: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 
 /// The last of the bands that count as the rim.
@@ -15,10 +15,10 @@ const RIM: usize = 2;
 /// An error, px, beyond which a valid pixel is wrong.
 const WRONG_PX: f32 = 0.5;
 
-/// Where each pixel of a frame lies.
+/// The region and the band of each pixel of a frame.
 #[derive(Debug)]
 pub(super) struct Regions {
-    /// The nearest of the bands, or their number if it is farther from any border.
+    /// The index of the first band that contains the pixel, or the number of bands if it is farther from any border.
     band: Image<u8>,
 }
 
@@ -100,13 +100,13 @@ impl Sums {
     }
 }
 
-/// What the readings of a press are worth.
+/// Errors and validity of the readings of a press.
 #[derive(Debug, Clone, Default)]
 pub struct Tally {
     bands: [Sums; BANDS_MM.len() + 1],
-    /// In contact, at the rim, outside: every pixel in one of them, the rim first.
+    /// In contact, at the rim, outside: every pixel belongs to one of them; the rim takes precedence.
     places: [Sums; 3],
-    /// The largest part of a frame's valid pixels that are wrong.
+    /// The largest part of wrong pixels among the valid pixels of a frame.
     wrong: f64,
     contact_px: f64,
     frames: u64,
@@ -180,7 +180,7 @@ impl Tally {
         self.contact_px
     }
 
-    /// The largest part of an image's valid pixels that are wrong.
+    /// The largest part of wrong pixels among the valid pixels of an image.
     #[must_use]
     pub fn wrong(&self) -> f64 {
         self.wrong
@@ -198,7 +198,7 @@ impl Tally {
         self.places[1].mean_px()
     }
 
-    /// Part of the rim's pixels that are valid.
+    /// Part of the pixels at the rim that are valid.
     #[must_use]
     pub fn rim_valid(&self) -> f64 {
         self.places[1].valid()
@@ -210,7 +210,7 @@ impl Tally {
         self.flagged as f64 / self.frames as f64
     }
 
-    /// Error of the normal force in the last image, as a part of it; 1 where there is none.
+    /// Relative error of the normal force in the last image; 1 if no force is estimated.
     #[must_use]
     pub fn force_off(&self) -> f64 {
         self.force_off

@@ -1,4 +1,4 @@
-//! A report as one HTML file: headings, text, tables and pictures, with nothing outside the file.
+//! A report as one HTML file: headings, text, tables and pictures, self-contained.
 //!
 //! A [`Page`] is made of [`Section`]s, a section of [`Block`]s. Pictures are embedded as PNG, so that the file can be
 //! sent, archived and opened anywhere; there is no script in it.
@@ -24,22 +24,22 @@ const PIXELATED_BELOW: usize = 200;
 pub struct Page {
     /// Its name.
     pub title: String,
-    /// What it is, in a sentence or two.
+    /// A description in one or two sentences.
     pub lead: String,
     /// Its parts, in order.
     pub sections: Vec<Section>,
-    /// The last line: what made it, from what.
+    /// The last line: the program and the inputs that it was made with.
     pub footer: String,
 }
 
 /// A part of a report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Section {
-    /// Where links lead, in lower case without spaces.
+    /// The anchor for links, in lower case without spaces.
     pub anchor: String,
     /// Its heading.
     pub title: String,
-    /// What it holds.
+    /// Its content.
     pub blocks: Vec<Block>,
 }
 
@@ -63,7 +63,7 @@ pub enum Block {
     Picture(Picture),
     /// Small pictures side by side.
     Gallery {
-        /// How many to a row.
+        /// Number of pictures per row.
         columns: usize,
         /// From left to right.
         pictures: Vec<Picture>,
@@ -75,7 +75,7 @@ pub enum Block {
 pub struct Picture {
     /// A data URI.
     pub source: String,
-    /// What it shows, plain text.
+    /// A description, plain text.
     pub caption: String,
     /// Whether it is shown pixel by pixel, without smoothing.
     pub is_pixelated: bool,
@@ -175,6 +175,6 @@ mod tests {
         {
             assert!(html.contains(part), "no {part} in\n{html}");
         }
-        assert!(!html.contains("http"), "the page stands alone");
+        assert!(!html.contains("http"), "the page is self-contained");
     }
 }

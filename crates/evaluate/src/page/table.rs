@@ -5,23 +5,23 @@ use serde::Serialize;
 /// A table: a row's name, then its cells.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HtmlTable {
-    /// What it shows.
+    /// Its caption.
     pub caption: String,
-    /// Names of the columns, that of the row's names first.
+    /// Names of the columns; the first is that of the column of row names.
     pub columns: Vec<String>,
     /// Its rows.
     pub rows: Vec<HtmlRow>,
-    /// Whether each column of cells holds words and no figures.
+    /// Whether each column of cells contains words and no numbers.
     pub words: Vec<bool>,
 }
 
-/// Characters of the longest cell of a column of figures.
+/// Number of characters of the longest cell in a column of numbers.
 const FIGURE: usize = 24;
 
 /// A row of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct HtmlRow {
-    /// What it is about.
+    /// Its name.
     pub name: String,
     /// Its cells.
     pub cells: Vec<Cell>,
@@ -30,9 +30,9 @@ pub struct HtmlRow {
 /// A cell of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
-    /// What it says.
+    /// Its text.
     pub text: String,
-    /// Whether it is the best of its kind.
+    /// Whether it is the best value of its column or row.
     pub is_best: bool,
 }
 

@@ -1,4 +1,4 @@
-//! What the pooled correlation of figure 5 depends on: each assumption is varied.
+//! The assumptions on which the pooled correlation of figure 5 depends, varied one by one.
 
 use fingervision_calibrate::depth::{DepthFit, PressCurve};
 use fingervision_gel::Scene;
@@ -8,36 +8,36 @@ use super::{Extent, Lab, Setting, published};
 use crate::experiment::{ExperimentError, Following, Recording, calibrate};
 use crate::page::{Cell, HtmlTable, Section};
 
-/// One sensor and contact law, and what follows for the pooled line.
+/// One sensor and contact law, with the results for the pooled line.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Assumption {
     /// The contact law.
     pub law: &'static str,
     /// Distance of the camera from the gel, mm.
     pub distance_mm: f64,
-    /// The least of the nine presses' own correlations.
+    /// The smallest of the correlations of the nine single presses.
     pub least: f64,
     /// Pooled correlation of all nine.
     pub pooled: f64,
-    /// The same with what each press reads at rest taken off.
+    /// The same with the value at rest of each press subtracted.
     pub zeroed: f64,
-    /// The same with negative features taken as 0.
+    /// The same with negative features set to 0.
     pub clamped: f64,
-    /// Of the three presses at the centre alone.
+    /// Pooled correlation of the three presses at the centre.
     pub centre: f64,
     /// The steepest press's slope over the flattest one's.
     pub slope_factor: f64,
 }
 
-/// All that were varied.
+/// All combinations.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Assumptions {
-    /// One a combination.
+    /// One entry per combination.
     pub rows: Vec<Assumption>,
 }
 
 const LAWS: [(&str, &str); 2] = [("sticking", "\"stick\""), ("frictionless", "\"frictionless\"")];
-/// Distances of the camera, mm; the focal length goes with it, so that the gel keeps its size in the image.
+/// Distances of the camera, mm; the focal length is proportional to it, so that the gel keeps its size in the image.
 const DISTANCES_MM: [f64; 4] = [7.5, 15.0, 25.0, 50.0];
 
 pub(super) fn measure(lab: &Lab) -> Result<(Assumptions, Section), ExperimentError> {

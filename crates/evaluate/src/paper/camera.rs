@@ -14,14 +14,14 @@ use crate::page::{Cell, HtmlTable, Section};
 /// The board's step from image to image, mm.
 const STEP_MM: f64 = 0.5;
 
-/// The camera's residuals, and how far its flow is from the true camera's.
+/// The camera's residuals, and the difference of its flow from that of the true camera.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TableOne {
-    /// Of the plain camera.
+    /// Residual of the camera before the fit.
     pub before: Residuals,
-    /// Of the fitted one.
+    /// Residual of the fitted camera.
     pub after: Residuals,
-    /// Of the fitted one on the nodes kept for the test.
+    /// Residual of the fitted camera on the test nodes, which were not used for the fit.
     pub test: Residuals,
     /// Mean distance between the flow that the fitted and the true camera predict, over the grid, px.
     pub from_truth_px: f64,

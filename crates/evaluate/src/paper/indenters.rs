@@ -23,17 +23,17 @@ pub struct IndenterErrors {
     pub indenter: &'static str,
     /// Force on it, N.
     pub force_n: f64,
-    /// Of the dense pattern and the published line.
+    /// Error of the dense pattern with the published line.
     pub dense: DepthScore,
-    /// Of 15×15 dots and the line fitted to them.
+    /// Error of 15×15 dots with the line fitted to them.
     pub dots: DepthScore,
-    /// Of the dense pattern, a line through the origin and nothing below zero.
+    /// Error of the dense pattern with a line through the origin and negative depth set to 0.
     pub dense_clipped: DepthScore,
-    /// Of dots, the same.
+    /// The same for dots.
     pub dots_clipped: DepthScore,
-    /// Of predicting no depth.
+    /// Error of depth 0 everywhere.
     pub nothing: DepthScore,
-    /// Of the dense pattern and the gel's elasticity, which the paper does not have.
+    /// Error of the dense pattern with the gel's elasticity, which the paper does not use.
     pub elastic: ElasticScore,
 }
 
@@ -42,11 +42,11 @@ pub struct IndenterErrors {
 pub struct Indenters {
     /// The sensor.
     pub setting: Setting,
-    /// One an indenter.
+    /// One entry per indenter.
     pub errors: Vec<IndenterErrors>,
 }
 
-/// What one way of following saw, and depth maps of it by the published line and by the clipped one.
+/// The result of one way of tracking, and its depth maps with the published line and with negative depth set to 0.
 struct Maps {
     line: Image<f32>,
     clipped: Image<f32>,
@@ -185,7 +185,7 @@ fn against_dots(setting: Setting, measured: &[Measured]) -> Result<Section, Expe
     Ok(section)
 }
 
-/// What the paper does not have: depth from elasticity, and with it contact and force.
+/// A section that the paper does not have: depth from elasticity, and with it contact and force.
 fn by_elasticity(setting: Setting, measured: &[Measured]) -> Result<Section, ExperimentError> {
     let title = format!("Beyond the paper: depth from elasticity, {}", setting.name());
     let mut section = Section::new(&format!("elastic-{}", setting.word()), title);

@@ -9,7 +9,7 @@ use crate::benchmark::with_dots;
 use crate::experiment::{ExperimentError, Following, Recording, calibrate};
 use crate::page::{Cell, HtmlTable, Section};
 
-/// What the nine presses of a sensor came to.
+/// The results of the nine presses of a sensor.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LawFit {
     /// The sensor.
@@ -24,7 +24,7 @@ pub struct LawFit {
     pub intercept_mm: f64,
     /// The steepest press's slope over the flattest one's.
     pub slope_factor: f64,
-    /// Correlation of all together, followed by 15×15 dots.
+    /// Correlation of all together, tracked with 15×15 dots.
     pub dots_pooled: f64,
 }
 

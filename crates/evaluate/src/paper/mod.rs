@@ -1,8 +1,8 @@
 //! The tables and figures of [Du2021], reproduced with the simulated sensor and the tracker.
 //!
-//! [`reproduce`] goes through them in the paper's order and returns a [`Reproduction`]: all numbers, and a page that shows
-//! them beside what the paper prints. Everything is measured in the [`Setting`] that the paper's text fixes and, where it
-//! makes a difference, on the default simulated sensor.
+//! [`reproduce`] goes through them in the paper's order and returns a [`Reproduction`]: all numbers, and a page that
+//! shows them beside what the paper prints. Everything is measured in the [`Setting`] that the paper's text fixes and,
+//! where it makes a difference, on the default simulated sensor.
 //!
 //! [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
 
@@ -35,15 +35,15 @@ use crate::experiment::ExperimentError;
 
 pub use crate::experiment::Extent;
 
-/// Called with the name of the next part; may end the run.
+/// Called with the name of the next part; it can end the run.
 pub type Progress<'a> = &'a (dyn Fn(&str) -> ControlFlow<()> + Sync);
 
 /// Makes all tables and figures.
 ///
 /// # Errors
 ///
-/// [`ExperimentError`] if a press cannot be solved, tracked or fitted; [`ExperimentError::Interrupted`] if `progress` wants
-/// it to end.
+/// [`ExperimentError`] if a press cannot be solved, tracked or fitted; [`ExperimentError::Interrupted`] if `progress`
+/// ends it.
 pub fn reproduce(extent: Extent, cache: &PressCache, progress: Progress) -> Result<Reproduction, ExperimentError> {
     let next = |part: &str| if progress(part).is_break() { Err(ExperimentError::Interrupted) } else { Ok(()) };
     let lab = Lab { extent, cache };
@@ -76,7 +76,7 @@ pub fn reproduce(extent: Extent, cache: &PressCache, progress: Progress) -> Resu
     Ok(Reproduction { extent, references, laws, assumptions, indenters, table_one, speed, sections })
 }
 
-/// What every experiment works with.
+/// The inputs of every experiment.
 #[derive(Debug, Clone, Copy)]
 struct Lab<'a> {
     extent: Extent,

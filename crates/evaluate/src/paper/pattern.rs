@@ -1,4 +1,4 @@
-//! Figure 1b, the pattern, and figure 2, the density of moved points.
+//! Figure 1b: the pattern. Figure 2: the density of displaced points.
 
 use fingervision_flow::FlowField;
 use fingervision_gel::{Motion, Scene, Simulation};
@@ -45,7 +45,7 @@ pub(super) fn density_section() -> Result<Section, ExperimentError> {
     let params = DensityParams::default();
     let mut field = DensityField::at_rest(SIZE, SIZE);
     DensityEstimator::new(SIZE, SIZE, &params)?.estimate_into(&flow, &mut field);
-    let mut section = Section::new("density", "Figure 2: density of moved points");
+    let mut section = Section::new("density", "Figure 2: density of displaced points");
     section.text(format!(
         "A Gaussian with σ = {} px is placed at the moved point of every pixel; where the surface expands, their sum is smaller than \
          in the gel at rest. The feature is 1 − density: 0 at rest, positive where the surface expands. The paper cuts the Gaussian at \
@@ -57,7 +57,7 @@ pub(super) fn density_section() -> Result<Section, ExperimentError> {
     section.gallery(
         2,
         [
-            (&dots(&flow), "Every eighth point of a round bump, moved.".to_owned()),
+            (&dots(&flow), "Every eighth point of a round bump, displaced.".to_owned()),
             (
                 &pictures::map(&field.feature, &mask, scale),
                 format!("Its density feature, dimensionless: {}.", pictures::bar_caption(scale, "from blue to red")),
@@ -67,7 +67,7 @@ pub(super) fn density_section() -> Result<Section, ExperimentError> {
     Ok(section)
 }
 
-/// Moved points as dark dots.
+/// Displaced points as dark dots.
 fn dots(flow: &FlowField) -> Image<[u8; 3]> {
     const PITCH: usize = 8;
     let mut image = Image::filled(SIZE, SIZE, [255; 3]);

@@ -5,7 +5,7 @@ use fingervision_plot::{HeatScale, heat_map};
 
 type Rgb = [u8; 3];
 
-/// A map at half size: galleries show it no larger.
+/// A map at half size, the size in a gallery.
 pub(super) fn map(values: &Image<f32>, mask: &Image<u8>, scale: HeatScale) -> Image<Rgb> {
     halved(&heat_map(values, mask, scale))
 }
@@ -22,7 +22,7 @@ pub(super) fn bar(scale: HeatScale) -> Image<Rgb> {
     Image::from_fn(WIDTH, 14, |x, _| scale.colour(value(x)))
 }
 
-/// What a bar says.
+/// The description of a colour bar.
 pub(super) fn bar_caption(scale: HeatScale, unit: &str) -> String {
     format!("{} to {} {unit}", scale.low, scale.high).replace('-', "−")
 }

@@ -23,7 +23,7 @@ pub struct ReferenceErrors {
     pub indenter: &'static str,
     /// Largest true displacement, px.
     pub true_peak_px: f64,
-    /// One a policy.
+    /// One entry per policy.
     pub policies: Vec<PolicyErrors>,
 }
 
@@ -32,11 +32,11 @@ pub struct ReferenceErrors {
 pub struct PolicyErrors {
     /// The policy.
     pub policy: &'static str,
-    /// Mean distance to where the truth leads, over every seen pixel, px.
+    /// Mean end-point error over all visible pixels, px.
     pub mean_px: f64,
-    /// 95th percentile of it, px.
+    /// 95th percentile of the end-point error, px.
     pub percentile_95_px: f64,
-    /// Part of the pixels that are trusted, 0 to 1.
+    /// Part of the pixels that are valid, 0 to 1.
     pub trusted: f64,
 }
 

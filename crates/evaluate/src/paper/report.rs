@@ -10,15 +10,15 @@ use crate::page::{Page, Section};
 /// Every number of the tables and figures, and their pages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Reproduction {
-    /// How much was made.
+    /// How much was computed.
     pub extent: Extent,
     /// Figure 4.
     pub references: Vec<ReferenceErrors>,
-    /// Figure 5, a sensor each.
+    /// Figure 5, one entry per sensor.
     pub laws: Vec<LawFit>,
-    /// What figure 5's pooled correlation hangs on.
+    /// The assumptions on which the pooled correlation of figure 5 depends.
     pub assumptions: Assumptions,
-    /// Figures 6 and 7, a sensor each.
+    /// Figures 6 and 7, one entry per sensor.
     pub indenters: Vec<Indenters>,
     /// Table I.
     pub table_one: TableOne,
@@ -54,7 +54,7 @@ impl Reproduction {
     }
 }
 
-/// The main figures, a line each.
+/// The main results, one per line.
 impl fmt::Display for Reproduction {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for law in &self.laws {

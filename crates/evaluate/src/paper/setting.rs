@@ -9,15 +9,16 @@ use crate::experiment::Extent;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Setting {
-    /// As far as the paper's text fixes it: Poisson's ratio 0.35, 99×99×10 cells, 480×480 px, the camera at half the
-    /// gel's width. Contact law and focal length are not printed: sticking, and such that the gel fills the image.
+    /// With the values given in the paper's text: Poisson's ratio 0.35, 99×99×10 cells, 480×480 px, the camera at half
+    /// the gel's width. The text gives no contact law and no focal length: contact sticks here, and the gel fills the
+    /// image.
     Published,
     /// The default simulated sensor: Poisson's ratio 0.48, the camera 25 mm away, sticking.
     Realistic,
 }
 
 impl Extent {
-    /// How many parts there are to make.
+    /// Number of parts to compute.
     #[must_use]
     pub fn parts(self) -> u64 {
         5 + 2 * self.settings().len() as u64
@@ -49,7 +50,7 @@ impl Setting {
         }
     }
 
-    /// A word for anchors.
+    /// The name in links.
     pub(super) fn word(self) -> &'static str {
         match self {
             Self::Published => "published",
@@ -57,7 +58,7 @@ impl Setting {
         }
     }
 
-    /// What it is.
+    /// A description.
     pub(super) fn about(self) -> &'static str {
         match self {
             Self::Published => {
@@ -85,7 +86,7 @@ impl Setting {
         Ok(scene)
     }
 
-    /// A scene on this sensor, on the mesh that the figures are made with.
+    /// A scene on this sensor, on the mesh for the figures.
     pub(super) fn scene(self, scene: Scene, extent: Extent) -> Result<Scene, SceneError> {
         let mut scene = self.draft(scene, extent)?;
         match (extent, self) {

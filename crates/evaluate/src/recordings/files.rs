@@ -10,7 +10,7 @@ use std::path::Path;
 /// First bytes of a Middlebury flow file.
 const FLO_SIGNATURE: &[u8] = b"PIEH";
 
-/// Grey or colour of 8 bits a channel, or grey of 16.
+/// A grey or colour image of 8 bits per channel, or a grey image of 16 bits.
 pub(super) fn pixels(file: &Path) -> Result<Pixels, EvaluateError> {
     let image = image::open(file).map_err(|error| EvaluateError::file(file, error.to_string()))?;
     let (width, height) = (image.width() as usize, image.height() as usize);
@@ -24,7 +24,7 @@ pub(super) fn pixels(file: &Path) -> Result<Pixels, EvaluateError> {
     })
 }
 
-/// Where an 8-bit grey image is above mid-grey.
+/// The pixels in which an 8-bit grey image is above mid-grey.
 pub(super) fn mask(file: &Path) -> Result<Image<bool>, EvaluateError> {
     match pixels(file)? {
         Pixels::Grey8(image) => {
@@ -43,7 +43,7 @@ pub(super) fn values_16(file: &Path) -> Result<Image<u16>, EvaluateError> {
     }
 }
 
-/// The rows of numbers of a comma-separated file; a first line of words is left out.
+/// The rows of numbers of a comma-separated file; a header line is skipped.
 pub(super) fn numbers(file: &Path) -> Result<Vec<Vec<f64>>, EvaluateError> {
     let reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_path(file);
     let rows = reader.and_then(|reader| {

@@ -1,12 +1,13 @@
 //! Recorded pairs and a recorded press.
 //!
-//! The recordings are not part of the project; [`Recordings::find`] says where they are looked for. They hold:
+//! The recordings are not part of the project; [`Recordings::find`] describes the folders that are searched. They are:
 //!
 //! - whole-pixel shifts and two samples of the *DIC Challenge* 1.0, whose motion is known by construction;
 //! - *`RubberWhale`* of the Middlebury benchmark, with dense truth;
 //! - a press on a Punyo sensor: an air-filled membrane with a dense speckle, seen from inside, with a depth camera's
-//!   image and the force of the robot's wrist beside every frame. It has no dense truth, so what must hold is measured:
-//!   nothing moves at rest, there and back is nowhere, and the flow grows with the force.
+//!   image and the force of the robot's wrist beside every frame. It has no dense truth. Instead, three properties are
+//!   measured: there is no flow at rest, the flow to a frame and back to the reference adds up to zero, and the flow
+//!   grows with the force.
 
 mod files;
 mod pairs;

@@ -8,13 +8,13 @@ use fingervision_image::Image;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Left out on every side of the DIC samples, px.
+/// Border that is left out on every side of the DIC samples, px.
 const DIC_BORDER_PX: usize = 32;
 
-/// Flow beyond this is a flow file's word for "unknown", px.
+/// In a flow file a larger flow means "unknown", px.
 const UNKNOWN_PX: f32 = 1e9;
 
-/// What is known about the motion.
+/// The true motion.
 enum Truth {
     /// The same displacement everywhere, px.
     Shift([f32; 2]),
@@ -85,8 +85,8 @@ fn recorded_pairs() -> Vec<RecordedPair> {
     ]
 }
 
-/// Mean end-point errors of the recorded pairs, px: 32 px left out around the DIC samples, pixels of unknown flow left
-/// out of `RubberWhale`.
+/// Mean end-point errors of the recorded pairs, px. A border of 32 px is left out of the DIC samples, and pixels with
+/// unknown flow are left out of `RubberWhale`.
 ///
 /// # Errors
 ///
@@ -117,7 +117,7 @@ fn errors_px(recordings: &Recordings, pair: &RecordedPair) -> Result<Vec<f64>, E
         let mut matcher = Matcher::new(&reference, &params)?;
         let estimate = matcher.find(&current)?;
         let errors = end_point_errors(&estimate.flow, &truth, region);
-        // An estimate that is not a number must show.
+        // An estimate that is not a number must make the mean not a number.
         Ok(mean(errors.filter(|&error| error.is_nan() || error < UNKNOWN_PX)))
     };
     presets.into_iter().map(error_px).collect()

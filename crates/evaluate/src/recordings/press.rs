@@ -21,11 +21,11 @@ const STEADY: [usize; 3] = [80, 90, 100];
 const PRESS: RangeInclusive<usize> = 57..=113;
 /// Distance between the frames that are examined closely, from the first on.
 const EVERY: usize = 3;
-/// Two flows that are this far apart cannot both be right, px.
+/// Two flows that differ by this much cannot both be right, px.
 const APART_PX: f32 = 1.0;
 
 impl Punyo<'_> {
-    /// What must hold of single pairs and of the tracked press.
+    /// The table of single pairs and of the tracked press, with the required values.
     ///
     /// # Errors
     ///
@@ -38,7 +38,7 @@ impl Punyo<'_> {
     }
 }
 
-/// What a tracked press shows, over the membrane.
+/// The results of a tracked press, over the membrane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressEvidence {
     /// Mean length of the flow, px, by frame.
@@ -48,27 +48,28 @@ pub struct PressEvidence {
     pub force_correlation: [f64; 2],
     /// The same over the frames of the press alone.
     ///
-    /// The force's own noise bounds it: in the steady press the force wanders by 0.1 N while the flow stays.
+    /// The noise of the force limits it: in the steady press the force varies by 0.1 N while the flow does not change.
     pub press_correlation: [f64; 2],
-    /// Distance between the contact's centre by the flow and by the depth camera, px, the largest of the steady press.
+    /// Largest distance, during the steady press, between the centres of contact from the flow and from the depth
+    /// camera, px.
     ///
-    /// A centre is the centroid of a quantity where it is above half its peak: the length of the flow, and how far the
-    /// points of the gel, followed with the flow, have come towards the depth camera.
+    /// A centre is the centroid of a quantity where it is above half its peak. The two quantities are the length of the
+    /// flow, and the displacement towards the depth camera of the points of the gel, tracked with the flow.
     pub centre_distance_px: f64,
-    /// Radius of a circle with the area over which the depth is above half its peak, px, the smallest of the steady
-    /// press.
+    /// Smallest radius, during the steady press, of a circle with the area in which the depth is above half its peak,
+    /// px.
     pub contact_radius_px: f64,
     /// Smallest part of the membrane that is valid in any frame.
     pub least_valid: f64,
-    /// Largest part of the membrane that is valid in the tracked flow but more than 1 px from a flow searched from
-    /// nowhere, in any third frame from the press on.
+    /// Largest part of the membrane that is valid in the tracked flow but differs by more than 1 px from a flow
+    /// searched without a start, over every third frame from the press on.
     pub apart: f64,
-    /// Frames whose reading says that tracking was lost, or began under pressure.
+    /// Frames whose reading is flagged as lost or as pressed at the start.
     pub flagged: usize,
 }
 
 impl PressEvidence {
-    /// Follows the recording with the default profile.
+    /// Tracks the recording with the default profile.
     ///
     /// # Errors
     ///
@@ -125,7 +126,7 @@ impl PressEvidence {
         self.flagged += usize::from(is_flagged);
     }
 
-    /// Compares the contact's centre by the flow with that by the depth camera.
+    /// Compares the centre of contact from the flow with that from the depth camera.
     fn locate(&mut self, punyo: &Punyo<'_>, flow: &FlowField, at_rest: &Image<f32>, distances: &Image<u16>) {
         let (width, height) = distances.size();
         let distances = Image::from_fn(width, height, |x, y| distance_mm(distances.at(x, y)));
@@ -142,7 +143,7 @@ impl PressEvidence {
         self.contact_radius_px = self.contact_radius_px.min((by_depth.area_px2 / std::f64::consts::PI).sqrt());
     }
 
-    /// Mean flow of the last frame, px: the press is over, so the way there and back should be nowhere.
+    /// Mean flow of the last frame, px: the press is over, so it should be zero.
     #[must_use]
     pub fn flow_left_px(&self) -> f64 {
         self.mean_flow_px.last().copied().unwrap_or(f64::NAN)
@@ -164,8 +165,8 @@ impl PressEvidence {
         }
         let mut row = |name: &str, asked, value| table.push(name, asked, vec![value, f64::NAN, f64::NAN]);
         row("tracked: largest mean flow at rest", Some(Asked::AtMost(0.012)), self.flow_at_rest_px());
-        row("tracked: mean flow left in the last frame", None, self.flow_left_px());
-        row("tracked: centre by flow to centre by depth", None, self.centre_distance_px);
+        row("tracked: mean flow in the last frame, at rest again", None, self.flow_left_px());
+        row("tracked: distance of the centres from flow and depth", None, self.centre_distance_px);
         row("tracked: radius of the contact", None, self.contact_radius_px);
         row("tracked: least valid part", None, self.least_valid);
         row("tracked: valid, but > 1 px from searched", None, self.apart);
@@ -180,7 +181,7 @@ struct Blob {
 }
 
 impl Blob {
-    /// Where a quantity is above half its peak; pixels where it is not a number are left out.
+    /// The part where a quantity is above half its peak, without pixels where it is not a number.
     fn above_half(punyo: &Punyo<'_>, quantity: impl Fn(usize, usize) -> f64) -> Self {
         let peak = punyo.membrane().map(|(x, y)| quantity(x, y)).fold(0.0, f64::max);
         let (mut weights, mut sums, mut area_px2) = (0.0, [0.0; 2], 0.0);
@@ -197,7 +198,7 @@ impl Blob {
     }
 }
 
-/// Distance from the depth camera; not a number where it saw nothing.
+/// Distance from the depth camera; not a number where it measured nothing.
 fn distance_mm(steps: u16) -> f32 {
     if steps == 0 { f32::NAN } else { (f64::from(steps) * DEPTH_STEP_MM) as f32 }
 }
@@ -219,14 +220,14 @@ fn part_apart(punyo: &Punyo<'_>, tracked: &Reading, searched: &Estimate) -> f64 
     })
 }
 
-/// Part of the membrane where something holds.
+/// Part of the membrane where a condition holds.
 fn part(punyo: &Punyo<'_>, holds: impl Fn(usize, usize) -> bool) -> f64 {
     let (holding, all) =
         punyo.membrane().fold((0.0, 0.0), |(holding, all), (x, y)| (holding + f64::from(holds(x, y)), all + 1.0));
     holding / all
 }
 
-/// Correlation with the force of flows that were found in one of two ways, over some frames.
+/// Correlation of the force with flows of one of two methods, over some frames.
 fn correlation_with_force(
     punyo: &Punyo<'_>,
     flows_px: &[(usize, [f64; 2])],

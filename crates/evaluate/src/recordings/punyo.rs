@@ -1,7 +1,7 @@
 //! A recorded press on a Punyo sensor.
 //!
-//! 150 grey frames of 640×480 px at 30 a second: at rest up to 60, pressed from 62 to 110, at rest again from 115. Depth
-//! images and forces lie beside them. Everything is measured inside the membrane's mask.
+//! 150 grey frames of 640×480 px at 30 a second: at rest up to 60, pressed from 62 to 110, at rest again from 115.
+//! Depth images and forces lie beside them. Everything is measured inside the membrane's mask.
 
 use super::{Recordings, files};
 use crate::matcher::Matcher;
@@ -18,9 +18,9 @@ const REST_FRAMES: usize = 55;
 const AT_REST: [(usize, f64); 3] = [(10, 0.019), (30, 0.019), (50, 0.018)];
 /// The same after the press, when the membrane may still creep.
 const AFTER_PRESS: [(usize, f64); 3] = [(130, 0.056), (140, 0.050), (149, 0.043)];
-/// Frames of the press that are matched there and back.
+/// Frames of the press for which the flow is computed forwards and backwards.
 const PRESSED: [usize; 4] = [70, 80, 90, 100];
-/// There and back, `OpenCV`'s inverse search, preset medium, px.
+/// The error of forward and backward flow for `OpenCV`'s inverse search, preset medium, px.
 const OPENCV_ROUND_TRIP_PX: f64 = 0.09;
 
 /// The recording, opened for measuring.
@@ -48,7 +48,7 @@ impl<'a> Punyo<'a> {
         files::pixels(&self.recordings.path(&format!("punyo/gray/{index:03}.png")))
     }
 
-    /// A frame's distances from the depth camera, in its own steps; 0 where it saw nothing.
+    /// A frame's distances from the depth camera, in its own steps; 0 where it measured nothing.
     pub(super) fn distances(&self, index: usize) -> Result<Image<u16>, EvaluateError> {
         files::values_16(&self.recordings.path(&format!("punyo/depth/{index:03}.png")))
     }
@@ -65,14 +65,15 @@ impl<'a> Punyo<'a> {
         mean(self.membrane().map(|(x, y)| flow.u.at(x, y).hypot(flow.v.at(x, y))))
     }
 
-    /// What must hold of single pairs: flow at rest, after the press, and there and back, each searched from nowhere.
+    /// The table of single pairs, each searched without a start: flow at rest, flow after the press, and the error of
+    /// forward and backward flow.
     ///
     /// # Errors
     ///
     /// [`EvaluateError::File`] if a file is missing or cannot be read.
     pub fn measure_pairs(&self) -> Result<Table, EvaluateError> {
         let first = self.frame(0)?;
-        let mut table = Table::new("Recorded press (Punyo): px unless said", &["default", "medium", "OpenCV medium"]);
+        let mut table = Table::new("Recorded press (Punyo): px unless stated", &["default", "medium", "OpenCV medium"]);
         let mut matchers = [matcher(&first, Preset::Affine)?, matcher(&first, Preset::Medium)?];
         let at_rest = AT_REST.map(|frame| ("at rest", frame, Some(Asked::AtMost(0.012))));
         let after = AFTER_PRESS.map(|frame| ("after the press", frame, None));
@@ -91,12 +92,13 @@ impl<'a> Punyo<'a> {
             table.push(name, asked, vec![figure(&trips[0]), figure(&trips[1]), opencv_px]);
         };
         let mean_of = |trips: &[f64]| trips.iter().sum::<f64>() / trips.len() as f64;
-        row("there and back at the press", Some(Asked::AtMost(0.05)), mean_of, OPENCV_ROUND_TRIP_PX);
+        row("forward and backward flow of the press", Some(Asked::AtMost(0.05)), mean_of, OPENCV_ROUND_TRIP_PX);
         row("the same, worst frame", None, |trips| trips.iter().copied().fold(0.0, f64::max), f64::NAN);
         Ok(table)
     }
 
-    /// Mean of `|f(x) + b(x + f(x))|` for the flow `f` to a frame of the press and `b` back, both searched from nowhere.
+    /// Mean of `|f(x) + b(x + f(x))|` for the flow `f` to a frame of the press and `b` back, both searched without a
+    /// start.
     fn round_trips_px(&self, first: &Pixels, preset: Preset) -> Result<Vec<f64>, EvaluateError> {
         let mut matcher = matcher(first, preset)?;
         let trip = |index| {

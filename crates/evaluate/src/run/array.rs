@@ -9,18 +9,18 @@ use npyz::{DType, NpyHeader, Order};
 
 use super::RunError;
 
-/// What a value of an array can be.
+/// The type of a value in an array.
 pub(crate) trait Value: Copy + Default {
-    /// What such an array should hold, for messages.
+    /// The types that such an array can have, for messages.
     const EXPECTED: &'static str;
-    /// How to make such an array of any other with `numpy`.
+    /// How to convert any array to such an array with `numpy`.
     const HINT: &'static str;
 
-    /// How the value is stored under a type code of the format; none if it cannot be.
+    /// How the value is stored under a type code of the format; none if the code is not supported.
     fn stored_as(code: &str) -> Option<Stored<Self>>;
 }
 
-/// A form in which values are stored: bytes of each and what they mean.
+/// A storage format of values: the number of bytes and their conversion.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stored<T> {
     len: usize,
@@ -68,7 +68,7 @@ pub(super) struct FrameArray<T> {
 impl<T: Value> FrameArray<T> {
     /// Opens a file if it exists and checks that its length agrees with its header.
     ///
-    /// Bytes behind the last whole frame are allowed: a run that was cut off leaves some.
+    /// Bytes after the last complete frame are allowed: a run that was interrupted can leave some.
     pub(super) fn open(path: &Path, channels: usize) -> Result<Option<Self>, RunError> {
         let file = match File::open(path) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -80,14 +80,14 @@ impl<T: Value> FrameArray<T> {
         }
         let mut file = Counted { reader: BufReader::new(file), count: 0 };
         let header = NpyHeader::from_reader(&mut file)
-            .map_err(|error| fault(path, format!("this is no array: {error}"), "write it with numpy.save"))?;
+            .map_err(|error| fault(path, format!("this is not an array: {error}"), "write it with numpy.save"))?;
         let stored = stored(path, &header)?;
         let (frames, size) = shape(path, &header, channels)?;
 
         let frame_len = [size.0, size.1, channels, stored.len].into_iter().try_fold(1, usize::checked_mul);
         let whole = frame_len.map_or(0, |frame_len| (file_len - file.count) / frame_len.max(1) as u64);
         if whole < frames {
-            let reason = format!("the header counts {frames} frames, but the file ends after {whole}");
+            let reason = format!("the header states {frames} frames, but the file ends after {whole}");
             return Err(fault(path, reason, "the file was cut short: copy or write it again"));
         }
         let frame_len = frame_len.unwrap_or_default();
@@ -157,7 +157,8 @@ fn fault(path: &Path, reason: String, hint: &str) -> RunError {
     RunError::Array { file: path.to_owned(), reason, hint: hint.into() }
 }
 
-/// The length that a header states, bytes, before memory is taken for it: 16 bits in version 1 of the format, else 32 bits.
+/// The length that a header states, bytes, read before memory is allocated for it: 16 bits in version 1 of the format,
+/// else 32 bits.
 fn header_len(mut file: &File) -> std::io::Result<u64> {
     let mut start = Vec::new();
     file.take(12).read_to_end(&mut start)?;

@@ -1,13 +1,13 @@
 //! The pixels near the border of the contact, by distance on the undeformed gel.
 //!
 //! The border runs between a pixel that is in contact and a neighbour that is not, half-way between their centres. Its
-//! points and the pixels are laid onto the undeformed surface by the camera, and a pixel belongs to the band if some
-//! border point is no farther than the band's reach: exact for any camera, tilted or distorted. The edge of the image
-//! and of what the camera sees of the gel does not count as a border, because what lies beyond it is unknown.
+//! points and the pixels are projected onto the undeformed surface, and a pixel belongs to the band if some border
+//! point is no farther than the band's reach. This is exact for any camera, tilted or distorted. The edge of the image
+//! and the edge of the visible gel do not count as a border, because contact beyond them is unknown.
 //!
 //! Around each border point only the pixels that can be within reach are examined. For contacts with some thousand
-//! border pixels this is cheaper than a distance transform of the whole image, which moreover would be exact for an
-//! upright pinhole camera only.
+//! border pixels this is cheaper than a distance transform of the whole image, which would be exact only for an upright
+//! pinhole camera.
 
 use fingervision_image::Rect;
 use fingervision_optics::Camera;
@@ -21,7 +21,7 @@ pub(crate) struct BorderBand {
     size: (usize, usize),
     reach_mm: f64,
     reach_px: usize,
-    /// Where each pixel looks at the undeformed surface, mm; NaN beside it.
+    /// The point of the undeformed surface that each pixel sees, mm; NaN where it sees none.
     places_mm: Vec<[f64; 2]>,
     near: Vec<bool>,
 }
@@ -34,12 +34,13 @@ impl BorderBand {
         let places_mm = pixels.map(|px| camera.surface_point(px, 0.0).unwrap_or([f64::NAN; 2])).collect();
         let mut band = Self { size, reach_mm, reach_px: 0, places_mm, near: vec![false; width * height] };
         let finest_mm = band.finest_mm();
-        // A tenth more, as the gel's scale changes within the reach, and a pixel for the border's place between two.
+        // A tenth more, because the scale changes within the reach, and one pixel more, because the border lies between
+        // two pixels.
         band.reach_px = ((1.1 * reach_mm / finest_mm).ceil() as usize).saturating_add(1);
         band
     }
 
-    /// Whether each pixel lies in the band of this contact. `is_gel` says whether a pixel sees the gel at all.
+    /// Whether each pixel lies in the band of this contact. `is_gel` returns whether a pixel sees the gel.
     pub(crate) fn find(&mut self, contact: &[u8], is_gel: impl Fn(usize) -> bool) -> &[bool] {
         self.near.fill(false);
         let (width, height) = self.size;
@@ -83,8 +84,8 @@ impl BorderBand {
         Rect { x, y, width, height }
     }
 
-    /// The shortest way on the gel that a step of one pixel takes in any direction, anywhere, mm: the least singular
-    /// value of the map from px to mm.
+    /// The shortest distance on the gel of a step of one pixel, over all directions and pixels, mm: the smallest
+    /// singular value of the map from px to mm.
     fn finest_mm(&self) -> f64 {
         let (width, height) = self.size;
         let step = |a: usize, b: usize| {
@@ -127,7 +128,7 @@ mod tests {
         (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| u8::from(is_touched(x, y)))).collect()
     }
 
-    /// The definition: every pixel against every border point.
+    /// The definition: compares every pixel with every border point.
     fn by_definition(camera: &Camera, contact: &[u8], reach_mm: f64) -> Vec<bool> {
         let (width, height) = SIZE;
         let place = |i: usize| camera.surface_point([(i % width) as f64, (i / width) as f64], 0.0).unwrap();

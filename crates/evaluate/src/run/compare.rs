@@ -15,11 +15,11 @@ use super::{Components, Errors, FieldErrors, PixelCounts, Region, Regions, RunEr
 pub(super) struct Comparer {
     /// For each pixel of the run, its place in the truth's arrays.
     on_truth: Vec<usize>,
-    /// 1 where the truth is seen, on the run's grid.
+    /// 1 where the truth is visible, on the run's grid.
     seen: Vec<u8>,
-    /// Where the flow is compared, and all else that has no mask of its own.
+    /// Where the flow is compared, and all other fields without a separate mask.
     judged: Judgement,
-    /// Where depth, displacement and contact are compared, if the run says on its own where these hold.
+    /// Where depth, displacement and contact are compared, if the run has a separate mask for them.
     depth_judged: Option<Judgement>,
     flow: Option<[Tally; 4]>,
     depth: Option<[Tally; 4]>,
@@ -63,17 +63,17 @@ impl Comparer {
         }
     }
 
-    /// 1 where the truth of the last frame is seen, on the run's grid.
+    /// 1 where the truth of the last frame is visible, on the run's grid.
     pub(super) fn seen(&self) -> &[u8] {
         &self.seen
     }
 
-    /// 1 where the flow of the last frame holds.
+    /// 1 where the flow of the last frame is valid.
     pub(super) fn valid(&self) -> &[u8] {
         &self.judged.valid
     }
 
-    /// 1 where the depth of the last frame holds.
+    /// 1 where the depth of the last frame is valid.
     pub(super) fn depth_valid(&self) -> &[u8] {
         &self.depth_judged.as_ref().unwrap_or(&self.judged).valid
     }
@@ -155,8 +155,8 @@ impl Comparer {
         depth_judged.judge(&Judged { mask, mask_name, arrays: &depth }, frame)
     }
 
-    /// Sets the regions of each pixel that is compared, and counts the others: by where the flow is valid, and by
-    /// where depth holds if that is known on its own.
+    /// Sets the regions of each pixel that is compared, and counts the others: for the mask of the flow, and for that
+    /// of depth if there is a separate one.
     fn assign_regions(&mut self, inputs: &mut Inputs) -> (Regions<PixelCounts>, Option<Regions<PixelCounts>>) {
         let Inputs { truth, band, .. } = inputs;
         let contact = truth.contact.as_ref().map(FrameArray::values);
@@ -209,7 +209,7 @@ impl Comparer {
         Some(end_frame(tallies))
     }
 
-    /// The errors over all pixels where depth holds, and over those of them where the flow does too.
+    /// The errors over all pixels with valid depth, and over those of them whose flow is also valid.
     fn compare_depth(&mut self, run: &Fields, truth: &Fields) -> (Option<Regions>, Option<Regions>) {
         let (Some(run), Some(truth), Some(tallies)) = (&run.depth, &truth.depth, &mut self.depth) else {
             return (None, None);

@@ -20,7 +20,7 @@ impl Correlation {
         self.product += dx * (y - self.mean[1]);
     }
 
-    /// Takes in the pairs of another (Chan, Golub and `LeVeque`, 1979).
+    /// Adds the pairs of another (Chan, Golub and `LeVeque`, 1979).
     pub(crate) fn merge(&mut self, other: &Self) {
         if other.count == 0.0 {
             return;
@@ -36,7 +36,7 @@ impl Correlation {
         self.count = count;
     }
 
-    /// The coefficient, −1 to 1; none where either number never changes.
+    /// The coefficient, −1 to 1; none if either number never changes.
     pub(crate) fn coefficient(&self) -> Option<f64> {
         let [x, y] = self.squares;
         (x > 0.0 && y > 0.0).then(|| (self.product / (x.sqrt() * y.sqrt())).clamp(-1.0, 1.0))

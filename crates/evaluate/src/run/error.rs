@@ -11,23 +11,23 @@ use fingervision_settings::SettingsError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// A folder that holds neither flow nor depth.
-    #[error("{} holds neither flow.npy nor depth.npy", .folder.display())]
+    /// A folder that contains neither flow nor depth.
+    #[error("{} contains neither flow.npy nor depth.npy", .folder.display())]
     NoFields {
         /// The folder.
         folder: PathBuf,
-        /// What would have been a folder of this kind.
+        /// Which folders can be given.
         hint: String,
     },
-    /// A file that is there, but cannot be read.
+    /// A file that exists, but cannot be read.
     #[error("cannot read {}: {error}", .file.display())]
     Read {
         /// The file.
         file: PathBuf,
-        /// What the operating system said.
+        /// The error of the operating system.
         error: io::Error,
     },
-    /// An array of another kind or shape than its name says, or one that was cut short.
+    /// An array with an unexpected type or shape, or one that is incomplete.
     #[error("{}: {reason}", .file.display())]
     Array {
         /// The file.
@@ -37,7 +37,7 @@ pub enum RunError {
         /// What to do about it.
         hint: String,
     },
-    /// A table that lacks a column or holds what is no number.
+    /// A table without a required column, or with a cell that is not a number.
     #[error("{}, line {line}: {reason}", .file.display())]
     Table {
         /// The file.
@@ -47,10 +47,10 @@ pub enum RunError {
         /// What was found and what was expected.
         reason: String,
     },
-    /// A `run.toml` or `profile.toml` that does not say what it should.
+    /// A `run.toml` or `profile.toml` with an error.
     #[error(transparent)]
     Settings(#[from] SettingsError),
-    /// A camera that cannot be.
+    /// An impossible camera.
     #[error("{}: camera.{error}", .file.display())]
     Camera {
         /// The truth's `profile.toml`.
@@ -58,10 +58,10 @@ pub enum RunError {
         /// What is wrong with it.
         error: CameraError,
     },
-    /// A region of interest of another size than the arrays that it is said of.
-    #[error("{}: the region of interest {} is not the {}x{} px of the arrays", .file.display(), shown(.region), .size.0, .size.1)]
+    /// A region of interest whose size differs from that of the arrays.
+    #[error("{}: the region of interest {} differs in size from the arrays, {}x{} px", .file.display(), shown(.region), .size.0, .size.1)]
     Region {
-        /// The file that names the region.
+        /// The file that contains the region.
         file: PathBuf,
         /// The region.
         region: Rect,
@@ -69,15 +69,15 @@ pub enum RunError {
         size: (usize, usize),
     },
     /// A run whose pixels differ from those of the truth.
-    #[error("the run's grid {} is no part of the truth's {}", shown(.run), shown(.truth))]
+    #[error("the run's grid {} is not inside the truth's grid {}", shown(.run), shown(.truth))]
     Grids {
-        /// Where the run's fields lie in the camera image.
+        /// Position of the run's fields in the camera image.
         run: Rect,
-        /// Where the truth's fields lie in the camera image.
+        /// Position of the truth's fields in the camera image.
         truth: Rect,
     },
-    /// Files that count different numbers of frames.
-    #[error("{} counts {} frames, {} counts {}", .first.0.display(), .first.1, .second.0.display(), .second.1)]
+    /// Files with different numbers of frames.
+    #[error("{} contains {} frames, {} contains {}", .first.0.display(), .first.1, .second.0.display(), .second.1)]
     FrameCounts {
         /// A file and its frames.
         first: (PathBuf, u64),
@@ -85,7 +85,7 @@ pub enum RunError {
         second: (PathBuf, u64),
     },
     /// Nothing to compare.
-    #[error("{} holds {run_holds} and {} holds {truth_holds}: there is nothing to compare", .run.display(), .truth.display())]
+    #[error("{} contains {run_holds} and {} contains {truth_holds}: there is nothing to compare", .run.display(), .truth.display())]
     NothingInCommon {
         /// The run's folder.
         run: PathBuf,
@@ -96,7 +96,7 @@ pub enum RunError {
         /// Its fields.
         truth_holds: String,
     },
-    /// A run that was tracked from another scene than the truth is of.
+    /// A run and a truth of different scenes.
     #[error("{} was tracked from the scene \"{run_scene}\", but {} is the truth of \"{truth_scene}\"", .run.display(), .truth.display())]
     OtherScene {
         /// The run's folder.
@@ -105,11 +105,11 @@ pub enum RunError {
         run_scene: String,
         /// The folder of the truth.
         truth: PathBuf,
-        /// The scene that it is of.
+        /// The scene of the truth.
         truth_scene: String,
     },
-    /// A pixel that counts as valid, but has no number.
-    #[error("{}: frame {frame}, pixel ({x}, {y}) is not finite, but {mask} says that it holds", .file.display())]
+    /// A pixel that is marked as valid, but is not finite.
+    #[error("{}: frame {frame}, pixel ({x}, {y}) is not finite, but {mask} marks it as valid", .file.display())]
     NotFinite {
         /// The array.
         file: PathBuf,
@@ -125,33 +125,33 @@ pub enum RunError {
 }
 
 impl RunError {
-    /// What the person at the keyboard can do about it.
+    /// What the user can do about it.
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::NoFields { hint, .. } | Self::Array { hint, .. } => Some(hint.clone()),
-            Self::Read { .. } => Some("check that the file is there and may be read".into()),
+            Self::Read { .. } => Some("check that the file exists and can be read".into()),
             Self::Table { .. } => {
-                Some("a table has a line of column names, then a line of numbers a frame, separated by commas".into())
+                Some("a table has a line of column names, then one line of numbers per frame, separated by commas".into())
             }
             Self::Settings(error) => {
-                error.hint().or_else(|| Some("check that the file is there and may be read".into()))
+                error.hint().or_else(|| Some("check that the file exists and can be read".into()))
             }
             Self::Camera { error, .. } => Some(format!("set camera.{} there to {}", error.key, error.allowed)),
             Self::Region { .. } => {
                 Some("correct image.region_of_interest = [x, y, width, height] there, or leave [image] out".into())
             }
             Self::Grids { .. } => Some(
-                "give the truth of these very frames; a run on a part of the image says so in its run.toml: \
+                "give the truth of exactly these frames; if only a part of the image was tracked, run.toml must contain \
                  profile.image.region_of_interest = [x, y, width, height]"
                     .into(),
             ),
-            Self::FrameCounts { .. } => Some("--common-frames compares the first frames, those that all hold".into()),
+            Self::FrameCounts { .. } => Some("--common-frames compares only the first frames, which all files contain".into()),
             Self::OtherScene { run_scene, .. } => {
                 Some(format!("give the folder of the simulation \"{run_scene}\" whose frames were tracked"))
             }
             Self::NothingInCommon { .. } => {
-                Some("track with --fields flow,depth, or give the truth of what the run holds".into())
+                Some("track with --fields flow,depth, or give a truth with the fields of the run".into())
             }
             Self::NotFinite { mask, .. } => {
                 Some(format!("set {mask} to 0 where nothing was measured, or leave it out"))
@@ -159,7 +159,7 @@ impl RunError {
         }
     }
 
-    /// Names the file in what the operating system said.
+    /// Adds the file to an error of the operating system.
     pub(super) fn reading(file: &Path) -> impl FnOnce(io::Error) -> Self {
         move |error| Self::Read { file: file.to_owned(), error }
     }

@@ -1,4 +1,4 @@
-//! Goes through a run and its truth, a frame at a time.
+//! Reads a run and its truth, one frame at a time.
 
 use std::path::Path;
 
@@ -11,11 +11,11 @@ use super::picture::Shown;
 use super::report::{FieldErrors, FrameReport, Report};
 use super::{BORDER_MM, Options, RunError};
 
-/// A depth or flow counts as the largest if it is not below it by more than this part: of a press that is held, the
-/// last frame is shown.
+/// A depth or flow also counts as the largest if it is smaller by at most this part. If a press is held, its last frame
+/// is therefore shown.
 const AS_DEEP: f64 = 1e-3;
 
-/// Where the gel moves by this much or more, px, a right flow goes with the true one by this correlation or more.
+/// If the gel moves by this much or more, px, a correct flow has at least this correlation with the true flow.
 const LEAST_MOTION_PX: f64 = 1.0;
 const LEAST_CORRELATION: f64 = 0.9;
 
@@ -37,7 +37,7 @@ struct Deepest {
     largest: f64,
 }
 
-/// What a finished comparison came to.
+/// The result of a finished comparison.
 #[derive(Debug)]
 pub struct Outcome {
     /// All figures.
@@ -56,7 +56,7 @@ impl Outcome {
 impl Evaluation {
     /// Opens a run and its truth.
     ///
-    /// `run` holds `flow.npy`, `depth.npy` or both; `truth` does, or has a subfolder `truth` that does.
+    /// `run` contains `flow.npy`, `depth.npy` or both; `truth` or its subfolder `truth` contains them, too.
     ///
     /// # Errors
     ///
@@ -73,7 +73,7 @@ impl Evaluation {
         })
     }
 
-    /// How many frames there are to compare.
+    /// Number of frames to compare.
     #[must_use]
     pub fn frame_count(&self) -> u64 {
         self.inputs.frames
@@ -83,8 +83,8 @@ impl Evaluation {
     ///
     /// # Errors
     ///
-    /// [`RunError::Read`] if a file can no longer be read, [`RunError::NotFinite`] if the run holds no number where it
-    /// says that it is valid.
+    /// [`RunError::Read`] if a file can no longer be read, [`RunError::NotFinite`] if the run has a value that is not
+    /// finite where it is marked as valid.
     pub fn advance(&mut self) -> Result<bool, RunError> {
         let frame = self.frames.len() as u64;
         if frame == self.inputs.frames {
@@ -102,7 +102,7 @@ impl Evaluation {
         Ok(true)
     }
 
-    /// What the frames compared so far came to.
+    /// The result of the frames compared so far.
     #[must_use]
     pub fn finish(self) -> Outcome {
         let Self { inputs, comparer, force_peak_n, frames, deepest, shown } = self;
@@ -157,19 +157,19 @@ impl Evaluation {
         }
     }
 
-    /// The largest true value among the pixels of the run that see it.
+    /// The largest true value among the pixels of the run in which the truth is visible.
     fn largest_seen(&self, value: Option<impl Fn(usize) -> f64>) -> Option<f64> {
         let value = value?;
         let seen = self.comparer.on_truth().iter().zip(self.comparer.seen()).filter(|(_, seen)| **seen != 0);
         seen.map(|(&at, _)| value(at)).reduce(f64::max)
     }
 }
-/// A word of doubt where the flow of the deepest frame goes elsewhere than the truth: these may be other frames.
+/// A warning if the flow of the deepest frame differs from the truth so much that the truth may belong to other frames.
 fn unlike_truth(deepest: &FrameReport) -> Option<String> {
     let true_px = deepest.true_flow_px.filter(|&px| px >= LEAST_MOTION_PX)?;
     let correlation = deepest.errors.flow_px?.everywhere?.correlation.filter(|&value| value < LEAST_CORRELATION)?;
     Some(format!(
-        "the flow of frame {} goes with the true one, of up to {true_px:.1} px, by a correlation of {correlation:.2} alone: is this \
+        "the correlation of the flow of frame {} with the true flow, of up to {true_px:.1} px, is only {correlation:.2}: is this \
          the truth of these frames?",
         deepest.frame
     ))

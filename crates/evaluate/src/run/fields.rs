@@ -13,25 +13,25 @@ const COMPARED: [Field; 4] = [Field::Flow, Field::Depth, Field::Displacement, Fi
 /// The file of [`Fields::depth_mask`].
 pub(super) const DEPTH_MASK: &str = Field::DepthValid.file_name();
 
-/// The arrays of a run or of a truth. What a folder lacks is absent.
+/// The arrays of a run or of a truth; those that the folder lacks are absent.
 #[derive(Debug)]
 pub(super) struct Fields {
-    /// px, `(x, y)`.
+    /// Flow `(x, y)`, px.
     pub(super) flow: Option<FrameArray<f32>>,
-    /// mm, positive pressed in.
+    /// Depth, mm, positive pressed in.
     pub(super) depth: Option<FrameArray<f32>>,
-    /// mm, `(x, y, z)` in gel space.
+    /// Displacement `(x, y, z)` in gel space, mm.
     pub(super) displacement: Option<FrameArray<f32>>,
     /// 1 where the gel is touched.
     pub(super) contact: Option<FrameArray<u8>>,
-    /// 1 where the fields hold: `valid.npy` of a run, `visible.npy` of a truth.
+    /// 1 where the fields are valid: `valid.npy` of a run, `visible.npy` of a truth.
     pub(super) mask: Option<FrameArray<u8>>,
-    /// 1 where depth, displacement and contact hold, where that is not where the flow does: `depth_valid.npy` of a run.
+    /// 1 where depth, displacement and contact are valid, if this differs from the flow: `depth_valid.npy` of a run.
     pub(super) depth_mask: Option<FrameArray<u8>>,
 }
 
 impl Fields {
-    /// Opens what the folder holds.
+    /// Opens the arrays of the folder.
     pub(super) fn open(folder: &Path, mask: &str) -> Result<Self, RunError> {
         let file = |field: Field| folder.join(field.file_name());
         let fields = Self {
@@ -58,18 +58,18 @@ impl Fields {
         self.sizes().first().map_or((0, 0), |(_, size)| *size)
     }
 
-    /// Every file and how many frames it counts.
+    /// Every file and its number of frames.
     pub(super) fn frame_counts(&self) -> Vec<(PathBuf, u64)> {
         let numbers = self.numbers().map(|array| (array.path().to_owned(), array.frames()));
         numbers.chain(self.masks().map(|array| (array.path().to_owned(), array.frames()))).collect()
     }
 
-    /// Which of the fields are here, in the order of [`COMPARED`].
+    /// The fields that are present, in the order of [`COMPARED`].
     fn presence(&self) -> [bool; 4] {
         [self.flow.is_some(), self.depth.is_some(), self.displacement.is_some(), self.contact.is_some()]
     }
 
-    /// The names of the fields that are here, separated by commas.
+    /// The names of the fields that are present, separated by commas.
     pub(super) fn names(&self) -> String {
         let present =
             COMPARED.iter().zip(self.presence()).filter(|(_, is_here)| *is_here).map(|(field, _)| field.name());

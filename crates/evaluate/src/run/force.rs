@@ -4,9 +4,9 @@ use super::report::mean_of;
 use super::table_file::Forces;
 use super::{ForceErrors, ForceReport, LoadErrors};
 
-/// Shear below this part of the normal force counts as zero: no relative error is given.
+/// A shear force below this part of the normal force has no relative error.
 pub(crate) const LEAST_SHEAR: f64 = 0.05;
-/// Torque below that of the normal force on an arm of this length, mm, counts as zero.
+/// A torque below the normal force times an arm of this length, mm, has no relative error.
 pub(crate) const LEAST_ARM_MM: f64 = 0.1;
 
 /// The largest true force of the frames, N.
@@ -24,7 +24,7 @@ pub(super) fn frame_errors(estimated: [Option<f64>; 4], truth: [Option<f64>; 4],
     ForceErrors { true_n, estimated_n, error_n, of_peak, true_torque_nmm, estimated_torque_nmm }
 }
 
-/// What the frames' errors come to.
+/// The summary of the frames' errors.
 pub(super) fn report(frames: &[ForceErrors], true_peak_n: f64) -> ForceReport {
     let sizes = [0, 1, 2]
         .map(|axis: usize| frames.iter().filter_map(|frame| frame.error_n[axis]).map(f64::abs).collect::<Vec<_>>());
@@ -49,8 +49,8 @@ pub(super) fn report(frames: &[ForceErrors], true_peak_n: f64) -> ForceReport {
     }
 }
 
-/// The errors of a part, from its true size and its error in every frame; none without a frame. They are no part of a peak
-/// that is not above the least.
+/// The errors of one part of the load, from its true size and its error in every frame; none without a frame. Without a
+/// true peak above `least` there are no relative errors.
 fn load_errors(frames: impl Iterator<Item = [f64; 2]>, least: f64) -> Option<LoadErrors> {
     let frames: Vec<[f64; 2]> = frames.collect();
     let [true_peak, error_at_peak] = frames.iter().copied().max_by(|a, b| a[0].total_cmp(&b[0]))?;
@@ -66,7 +66,7 @@ fn load_errors(frames: impl Iterator<Item = [f64; 2]>, least: f64) -> Option<Loa
     })
 }
 
-/// A part of the largest force; none where there was none.
+/// An error relative to the largest force; none if that is 0.
 fn over(value: Option<f64>, peak_n: f64) -> Option<f64> {
     value.filter(|_| peak_n > 0.0).map(|value| value / peak_n)
 }

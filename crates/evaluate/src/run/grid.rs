@@ -1,4 +1,4 @@
-//! Where a run's fields lie on the truth's grid.
+//! The position of a run's fields on the truth's grid.
 
 use std::path::Path;
 
@@ -6,14 +6,14 @@ use fingervision_image::Rect;
 
 use super::RunError;
 
-/// A grid of fields: its size and, where its file names one, its region of interest in the camera image.
+/// A grid of fields: its size and, if its file contains it, its region of interest in the camera image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grid<'a> {
     /// Columns and rows, px.
     pub(super) size: (usize, usize),
     /// Left column, top row, width and height in the camera image, px.
     pub(super) region: Option<[usize; 4]>,
-    /// The file that would name the region.
+    /// The file that can contain the region.
     pub(super) file: &'a Path,
 }
 
@@ -33,8 +33,7 @@ impl Grid<'_> {
 
 /// The part of the truth's grid that the run covers.
 ///
-/// Both name their place in the camera image. Of a run that names none it is only known that it covers a truth of its
-/// own size.
+/// It follows from their regions in the camera image. A run without a region must have the size of the truth.
 pub(super) fn place(run: Grid, truth: Grid) -> Result<Rect, RunError> {
     let (run_place, truth_place) = (run.place()?, truth.place()?);
     let (width, height) = run.size;
@@ -77,12 +76,12 @@ mod tests {
     #[test]
     fn grids_that_do_not_fit_are_named() {
         let error = placed(((4, 3), None), ((8, 6), None)).unwrap_err();
-        assert_eq!(error, "the run's grid [0, 0, 4, 3] is no part of the truth's [0, 0, 8, 6]");
+        assert_eq!(error, "the run's grid [0, 0, 4, 3] is not inside the truth's grid [0, 0, 8, 6]");
         let error = placed(((4, 3), Some([5, 1, 4, 3])), ((8, 6), None)).unwrap_err();
-        assert_eq!(error, "the run's grid [5, 1, 4, 3] is no part of the truth's [0, 0, 8, 6]");
+        assert_eq!(error, "the run's grid [5, 1, 4, 3] is not inside the truth's grid [0, 0, 8, 6]");
         let error = placed(((4, 3), Some([1, 1, 4, 3])), ((8, 6), Some([3, 2, 8, 6]))).unwrap_err();
-        assert_eq!(error, "the run's grid [1, 1, 4, 3] is no part of the truth's [3, 2, 8, 6]");
+        assert_eq!(error, "the run's grid [1, 1, 4, 3] is not inside the truth's grid [3, 2, 8, 6]");
         let error = placed(((4, 3), Some([0, 0, 5, 3])), ((8, 6), None)).unwrap_err();
-        assert_eq!(error, "run.toml: the region of interest [0, 0, 5, 3] is not the 4x3 px of the arrays");
+        assert_eq!(error, "run.toml: the region of interest [0, 0, 5, 3] differs in size from the arrays, 4x3 px");
     }
 }

@@ -1,12 +1,12 @@
-//! Quantiles of more numbers than memory holds.
+//! Quantiles of more numbers than fit into memory.
 
 /// Lower bits of a number that are ignored.
 const DROPPED_BITS: u32 = 12;
 
-/// Counts of non-negative numbers by their leading bits.
+/// A histogram of non-negative numbers by their leading bits.
 ///
-/// The bits of a positive float are in the order of the numbers, so bins of equal leading bits are as wide as their
-/// numbers are large: a quantile is exact to one part in 4096. It takes 4 MB.
+/// The bit patterns of positive floats have the order of the numbers, so bins of equal leading bits have a width
+/// proportional to their numbers: a quantile is exact to one part in 4096. The histogram takes 4 MB.
 #[derive(Debug)]
 pub(super) struct Histogram {
     counts: Vec<u64>,
@@ -24,7 +24,7 @@ impl Histogram {
         self.total += 1;
     }
 
-    /// The number that the part `quantile`, 0 to 1, of all numbers does not exceed; none if there are none.
+    /// The quantile of all numbers, `quantile` from 0 to 1; none if there are none.
     pub(super) fn quantile(&self, quantile: f64) -> Option<f64> {
         let mut left = rank(self.total, quantile)?;
         let bin = self.counts.iter().position(|&count| {
@@ -38,14 +38,13 @@ impl Histogram {
     }
 }
 
-/// The number that the part `quantile`, 0 to 1, of some numbers does not exceed; none if there are none. Changes the
-/// order of the numbers.
+/// The quantile of some numbers, `quantile` from 0 to 1; none if there are none. Changes the order of the numbers.
 pub(super) fn quantile(values: &mut [f32], quantile: f64) -> Option<f64> {
     let rank = rank(values.len() as u64, quantile)?;
     Some(f64::from(*values.select_nth_unstable_by(rank as usize, f32::total_cmp).1))
 }
 
-/// The place of a quantile among sorted numbers, counted from 0: the nearest.
+/// The index of a quantile among sorted numbers, from 0: the nearest one.
 fn rank(count: u64, quantile: f64) -> Option<u64> {
     let last = count.checked_sub(1)?;
     Some((quantile.clamp(0.0, 1.0) * last as f64).round() as u64)

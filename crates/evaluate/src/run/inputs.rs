@@ -25,17 +25,17 @@ pub(super) struct Inputs {
     pub(super) truth: Fields,
     /// The part of the truth's grid that the run covers.
     pub(super) place: Rect,
-    /// Absent where there is no contact or no camera.
+    /// Absent if there is no contact or no camera.
     pub(super) band: Option<BorderBand>,
     /// Estimated and true; absent unless both are known.
     pub(super) forces: Option<[Forces; 2]>,
     pub(super) frames: u64,
-    /// How many frames of the truth to go on by for each frame of the run; one by one where there are none.
+    /// Number of truth frames to advance for each frame of the run; 1 beyond its end.
     truth_steps: std::vec::IntoIter<u64>,
     pub(super) notes: Vec<String>,
 }
 
-/// What is read of a run's `run.toml`; whatever else it holds is another program's business.
+/// The parts of a run's `run.toml` that are read; other keys are ignored.
 #[derive(Debug, Default, Deserialize)]
 struct RunRecord {
     #[serde(default)]
@@ -43,7 +43,7 @@ struct RunRecord {
     source: Option<Source>,
 }
 
-/// What is read of a profile.
+/// The parts of a profile that are read.
 #[derive(Debug, Default, Deserialize)]
 struct Sensor {
     image: Option<ImageSection>,
@@ -63,7 +63,7 @@ impl Inputs {
         let mut notes = Vec::new();
         let (run_file, truth_file) = (run_path.join("run.toml"), profile_beside(truth_path, &truth_folder));
         let record: RunRecord = read_toml("run record", &run_file)?.unwrap_or_else(|| {
-            notes.push("run.toml is absent: the run is taken to cover the truth's whole grid".into());
+            notes.push("run.toml is absent: the run is assumed to cover the whole grid of the truth".into());
             RunRecord::default()
         });
         expect_same_scene(run_path, record.source.as_ref(), [truth_path, &truth_folder])?;
@@ -108,13 +108,13 @@ impl Inputs {
 fn part_note(numbers: &[u64]) -> String {
     let (first, last) = (numbers.first().copied().unwrap_or(0), numbers.last().copied().unwrap_or(0));
     format!(
-        "the run holds {} frames, numbers {first} to {last} of the recording: each is compared with the truth's frame of its number, \
-         and counted here within the run",
+        "the run contains {} frames, numbers {first} to {last} of the recording: each is compared with the truth's frame of the same \
+         number; the frame numbers below count from the run's first frame",
         numbers.len()
     )
 }
 
-/// The forces of these frames; none if some are not there.
+/// The forces of these frames; none if some are missing.
 fn rows(forces: &Forces, numbers: &[u64]) -> Option<Forces> {
     numbers.iter().map(|&number| forces.get(usize::try_from(number).ok()?).copied()).collect()
 }
@@ -132,7 +132,7 @@ fn open_run(folder: &Path) -> Result<Fields, RunError> {
     Err(RunError::NoFields { folder: folder.to_owned(), hint: hint.into() })
 }
 
-/// The folder with the true arrays, which may lie in one of the name `truth`.
+/// The folder with the true arrays: the given one, or its subfolder `truth`.
 fn open_truth(path: &Path) -> Result<(PathBuf, Fields), RunError> {
     let below = path.join("truth");
     let folder = if below.is_dir() { below } else { path.to_owned() };
@@ -144,7 +144,7 @@ fn open_truth(path: &Path) -> Result<(PathBuf, Fields), RunError> {
     Err(RunError::NoFields { folder, hint })
 }
 
-/// The `profile.toml` of a truth: beside the arrays, or beside the folder `truth` that they lie in.
+/// The `profile.toml` of a truth: beside the arrays, or beside the folder `truth` that contains them.
 fn profile_beside(path: &Path, folder: &Path) -> PathBuf {
     let beside = path.join("profile.toml");
     let is_named_truth = || folder.canonicalize().is_ok_and(|folder| folder.ends_with("truth"));
@@ -191,7 +191,7 @@ fn in_common(
         notes.push("valid.npy is absent: every finite pixel of the run counts as valid".into());
     }
     if truth.mask.is_none() {
-        notes.push("visible.npy is absent: every finite pixel of the truth counts as seen".into());
+        notes.push("visible.npy is absent: every finite pixel of the truth counts as visible".into());
     }
     if run.flow.is_some() || run.depth.is_some() {
         return Ok((run, truth));
@@ -236,7 +236,7 @@ fn forces(run: &Path, truth: &Path, notes: &mut Vec<String>) -> Result<Option<[F
     Ok(estimated.map(|estimated| [estimated, true_forces]))
 }
 
-/// The frames that all files hold.
+/// The number of frames that all files contain.
 fn frame_count(counts: &[(PathBuf, u64)], options: Options, notes: &mut Vec<String>) -> Result<u64, RunError> {
     let by_count = |file: &&(PathBuf, u64)| file.1;
     let (Some(least), Some(most)) = (counts.iter().min_by_key(by_count), counts.iter().rev().max_by_key(by_count))
@@ -250,6 +250,6 @@ fn frame_count(counts: &[(PathBuf, u64)], options: Options, notes: &mut Vec<Stri
         return Err(RunError::FrameCounts { first: least.clone(), second: most.clone() });
     }
     let (file, frames) = least;
-    notes.push(format!("{} counts {frames} of {} frames: only these are compared", file.display(), most.1));
+    notes.push(format!("{} contains {frames} of {} frames: only these are compared", file.display(), most.1));
     Ok(*frames)
 }

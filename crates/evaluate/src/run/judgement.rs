@@ -1,19 +1,19 @@
-//! Which pixels of a frame are compared, and in which regions they lie.
+//! The pixels of a frame that are compared, and their regions.
 
 use super::array::FrameArray;
 use super::{PixelCounts, Region, Regions, RunError};
 
-/// Where an estimate holds, frame after frame, and what of it is compared.
+/// The valid pixels of an estimate, frame by frame, and the regions in which they are compared.
 #[derive(Debug)]
 pub(super) struct Judgement {
-    /// 1 where the estimate holds.
+    /// 1 where the estimate is valid.
     pub(super) valid: Vec<u8>,
     /// For each pixel of the run, a bit for each region that it lies in; 0 where it is not compared.
     pub(super) regions: Vec<u8>,
     pixels: [PixelCounts; 4],
 }
 
-/// A mask of a run and the arrays that it is about, each with its channels.
+/// A mask of a run and the arrays that it applies to, each with its number of channels.
 pub(super) struct Judged<'a> {
     pub(super) mask: Option<&'a FrameArray<u8>>,
     pub(super) mask_name: &'static str,
@@ -26,11 +26,11 @@ impl Judgement {
         Self { valid: vec![0; pixels], regions: vec![0; pixels], pixels: [PixelCounts::default(); 4] }
     }
 
-    /// Says where the frame's estimate holds.
+    /// Determines where the frame's estimate is valid.
     ///
     /// # Errors
     ///
-    /// [`RunError::NotFinite`] if it holds no number where the mask says that it does.
+    /// [`RunError::NotFinite`] if a value is not finite where the mask marks it as valid.
     pub(super) fn judge(&mut self, judged: &Judged, frame: u64) -> Result<(), RunError> {
         match judged.mask {
             Some(mask) => self.valid.copy_from_slice(mask.values()),
@@ -53,7 +53,7 @@ impl Judgement {
     }
 
     /// Sets the regions of each pixel that is compared, and counts the others. `regions_of` has a bit for each
-    /// region of a pixel, seen or not.
+    /// region of a pixel, visible or not.
     pub(super) fn assign(&mut self, seen: &[u8], regions_of: impl Fn(usize) -> u8) -> Regions<PixelCounts> {
         let mut pixels = [PixelCounts::default(); 4];
         for (i, regions) in self.regions.iter_mut().enumerate() {
@@ -72,7 +72,7 @@ impl Judgement {
         by_region(&pixels)
     }
 
-    /// The pixels of all frames.
+    /// The pixel counts of all frames.
     pub(super) fn pixels(&self) -> Regions<PixelCounts> {
         by_region(&self.pixels)
     }
@@ -83,7 +83,7 @@ pub(super) fn bit(region: Region) -> u8 {
     1 << region as u8
 }
 
-/// Whether an array that is there holds numbers at a pixel.
+/// Whether an array, if there is one, is finite at a pixel.
 pub(super) fn is_finite(values: Option<&[f32]>, channels: usize, at: usize) -> bool {
     values.is_none_or(|values| values[channels * at..][..channels].iter().all(|value| value.is_finite()))
 }

@@ -7,7 +7,7 @@ use fingervision_image::Image;
 use super::RunError;
 use super::array::{FrameArray, Value};
 
-/// The last frame of a `.npy` file with one value a pixel.
+/// The last frame of a `.npy` file with one value per pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LastFrame {
     /// Its values; masks as 0 and 1.
@@ -15,11 +15,11 @@ pub(crate) struct LastFrame {
 }
 
 impl LastFrame {
-    /// Reads it; none where there is no such file.
+    /// Reads it; none if there is no such file.
     ///
     /// # Errors
     ///
-    /// [`RunError`] if the file is no array of frames of this size, or holds none.
+    /// [`RunError`] if the file is not an array of frames of this size, or contains no frames.
     pub(crate) fn read<T: Value + Into<f32>>(
         path: &Path,
         (width, height): (usize, usize),
@@ -32,7 +32,7 @@ impl LastFrame {
             return Err(refused(reason, "fields lie on the reference grid: the first image's pixels"));
         }
         if array.frames() == 0 {
-            return Err(refused("it holds no frame".into(), "its last frame is the one that counts"));
+            return Err(refused("it contains no frames".into(), "its last frame is evaluated"));
         }
         for _ in 0..array.frames() {
             array.advance()?;

@@ -1,21 +1,22 @@
-//! A run against its truth: what `fingervision evaluate` measures.
+//! Compares a run with its truth, as `fingervision evaluate` does.
 //!
 //! A *run* is a folder that the tracker wrote, or any other program in its layout; a *truth* is one that the simulator
-//! wrote. Both hold arrays `[frame][row][column]`, which are read side by side, a frame at a time: memory grows with
-//! the number of frames by the report's figures only.
+//! wrote. Both contain arrays `[frame][row][column]`, which are read side by side, one frame at a time. Per frame, only
+//! the numbers of the report are kept in memory.
 //!
-//! # What is compared
+//! # Compared pixels
 //!
-//! A pixel is compared where the truth is seen (`visible.npy`, and the truth is a number) and the estimate holds
-//! (`valid.npy`; where that is absent, wherever the estimate is a number). Fields that only one side has are left out,
-//! and the report says so. A run on a part of the image names it in its `run.toml`, and the truth is cropped.
+//! A pixel is compared if the truth is visible (`visible.npy`, and the truth is a number) and the estimate is valid
+//! (`valid.npy`; if that is absent, if the estimate is a number). Fields that only one side has are not compared, and
+//! the report names them. If only a part of the image was tracked, the run's `run.toml` gives that part, and the truth
+//! is cropped.
 //!
-//! Depth from elasticity is also valid where the flow is not. Such a run contains a `depth_valid.npy`: depth, displacement and
-//! contact are then compared where that holds, whatever `valid.npy` says of the flow, and depth once more over the pixels
-//! where both hold.
+//! Depth from elasticity is also valid where the flow is not. Such a run contains a `depth_valid.npy`: depth,
+//! displacement and contact are then compared where this mask is 1, whether or not the flow is valid. Depth is compared
+//! a second time over the pixels where both masks are 1.
 //!
-//! What is not compared is counted by region ([`PixelCounts`]): the errors near the contact's border mean little where
-//! a run trusts few of its pixels.
+//! The pixels that are not compared are counted by region ([`PixelCounts`]): errors near the border of contact mean
+//! little if the run marks few pixels there as valid.
 //!
 //! # Regions
 //!
@@ -23,7 +24,7 @@
 //! | --- | --- |
 //! | everywhere | all that are compared |
 //! | inside contact | in the truth's contact |
-//! | near its border | at most [`BORDER_MM`] from where the truth's contact ends, on **both** sides |
+//! | near its border | at most [`BORDER_MM`] from the border of the truth's contact, on **both** sides |
 //! | outside | neither in contact nor near its border |
 //!
 //! The first two overlap with the third: the inner half of the band near the border is in contact as well. Distances
@@ -31,9 +32,10 @@
 //!
 //! # Errors
 //!
-//! A depth's error is `|estimate − truth|`, mm; a flow's the distance between the places that estimate and truth lead
-//! to, px. [`Errors`] has their mean, root mean square, 95th percentile and largest, and beside them bias, peaks and
-//! correlation. They are given for each frame, as the mean over the frames, and over all pixels of all frames at once.
+//! The error of depth is `|estimate − truth|`, mm; the error of the flow is the length of the difference between
+//! estimated and true flow, px. [`Errors`] contains their mean, root mean square, 95th percentile and maximum, and
+//! bias, peaks and correlation. They are given for each frame, as the mean over the frames, and over all pixels of all
+//! frames together.
 //!
 //! ```no_run
 //! use fingervision_evaluate::run::{Evaluation, Options};
@@ -79,5 +81,5 @@ pub use report::{
     Report,
 };
 
-/// How far the region near the contact's border reaches to either side, mm on the undeformed gel.
+/// Width of the region near the border of contact on either side, mm on the undeformed gel.
 pub const BORDER_MM: f64 = 1.0;

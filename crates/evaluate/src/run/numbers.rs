@@ -7,8 +7,8 @@ use std::path::Path;
 use fingervision_calibrate::CsvTable;
 use fingervision_touch::SEQUENCE_COLUMN;
 
-/// The numbers of the run's frames by the column `sequence` of its table of readings; none where the run holds the first frames
-/// of so many, one after another, or the table does not say.
+/// The numbers of the run's frames, from the column `sequence` of its table of readings; `frames` is the number of
+/// truth frames. None if the run contains the first frames without gaps, or if the table does not give valid numbers.
 pub(super) fn part(table: &Path, frames: u64) -> Option<Vec<u64>> {
     let text = fs::read_to_string(table).ok()?;
     let table = CsvTable::parse(&text).ok()?;
@@ -19,7 +19,7 @@ pub(super) fn part(table: &Path, frames: u64) -> Option<Vec<u64>> {
     (is_part && !is_beginning).then_some(numbers)
 }
 
-/// How many frames of the truth to go on by for each frame of the run.
+/// Number of truth frames to advance for each frame of the run.
 pub(super) fn steps(numbers: &[u64]) -> Vec<u64> {
     let before = std::iter::once(None).chain(numbers.iter().copied().map(Some));
     numbers.iter().zip(before).map(|(&number, before)| number + 1 - before.map_or(0, |before| before + 1)).collect()

@@ -1,8 +1,8 @@
-//! How a comparison is made.
+//! Options of a comparison.
 
-/// How a run and its truth are brought together.
+/// Options of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Options {
-    /// Compare the first frames, those that all files hold, where files count different numbers of them.
+    /// If the files contain different numbers of frames, compare the first frames, which all files contain.
     pub common_frames: bool,
 }

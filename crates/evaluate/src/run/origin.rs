@@ -1,4 +1,4 @@
-//! Which scene a run was tracked from, and whether the truth is of the same one.
+//! Checks that run and truth belong to the same scene.
 
 use std::path::{Path, PathBuf};
 
@@ -9,11 +9,11 @@ use serde::de::IgnoredAny;
 use super::RunError;
 
 const SCENE_FILE: &str = "scene.toml";
-/// How a location of a simulated scene begins, and its options.
+/// The prefixes of the location of a simulated scene and of its options.
 const SIMULATED: &str = "sim:";
 const OPTIONS: char = '?';
 
-/// The source as a run's `run.toml` names it; whatever else it holds is another program's.
+/// The source in a run's `run.toml`; anything but text is ignored.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Source {
@@ -26,7 +26,7 @@ struct Scene {
     name: Option<String>,
 }
 
-/// Refuses the truth of another scene than the tracked one, if both are known.
+/// Refuses a truth whose scene differs from the tracked one, if both are known.
 pub(super) fn expect_same_scene(
     run: &Path,
     source: Option<&Source>,

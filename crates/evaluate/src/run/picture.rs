@@ -33,7 +33,7 @@ impl<T> Compared<T> {
 }
 
 impl Shown {
-    /// Room for the fields that are compared.
+    /// Allocates memory for the fields that are compared.
     pub(super) fn new(inputs: &Inputs) -> Self {
         let (width, height) = (inputs.place.width, inputs.place.height);
         let (run, truth) = (&inputs.run, &inputs.truth);
@@ -50,7 +50,7 @@ impl Shown {
         }
     }
 
-    /// Takes the fields of the frame that was just compared.
+    /// Copies the fields of the frame that was just compared.
     pub(super) fn copy_from(&mut self, inputs: &Inputs, comparer: &Comparer) {
         let on_truth = comparer.on_truth();
         let (run, truth) = (&inputs.run, &inputs.truth);
@@ -110,7 +110,7 @@ fn title(report: &Report) -> String {
     }
 }
 
-/// The deepest frame's figures in a line.
+/// The deepest frame's results in one line.
 fn facts(report: &Report) -> String {
     let Some(deepest) = report.deepest() else { return String::new() };
     let FieldErrors { pixels, depth_pixels, flow_px, depth_mm, .. } = deepest.errors;

@@ -6,18 +6,18 @@ use serde::Serialize;
 
 /// Errors of one quantity over some pixels, in the quantity's unit.
 ///
-/// Of a quantity with one value, depth or a component of the displacement, the error is the absolute difference
-/// between estimate and truth. Of the flow it is the distance between the places that both lead to, and the values
-/// whose bias, peaks and correlation are given are the lengths of the flow.
+/// For a quantity with one value (depth, or a component of the displacement), the error is the absolute difference
+/// between estimate and truth. For the flow it is the length of the vector difference; bias, peaks and correlation are
+/// those of the length of the flow.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Errors {
-    /// How many pixels.
+    /// Number of pixels.
     pub pixels: u64,
     /// Mean error.
     pub mean: f64,
     /// Root of the mean squared error.
     pub root_mean_square: f64,
-    /// 95 % of the errors are not above it. Exact for a frame, to one part in 4096 over frames.
+    /// 95th percentile of the errors: exact for one frame, exact to one part in 4096 over several frames.
     pub percentile_95: f64,
     /// The largest error.
     pub largest: f64,
@@ -25,9 +25,9 @@ pub struct Errors {
     pub bias: f64,
     /// The largest true value.
     pub true_peak: f64,
-    /// The largest estimated value, wherever it lies.
+    /// The largest estimated value, at any pixel.
     pub estimated_peak: f64,
-    /// Pearson's correlation of estimate and truth over the pixels; none where either is the same everywhere.
+    /// Pearson's correlation of estimate and truth over the pixels; none if either is constant.
     pub correlation: Option<f64>,
 }
 
@@ -57,15 +57,14 @@ impl Errors {
     }
 }
 
-/// A part of the gel. `Inside` and `Border` overlap, and so may not be added up.
+/// A part of the gel. `Inside` and `Border` overlap, so their pixels must not be added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Region {
     /// All pixels that are compared.
     Everywhere,
     /// In the true contact.
     Inside,
-    /// No farther than the border's reach from where the true contact ends, on either side of it, measured on the
-    /// undeformed gel.
+    /// Within a given distance of the border of the true contact, on either side, measured on the undeformed gel.
     Border,
     /// Neither in contact nor near its border.
     Outside,
@@ -76,7 +75,7 @@ impl Region {
     pub const ALL: [Self; 4] = [Self::Everywhere, Self::Inside, Self::Border, Self::Outside];
 }
 
-/// Something by region; absent where a region has no pixels or is not known.
+/// A value for each region; absent if a region has no pixels or is not known.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Regions<T = Errors> {
     /// [`Region::Everywhere`].
@@ -90,7 +89,7 @@ pub struct Regions<T = Errors> {
 }
 
 impl<T> Regions<T> {
-    /// What is known of one region.
+    /// The value for a region.
     #[must_use]
     pub fn get(&self, region: Region) -> Option<&T> {
         match region {
@@ -118,14 +117,14 @@ pub struct Components {
     pub z: Option<Errors>,
 }
 
-/// How many pixels were compared, and why others were not.
+/// Number of pixels that were compared, and of the others by reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct PixelCounts {
-    /// Truth and estimate hold.
+    /// Truth and estimate are valid.
     pub compared: u64,
     /// The truth is hidden by the gel, or the pixel does not see the gel.
     pub hidden: u64,
-    /// The truth is seen, but the run has no estimate.
+    /// The truth is visible, but the run has no valid estimate.
     pub not_valid: u64,
 }
 
@@ -146,25 +145,26 @@ impl PixelCounts {
 /// The errors of one frame, or of several.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct FieldErrors {
-    /// What was compared. A run that leaves out the hard parts shows it here.
+    /// The compared pixels. They show whether a run leaves out difficult parts.
     pub pixels: Regions<PixelCounts>,
     /// Errors of the flow, px.
     pub flow_px: Option<Regions>,
-    /// What of depth, displacement and contact was compared, where the run says on its own where these hold
-    /// (`depth_valid.npy`); otherwise they are compared where the flow is.
+    /// The compared pixels of depth, displacement and contact, if the run has a separate mask for them
+    /// (`depth_valid.npy`); otherwise they are compared at the same pixels as the flow.
     pub depth_pixels: Option<Regions<PixelCounts>>,
     /// Errors of the depth, mm.
     pub depth_mm: Option<Regions>,
-    /// Errors of the depth over those pixels alone where the flow is valid too, mm; with `depth_pixels`.
+    /// Errors of the depth over only those of these pixels where the flow is also valid, mm; present with
+    /// `depth_pixels`.
     pub depth_where_valid_mm: Option<Regions>,
     /// Errors of the displacement, mm.
     pub displacement_mm: Option<Components>,
-    /// Pixels that both call contact over those that either does, 0 to 1; none where neither does anywhere.
+    /// Intersection over union of both contact masks, 0 to 1; none if neither contains contact.
     pub contact_overlap: Option<f64>,
 }
 
 impl FieldErrors {
-    /// The mean over frames of every figure, each over the frames that have it; pixels are added up.
+    /// The mean over frames of every figure, each over the frames that have it; pixel counts are added.
     pub(super) fn mean_of(frames: &[FrameReport]) -> Self {
         let regions = |field: fn(&Self) -> Option<&Regions>| {
             let any = frames.iter().any(|frame| field(&frame.errors).is_some());
@@ -206,14 +206,14 @@ impl FieldErrors {
     }
 }
 
-/// What one frame came to.
+/// The results of one frame.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrameReport {
     /// The frame, counted from 0.
     pub frame: u64,
-    /// The largest true depth that is seen, mm.
+    /// The largest visible true depth, mm.
     pub true_depth_mm: Option<f64>,
-    /// The largest true flow that is seen, px.
+    /// The largest visible true flow, px.
     pub true_flow_px: Option<f64>,
     /// The errors of its fields.
     #[serde(flatten)]
@@ -239,8 +239,8 @@ pub struct ForceErrors {
     pub estimated_torque_nmm: Option<f64>,
 }
 
-/// The errors of one part of what an object does to the gel: normal force or shear force, N, or torque about z, N mm. A
-/// shear force's error is the distance between both vectors.
+/// The errors of one part of the load on the gel: normal force or shear force, N, or torque about z, N mm. The error of
+/// a shear force is the length of the vector difference.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LoadErrors {
     /// The largest true size of all frames.
@@ -249,8 +249,8 @@ pub struct LoadErrors {
     pub mean: f64,
     /// The largest error.
     pub largest: f64,
-    /// The mean error over the largest true size, dimensionless; none where that is 0, for a shear force below 5 % of the
-    /// largest force, for a torque below that of the largest force on an arm of 0.1 mm.
+    /// The mean error over the largest true size, dimensionless. None if that size is 0, for a shear force if it is
+    /// below 5 % of the largest force, for a torque if it is below the largest force times an arm of 0.1 mm.
     pub mean_of_peak: Option<f64>,
     /// The error in the frame of the largest true size, the last of them, over that size, dimensionless; none as above.
     pub at_peak: Option<f64>,
@@ -267,30 +267,30 @@ pub struct ForceReport {
     pub largest_n: [Option<f64>; 3],
     /// The mean absolute error over the largest true force, dimensionless.
     pub mean_of_peak: [Option<f64>; 3],
-    /// Errors along z.
+    /// Errors of the normal force.
     pub normal: Option<LoadErrors>,
-    /// Errors across z.
+    /// Errors of the shear force.
     pub shear: Option<LoadErrors>,
-    /// Errors about z.
+    /// Errors of the torque about z.
     pub torque: Option<LoadErrors>,
 }
 
-/// What a comparison came to. Prints as a table of the deepest frame and of the mean over frames.
+/// The result of a comparison. Prints as a table of the deepest frame and of the mean over frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// The run's folder.
     pub run: PathBuf,
     /// The folder of the truth.
     pub truth: PathBuf,
-    /// How many frames were compared.
+    /// Number of compared frames.
     pub frames: u64,
     /// Left column, top row, width and height of the run's grid on the truth's, px.
     pub region: [usize; 4],
     /// The fields that were compared.
     pub fields: Vec<&'static str>,
-    /// How far [`Region::Border`] reaches to either side, mm on the undeformed gel.
+    /// Width of [`Region::Border`] on either side, mm on the undeformed gel.
     pub border_mm: f64,
-    /// What was absent, and what follows.
+    /// Missing inputs, and their consequences.
     pub notes: Vec<String>,
     /// The frame of the largest true depth, or flow where there is no true depth; the last one within 0.1 % of it.
     pub deepest_frame: u64,
@@ -307,7 +307,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// What the deepest frame came to; none if there is no frame.
+    /// The results of the deepest frame; none if there is no frame.
     #[must_use]
     pub fn deepest(&self) -> Option<&FrameReport> {
         self.per_frame.get(usize::try_from(self.deepest_frame).ok()?)

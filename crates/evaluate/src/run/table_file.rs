@@ -1,4 +1,4 @@
-//! Reads the columns of numbers that a run and its truth keep beside the arrays.
+//! Reads the forces and torques that a run and its truth contain beside the arrays.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -9,11 +9,11 @@ use fingervision_touch::{FORCE_COLUMNS, TORQUE_COLUMN};
 
 use super::RunError;
 
-/// The force on the gel in every frame, `(x, y, z)`, N, and the torque about z, N mm; absent where a cell is empty or not
-/// finite, or where there is no such column.
+/// The force on the gel in every frame, `(x, y, z)`, N, and the torque about z, N mm; absent if a cell is empty or not
+/// finite, or if there is no such column.
 pub(super) type Forces = Vec<[Option<f64>; 4]>;
 
-/// The forces in a table's rows; none if there is no such file.
+/// The forces in the rows of a table; none if there is no such file.
 pub(super) fn read_forces(path: &Path) -> Result<Option<Forces>, RunError> {
     let text = match fs::read_to_string(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -33,7 +33,7 @@ fn forces(table: &CsvTable) -> Result<Forces, CsvFault> {
         for (value, column) in force.iter_mut().zip(columns) {
             let Some((name, cell)) = column.map(|(name, place)| (name, row.cell(place))) else { continue };
             if !cell.is_empty() {
-                let number = cell.parse::<f64>().map_err(|_| row.fault(format!("{name} = {cell} is no number")))?;
+                let number = cell.parse::<f64>().map_err(|_| row.fault(format!("{name} = {cell} is not a number")))?;
                 *value = number.is_finite().then_some(number);
             }
         }
@@ -67,7 +67,7 @@ mod tests {
             ("frame,force_x_n,force_y_n\n", "line 1: there is no column force_z_n"),
             ("", "line 1: there is no column force_x_n"),
             ("force_x_n,force_y_n,force_z_n\n1,2\n", "line 2: 2 cells, expected 3"),
-            ("force_x_n,force_y_n,force_z_n\n1,2,3\n1,2,three\n", "line 3: force_z_n = three is no number"),
+            ("force_x_n,force_y_n,force_z_n\n1,2,3\n1,2,three\n", "line 3: force_z_n = three is not a number"),
             ("frame,force_x_n,force_y_n,force_z_n\n1,0,0,0\n", "line 2: frame 1, expected 0"),
         ] {
             let error = read(text).unwrap_err().to_string();

@@ -20,13 +20,13 @@ impl Tally {
         Self { frame: Sums::default(), frame_errors: Vec::new(), all: Sums::default(), all_errors: Histogram::new() }
     }
 
-    /// Takes in a pixel: the estimated and the true value, and how far apart they are.
+    /// Adds a pixel: the estimated and the true value, and the error.
     pub(super) fn push(&mut self, estimate: f64, truth: f64, error: f64) {
         self.frame.push(estimate, truth, error);
         self.frame_errors.push(error as f32);
     }
 
-    /// The frame's errors; none if it has no pixel here. The next frame begins.
+    /// The errors of the frame, which ends here; none if it has no pixel in this region.
     pub(super) fn end_frame(&mut self) -> Option<Errors> {
         self.frame_errors.iter().for_each(|&error| self.all_errors.push(error));
         let errors = self.frame.errors(quantile(&mut self.frame_errors, PERCENTILE));

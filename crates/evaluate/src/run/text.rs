@@ -11,7 +11,7 @@ const NAME: usize = 26;
 /// Shown for a missing figure.
 const NONE: &str = "—";
 
-/// What a region is called.
+/// The name of a region.
 pub(super) fn region_name(region: Region, border_mm: f64) -> String {
     match region {
         Region::Everywhere => "everywhere".into(),
@@ -61,9 +61,9 @@ impl fmt::Display for Report {
             writeln!(f)?;
             writeln!(
                 f,
-                "bias: mean of estimate − truth; peak: largest estimate − largest truth; of a flow, its length."
+                "bias: mean of estimate − truth; peak: largest estimate − largest truth; for the flow, of its length."
             )?;
-            writeln!(f, "The border counts on both sides: its inner half lies inside contact as well.")?;
+            writeln!(f, "The border region lies on both sides of the border: its inner half is also inside contact.")?;
         }
         Ok(())
     }

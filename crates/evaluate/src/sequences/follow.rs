@@ -11,23 +11,23 @@ use fingervision_touch::{Fields, Flag, Policy, Profile, Tracker};
 /// An error beyond which a displacement counts as wrong, px.
 const WRONG_PX: f32 = 1.0;
 
-/// How far off one reading is.
+/// The errors of one reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameError {
     /// Mean end-point error, px.
     pub mean_px: f64,
-    /// What 99 of 100 pixels stay below, px.
+    /// 99th percentile of the end-point error, px.
     pub high_px: f64,
-    /// Part of all pixels that are valid but more than 1 px off.
+    /// Part of all pixels that are valid but have an error of more than 1 px.
     pub trusted_wrong: f64,
-    /// Whether the reading says that the gel was pressed when tracking began.
+    /// Whether the reading has the flag of a gel that was pressed at the start.
     pub is_pressed_at_start: bool,
 }
 
-/// How far off the readings of a sequence are.
+/// The errors of the readings of a sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// One entry a frame.
+    /// One entry per frame.
     pub frames: Vec<FrameError>,
 }
 
@@ -57,7 +57,7 @@ impl Outcome {
         self.frames.iter().map(|frame| frame.high_px).fold(0.0, f64::max)
     }
 
-    /// Largest part of a frame's pixels that are valid but more than 1 px off.
+    /// Largest part of a frame's pixels that are valid but have an error of more than 1 px.
     #[must_use]
     pub fn trusted_wrong(&self) -> f64 {
         self.frames.iter().map(|frame| frame.trusted_wrong).fold(0.0, f64::max)
@@ -67,8 +67,8 @@ impl Outcome {
 /// Tracks the frames of a script under a policy.
 ///
 /// The truth is relative to the image that the tracker refers to: the first one, until a gel that was pressed at the
-/// start has come to rest and the tracker takes that rest as its reference. That moment shows in its readings: the flag
-/// of a press at the start goes down.
+/// start has come to rest and the tracker takes a new reference. From then on the readings no longer have the flag of a
+/// press at the start.
 ///
 /// # Errors
 ///
@@ -134,7 +134,7 @@ mod tests {
         assert!(there.u.values().iter().zip(truth.u.values()).all(|(a, b)| (a - b).abs() < 1e-5));
         assert!(flow_between(&bump, &bump, size).v.values().iter().all(|v| v.abs() < 1e-5));
         let back = flow_between(&bump, &Motion::STILL, size);
-        // The centre stays, and everything else comes back towards it.
+        // The centre does not move, and everything else returns towards it.
         assert!(back.u.at(10, 23) > 0.0 && back.u.at(53, 23) < 0.0);
     }
 }

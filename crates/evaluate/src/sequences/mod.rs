@@ -1,8 +1,8 @@
 //! Simulated presses, frame by frame through the whole tracker.
 //!
-//! The same frames go through a tracker under every reference policy; what it reads is compared with exact truth, a
-//! border of 16 px left out. In addition to the presses with required figures there are ones on which trackers fail: a
-//! press at start-up, slow drift, dropped frames.
+//! The same frames are tracked under every reference policy. The readings are compared with the exact truth, without a
+//! border of 16 px. In addition to plain presses there are sequences on which trackers often fail: a press at the
+//! start, slow drift, dropped frames.
 
 mod follow;
 mod script;
@@ -20,7 +20,7 @@ const RELEASE_FRAMES: usize = 10;
 /// The policies, the default first.
 pub const POLICIES: [Policy; 3] = [Policy::Anchored, Policy::Single, Policy::Stack];
 
-/// The outcomes of one script, one a policy.
+/// The results of one script, one per policy.
 struct Outcomes(Vec<Outcome>);
 
 impl Outcomes {
@@ -42,7 +42,7 @@ impl Outcomes {
 /// [`EvaluateError::Track`] if the default profile does not fit the frames, which would be a bug.
 pub fn measure(policies: &[Policy]) -> Result<Table, EvaluateError> {
     let names: Vec<_> = policies.iter().map(|&policy| name(policy)).collect();
-    let mut table = Table::new("Simulated sequences: end-point error, px unless said", &names);
+    let mut table = Table::new("Simulated sequences: end-point error, px unless stated", &names);
     for (name, script, asked) in [
         ("press 0 to 25 px", Script::press(25.0, 30), [Some(0.03), Some(0.05)]),
         ("same, 15 % light", Script::press(25.0, 30).with_light(), [Some(0.035), Some(0.06)]),
@@ -75,7 +75,7 @@ fn strong_press(table: &mut Table, policies: &[Policy]) -> Result<(), EvaluateEr
     outcomes.row(table, "press 0 to 40 px: final", Some(0.08), Outcome::final_px);
     outcomes.row(table, "press 0 to 40 px: largest", Some(1.0), Outcome::largest_px);
     outcomes.row(table, "press 0 to 40 px: largest 99th percentile", None, Outcome::largest_high_px);
-    outcomes.row(table, "press 0 to 40 px: wrong but valid, part", None, Outcome::trusted_wrong);
+    outcomes.row(table, "press 0 to 40 px: valid but wrong, part", None, Outcome::trusted_wrong);
     Ok(())
 }
 
@@ -90,7 +90,7 @@ fn releases(table: &mut Table, policies: &[Policy]) -> Result<(), EvaluateError>
 
 fn pressed_start(table: &mut Table, policies: &[Policy]) -> Result<(), EvaluateError> {
     let outcomes = Outcomes::measure(&Script::pressed_start(10.0), policies)?;
-    outcomes.row(table, "pressed at start: frames before that is flagged", None, |outcome| {
+    outcomes.row(table, "pressed at start: frames until it is flagged", None, |outcome| {
         outcome.frames.iter().position(|frame| frame.is_pressed_at_start).map_or(f64::NAN, |frame| frame as f64)
     });
     outcomes.row(table, "pressed at start: largest up to the release", None, |outcome| {

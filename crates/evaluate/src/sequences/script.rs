@@ -1,4 +1,4 @@
-//! What happens in a sequence, frame by frame.
+//! The course of a sequence: motion and light of every frame.
 
 use crate::EvaluateError;
 use crate::pairs::TILTED_LIGHT;
@@ -8,30 +8,30 @@ use rayon::prelude::*;
 
 /// Frames per second.
 const RATE_HZ: f64 = 30.0;
-/// Frames that a gel pressed at the start takes to come back, and that it is pressed again in.
+/// Number of frames in which a gel pressed at the start returns to rest, and in which it is pressed again.
 const RELEASE_FRAMES: usize = 10;
-/// Frames that it then rests: more than the tracker waits for.
+/// Number of frames at rest in between: more than the tracker waits for.
 const RESTING_FRAMES: usize = 35;
-/// Frames that it stays pressed at first.
+/// Number of frames in which it stays pressed at first.
 const HOLDING_FRAMES: usize = 3;
 /// The frame at which a gel pressed at the start is released.
 pub(super) const RELEASED: usize = HOLDING_FRAMES + RELEASE_FRAMES;
 
-/// What one frame shows.
+/// The content of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// The frame's number; a gap is a dropped frame.
     pub sequence: u64,
-    /// Where the gel's points are.
+    /// The motion of the gel's points.
     pub motion: Motion,
     /// The light.
     pub light: Light,
 }
 
-/// A sheet and what happens in it.
+/// A sheet and its frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Script {
-    /// What the camera sees.
+    /// The sheet.
     pub sheet: Sheet,
     /// The frames.
     pub steps: Vec<Step>,
@@ -44,7 +44,7 @@ impl Script {
         Self::bump(amplitude_px, (0..=frames).map(|frame| frame as f64 / frames as f64))
     }
 
-    /// Presses and releases, one after the other, each with this many frames down and up.
+    /// Presses and releases, one after another, each with this many frames for the press and for the release.
     #[must_use]
     pub fn presses(amplitude_px: f64, frames: usize, count: usize) -> Self {
         let fraction = move |frame: usize| 1.0 - (frame as f64 / frames as f64 - 1.0).abs();
@@ -104,7 +104,7 @@ impl Script {
         self
     }
 
-    /// Renders all frames, each with noise of its own.
+    /// Renders all frames, each with independent noise.
     ///
     /// # Errors
     ///

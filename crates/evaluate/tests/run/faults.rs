@@ -21,23 +21,23 @@ fn folders_without_fields_are_named() {
         made_up.remove("run/flow.npy");
         made_up.remove("run/depth.npy");
     };
-    expect(no_fields, "run holds neither flow.npy nor depth.npy", "track --out");
+    expect(no_fields, "run contains neither flow.npy nor depth.npy", "track --out");
     let swapped = |made_up: &MadeUp| {
         fs::rename(made_up.path("run"), made_up.path("kept")).unwrap();
         fs::rename(made_up.path("simulation"), made_up.path("run")).unwrap();
         fs::rename(made_up.path("kept"), made_up.path("simulation")).unwrap();
     };
-    expect(swapped, "run holds neither", "give the run first");
+    expect(swapped, "run contains neither", "give the run first");
     let no_truth = |made_up: &MadeUp| {
         made_up.remove("simulation/truth/flow.npy");
         made_up.remove("simulation/truth/depth.npy");
     };
-    expect(no_truth, "simulation/truth holds neither flow.npy nor depth.npy", "simulate --out");
+    expect(no_truth, "simulation/truth contains neither flow.npy nor depth.npy", "simulate --out");
     let nothing = |made_up: &MadeUp| {
         made_up.remove("run/flow.npy");
         made_up.remove("simulation/truth/depth.npy");
     };
-    expect(nothing, "run holds depth and", "--fields flow,depth");
+    expect(nothing, "run contains depth and", "--fields flow,depth");
 }
 
 #[test]
@@ -47,13 +47,13 @@ fn a_truncated_array_is_named() {
         let whole = fs::read(&path).unwrap();
         fs::write(&path, &whole[..whole.len() - 1]).unwrap();
     };
-    expect(cut, "run/depth.npy: the header counts 3 frames, but the file ends after 2", "cut short");
+    expect(cut, "run/depth.npy: the header states 3 frames, but the file ends after 2", "cut short");
     let cut_in_header = |made_up: &MadeUp| {
         let path = made_up.path("run/depth.npy");
         fs::write(&path, &fs::read(&path).unwrap()[..50]).unwrap();
     };
-    expect(cut_in_header, "run/depth.npy: this is no array", "numpy.save");
-    expect(|made_up| made_up.write("run/depth.npy", "depth"), "run/depth.npy: this is no array", "numpy.save");
+    expect(cut_in_header, "run/depth.npy: this is not an array", "numpy.save");
+    expect(|made_up| made_up.write("run/depth.npy", "depth"), "run/depth.npy: this is not an array", "numpy.save");
 }
 
 #[test]
@@ -89,11 +89,11 @@ fn different_numbers_of_frames_are_named() {
     let fewer = |made_up: &MadeUp| {
         made_up.array_of("run/depth.npy", (WIDTH, HEIGHT), &STRENGTHS[..2], |s, x, y| s * true_depth(x, y));
     };
-    expect(fewer, "run/depth.npy counts 2 frames, run/flow.npy counts 3", "--common-frames");
+    expect(fewer, "run/depth.npy contains 2 frames, run/flow.npy contains 3", "--common-frames");
     let table = |made_up: &MadeUp| {
         made_up.write("run/readings.csv", "force_x_n,force_y_n,force_z_n\n1,2,3\n");
     };
-    expect(table, "run/readings.csv counts 1 frames", "--common-frames");
+    expect(table, "run/readings.csv contains 1 frames", "--common-frames");
 }
 
 #[test]
@@ -103,12 +103,16 @@ fn grids_that_do_not_fit_are_named() {
         made_up.remove("run/valid.npy");
         made_up.array_of("run/depth.npy", (20, 15), &STRENGTHS, |_, _, _| 0.0_f32);
     };
-    expect(smaller, "the run's grid [0, 0, 20, 15] is no part of the truth's [0, 0, 40, 30]", "region_of_interest");
+    expect(
+        smaller,
+        "the run's grid [0, 0, 20, 15] is not inside the truth's grid [0, 0, 40, 30]",
+        "region_of_interest",
+    );
     let region = "[profile.image]\nregion_of_interest = [0, 0, 20, 15]\n";
     let other_region = |made_up: &MadeUp| made_up.write("run/run.toml", region);
     expect(
         other_region,
-        "run/run.toml: the region of interest [0, 0, 20, 15] is not the 40x30 px",
+        "run/run.toml: the region of interest [0, 0, 20, 15] differs in size from the arrays, 40x30 px",
         "correct image.region_of_interest",
     );
 }
@@ -139,5 +143,5 @@ fn a_valid_pixel_without_a_number_is_named() {
         });
         made_up.array("run/depth.npy", |_, _, _| 0.0_f32);
     };
-    expect(harm, "run/flow.npy: frame 2, pixel (17, 5) is not finite, but valid.npy says", "set valid.npy to 0");
+    expect(harm, "run/flow.npy: frame 2, pixel (17, 5) is not finite, but valid.npy marks it", "set valid.npy to 0");
 }

@@ -168,7 +168,7 @@ fn a_run_that_was_cut_short_is_compared_as_far_as_it_goes_when_asked() {
     assert_eq!(report.per_frame.len(), 2);
     let whole = MadeUp::new().evaluate().report;
     assert_eq!(report.per_frame[1].errors, whole.per_frame[1].errors);
-    assert!(report.notes[0].contains("depth.npy counts 2 of 3 frames"), "{:?}", report.notes);
+    assert!(report.notes[0].contains("depth.npy contains 2 of 3 frames"), "{:?}", report.notes);
 }
 
 #[test]

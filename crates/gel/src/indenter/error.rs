@@ -57,7 +57,7 @@ pub enum IndenterError {
         kind: io::ErrorKind,
     },
     /// An image that is not a height map.
-    #[error("indenter.file: {} is no height map: {why}", file.display())]
+    #[error("indenter.file: {} is not a height map: {why}", file.display())]
     NoHeightMap {
         /// The file.
         file: PathBuf,
@@ -65,7 +65,7 @@ pub enum IndenterError {
         why: String,
     },
     /// A file that is not an STL mesh, or contains no body.
-    #[error("indenter.file: {} holds no body: {why}", file.display())]
+    #[error("indenter.file: {} contains no mesh: {why}", file.display())]
     NoMesh {
         /// The file.
         file: PathBuf,

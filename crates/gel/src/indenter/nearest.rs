@@ -1,4 +1,4 @@
-//! How a point lies to a face.
+//! The position of a point relative to a face.
 
 /// The vector from the nearest point of a face to a point outside.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -102,7 +102,7 @@ pub enum IndenterShape {
         file: PathBuf,
         /// Width and height of the image, mm.
         size_mm: [f64; 2],
-        /// How far black lies behind white, mm.
+        /// Height difference between white and black, mm: black lies behind white.
         height_mm: f64,
     },
     /// A closed mesh, seen from its top: X is right, Y up in the image, Z towards the gel. Its box is centred.
@@ -183,8 +183,8 @@ impl Indenter {
 
     /// The body's shape, if it fits on a gel with its origin at `centre_mm`.
     ///
-    /// The part at most 3 mm behind the foremost point must not be wider than the gel, and the part at most 0.1 mm behind
-    /// it must be on the gel.
+    /// The part at most 3 mm behind the foremost point must not be wider than the gel, and the part at most 0.1 mm
+    /// behind it must be on the gel.
     ///
     /// # Errors
     ///

@@ -152,8 +152,8 @@ fn slopes_and_curvatures_are_the_derivatives_of_the_height() {
     for shape in shapes() {
         let relief = relief(shape.clone());
         let at = |[x, y]: [f64; 2]| relief.at(x, y);
-        // Leave out what lies across a jump of the curvature or a ridge: there neighbours differ by more than they do on
-        // a smooth part, by some 1e-4 mm times the relative change of the curvature, at most 100/mm.
+        // Leave out what lies across a jump of the curvature or a ridge: there neighbours differ by more than they do
+        // on a smooth part, by some 1e-4 mm times the relative change of the curvature, at most 100/mm.
         let is_smooth = |point: [f64; 2]| {
             let near = (0..8)
                 .map(|n| (f64::from(n) * 0.785).sin_cos())
@@ -255,14 +255,14 @@ fn sizes_that_cannot_be_are_refused() {
     let refusal = |shape: IndenterShape| Indenter::new(shape).validate().unwrap_err().to_string();
     assert_eq!(
         refusal(IndenterShape::Circle { radius_mm: 0.0 }),
-        "indenter.radius_mm = 0.0 is impossible: it takes a length of 0.01 to 1000 mm"
+        "indenter.radius_mm = 0.0 is impossible: it must be a length of 0.01 to 1000 mm"
     );
     assert!(refusal(IndenterShape::Sphere { radius_mm: f64::NAN }).contains("radius_mm = NaN"));
     assert!(refusal(IndenterShape::Rectangle { size_mm: [1.0, -2.0] }).contains("size_mm = [1.0, -2.0]"));
     assert!(refusal(IndenterShape::Triangle { side_mm: f64::INFINITY }).contains("side_mm = inf"));
     assert!(refusal(IndenterShape::Crossing { bar_mm: [2.0, 2.0] }).contains("a length and a smaller width"));
     let ring = IndenterShape::Ring { inner_radius_mm: 4.0, outer_radius_mm: 3.0 };
-    assert!(refusal(ring).contains("inner_radius_mm = 4.0 is impossible: it takes less than the outer radius, 3 mm"));
+    assert!(refusal(ring).contains("inner_radius_mm = 4.0 is impossible: it must be less than the outer radius, 3 mm"));
     let no_pin = IndenterShape::Pins { radius_mm: 1.0, centres_mm: vec![] };
     assert!(refusal(no_pin).contains("centres_mm = []"));
     for text in ["", " \t", &"A".repeat(33)] {

@@ -92,7 +92,8 @@ fn a_height_map_of_a_disc_is_nearly_the_circle() {
     let (map, circle) = (map(&folder, [12.0, 12.0], 8.0).unwrap(), relief(IndenterShape::Circle { radius_mm: 4.0 }));
     for point in points(6.0, 2000) {
         let [map, circle] = [&map, &circle].map(|relief| relief.at(point[0], point[1]).height_mm);
-        // On the wall the circle's fillet has gained r (√(1 + s²) − 1) = 0.65 mm; nodes and pixels add some 0.06 mm · s.
+        // On the wall the circle's fillet has gained r (√(1 + s²) − 1) = 0.65 mm; nodes and pixels add some 0.06 mm ·
+        // s.
         assert!((map - circle).abs() < 0.83 || circle > 7.0, "{point:?}: {map} and {circle}");
         assert!(point[0].hypot(point[1]) > 3.6 || map < 1e-6, "{point:?}: {map}");
     }
@@ -137,10 +138,10 @@ fn an_image_that_is_not_grey_is_refused() {
     let whole = fs::read(folder.path().join("map.png")).unwrap();
     for length in [0, 20, 40, whole.len() - 16] {
         fs::write(folder.path().join("map.png"), &whole[..length]).unwrap();
-        assert!(refusal().to_string().contains("map.png is no height map"), "{length}: {}", refusal());
+        assert!(refusal().to_string().contains("map.png is not a height map"), "{length}: {}", refusal());
     }
     fs::write(folder.path().join("map.png"), b"P5 4 4 255 not a png at all").unwrap();
-    assert!(refusal().to_string().contains("is no height map"), "{}", refusal());
+    assert!(refusal().to_string().contains("is not a height map"), "{}", refusal());
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::GelError;
 #[non_exhaustive]
 pub enum PatternError {
     /// A value outside its range.
-    #[error("{key} = {value} is impossible: it takes {allowed}")]
+    #[error("{key} = {value} is impossible: it must be {allowed}")]
     OutOfRange {
         /// Which value, by its name in a scene's `[pattern]` table.
         key: &'static str,
@@ -27,7 +27,7 @@ pub enum PatternError {
         pitch_mm: f64,
     },
     /// More or fewer cells across the pattern than possible.
-    #[error("{size_mm} mm of {what} of {part_mm} mm are {count} across: 3 to {most} can be made")]
+    #[error("a pattern of {size_mm} mm with {what} of {part_mm} mm has {count} across: 3 to {most} are possible")]
     Count {
         /// The kind of parts, such as "cells".
         what: &'static str,
@@ -61,7 +61,7 @@ pub enum PatternError {
         room_mm: [[f64; 2]; 2],
     },
     /// The camera's image shows no gel.
-    #[error("the camera sees the gel nowhere")]
+    #[error("the camera does not see the gel")]
     NotSeen,
     /// The colours cannot be drawn.
     #[error(transparent)]
@@ -81,8 +81,8 @@ impl PatternError {
             Self::Count { .. } => "give a smaller pattern or larger parts".into(),
             Self::TooManyPixels { .. } => "give a lower resolution, or write PDF or SVG, which have none".into(),
             Self::Paper { room_mm: [[width, height], [lying_width, lying_height]], .. } => format!(
-                "--size-mm of up to {width}x{height} mm fits upright, {lying_width}x{lying_height} mm lying; without --page the \
-                 page is as large as needed"
+                "--size-mm of up to {width}x{height} mm fits in portrait, {lying_width}x{lying_height} mm in landscape; without --page \
+                 the page is as large as needed"
             ),
             Self::NotSeen => {
                 "check the camera's principal point and translation, and the image's and the gel's size".into()

@@ -15,9 +15,7 @@ pub enum RenderError {
         allowed: &'static str,
     },
     /// The surface's grid is not valid: its lines must be two or more along each axis, finite and ascending.
-    #[error(
-        "the surface's grid lines along {axis} are {count} and not ascending: two or more, each beyond the last, make a grid"
-    )]
+    #[error("the surface has {count} grid lines along {axis}: two or more in ascending order are needed")]
     GridLines {
         /// x or y.
         axis: char,
@@ -53,6 +51,6 @@ pub enum RenderError {
         most: f64,
     },
     /// Two states of one motion have different grids.
-    #[error("the surface before has other grid lines than the surface now: blur of motion needs one grid for both")]
+    #[error("the previous surface has other grid lines than the current one: motion blur needs the same grid for both")]
     OtherGrid,
 }

@@ -1,4 +1,4 @@
-//! Renders the deformed surface: from a state of the gel to an 8-bit frame.
+//! Renders the deformed surface: computes an 8-bit frame from a state of the gel.
 //!
 //! The order is the physical one: the nearest surface along every ray, the pattern's exact coverage, the light on the
 //! slope, the optics' blur, the pixel's area, vignetting, noise, rounding.

@@ -1,4 +1,4 @@
-//! From rows of parts to rows of pixels: the optics' blur and the pixel's area.
+//! Computes rows of pixels from rows of parts: the optics' blur and the pixel's area.
 
 use crate::blur::{Blur, SUB_PIXELS};
 use fearless_simd::{Simd, f32x4, f32x16, prelude::*};

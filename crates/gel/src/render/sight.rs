@@ -5,7 +5,7 @@ use super::lattice::Lattice;
 use super::patches::Patches;
 use super::raster::Planes;
 
-/// What is needed to colour parts.
+/// The inputs for the colours of parts.
 pub(crate) struct ColourInputs<'a> {
     pub(crate) lattice: Lattice,
     pub(crate) planes: &'a Planes,

@@ -1,7 +1,9 @@
-//! Scenes: indenter, motion, camera and rendering, as a file; ready-made, random, solved and rendered.
+//! Scenes: files that describe indenter, motion, camera and rendering; ready-made and random scenes; their solution and
+//! rendering.
 //!
 //! A [`Scene`] is read from TOML. Missing values are those of the default simulated sensor: a gel of 30×30×10 mm seen
-//! from 25 mm by 480×480 px. [`Simulation`] solves the press, with a [`PressCache`], and returns frames with their truth.
+//! from 25 mm by 480×480 px. [`Simulation`] solves the press, with a [`PressCache`], and returns frames with their
+//! truth.
 
 mod cache;
 mod error;

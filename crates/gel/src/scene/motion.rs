@@ -11,9 +11,9 @@ const LARGEST_TILT_RAD: f64 = 1.2;
 
 /// The `[motion]` table: a motion between keyframes, divided into a number of frames.
 ///
-/// The motion begins at rest, at 0, and is linear from keyframe to keyframe. Its frames are spread evenly
-/// over it: the first shows the gel at rest, the last the last keyframe. Where the last keyframe is at `frames − 1`, the
-/// keyframes' places are frame numbers.
+/// The motion begins at rest, at 0, and is linear from keyframe to keyframe. Its frames are spread evenly over it: the
+/// first shows the gel at rest, the last the last keyframe. Where the last keyframe is at `frames − 1`, the keyframes'
+/// places are frame numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SceneMotion {
@@ -21,7 +21,7 @@ pub struct SceneMotion {
     pub kind: MotionKind,
     /// Where the indenter's origin meets the undeformed surface, mm.
     pub centre_mm: [f64; 2],
-    /// How many frames show the course, both ends included.
+    /// Number of frames of the motion, both ends included.
     pub frames: usize,
     /// The keyframes, in order.
     pub keyframes: Vec<Keyframe>,
@@ -44,7 +44,7 @@ pub enum MotionKind {
 pub struct Keyframe {
     /// Its place on the course, above that of the keyframe before.
     pub at: f64,
-    /// How deep the indenter's origin is pressed in, mm.
+    /// Depth of the indenter's origin, mm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth_mm: Option<f64>,
     /// Sideways from where the press began, mm.
@@ -199,7 +199,7 @@ mod tests {
     fn an_impossible_motion_is_refused() {
         assert_eq!(
             refusal(|motion| motion.keyframes[1].depth_mm = Some(-0.5)),
-            "motion.keyframes[1].depth_mm = -0.5 is impossible: it takes a depth of 0 mm or more"
+            "motion.keyframes[1].depth_mm = -0.5 is impossible: it must be a depth of 0 mm or more"
         );
         assert!(refusal(|motion| motion.keyframes[1].at = 10.0).contains("keyframes[1].at = 10.0"));
         assert!(refusal(|motion| motion.keyframes[0].at = 0.0).contains("a number above 0"));

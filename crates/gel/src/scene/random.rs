@@ -10,7 +10,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 use super::{Keyframe, Scene};
 use crate::{Indenter, IndenterShape};
 
-/// How often a place is drawn for an indenter before the middle is used.
+/// Number of random positions that are tried for an indenter before the middle is used.
 const MOST_TRIES: usize = 100;
 
 /// Presses of the default sensor that differ in all that a press can differ in.

@@ -1,4 +1,4 @@
-//! From a scene to its frames with their truth.
+//! Computes the frames of a scene, with their truth.
 
 use fingervision_elastic::{Pose, SurfaceState};
 use fingervision_image::Pixels;

@@ -1,4 +1,4 @@
-//! From a scene to the gel's surface in every frame: solved, or found where it was solved before.
+//! Computes the gel's surface in every frame of a scene: solved, or read from the cache.
 
 use std::ops::ControlFlow;
 
@@ -19,17 +19,17 @@ const SOLVER: &str = env!("FINGERVISION_SOLVER");
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct SolvedPress {
-    /// One surface a frame from the first on; all frames unless it [ended early](SolvedPress::end).
+    /// One surface per frame, starting with the first; all frames unless it [ended early](SolvedPress::end).
     pub states: Vec<SurfaceState>,
-    /// Where the surfaces come from.
+    /// The origin of the surfaces.
     pub origin: Origin,
     /// Why there are fewer surfaces than frames, if there are.
     pub end: Option<EarlyEnd>,
-    /// What was wrong with the cache, if anything; the surfaces are right all the same.
+    /// An error of the cache, if there was one; it does not affect the surfaces.
     pub cache_fault: Option<CacheError>,
 }
 
-/// Where the surfaces of a scene come from.
+/// The origin of the surfaces of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
     /// They were solved.

@@ -14,7 +14,7 @@ pub struct CameraTable {
     /// Where the optical axis meets the image, px; absent: its centre.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub principal_point_px: Option<[f64; 2]>,
-    /// How the lens bends rays.
+    /// The distortion of the lens.
     pub distortion: Distortion,
     /// Rotation of the gel in camera space as a rotation vector, rad.
     pub rotation_rad: [f64; 3],
@@ -68,7 +68,7 @@ pub(super) fn default_gel() -> GelBlock {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MaterialTable {
-    /// How stress follows strain: `"neo-hookean"` or `"linear"`.
+    /// The material law: `"neo-hookean"` or `"linear"`.
     pub law: Law,
 }
 
@@ -76,6 +76,6 @@ pub struct MaterialTable {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ContactTable {
-    /// What happens where gel and indenter touch: `"stick"`, `"frictionless"` or `{ friction = 0.8 }`.
+    /// The contact law between gel and indenter: `"stick"`, `"frictionless"` or `{ friction = 0.8 }`.
     pub law: ContactLaw,
 }

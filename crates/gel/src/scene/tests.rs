@@ -124,10 +124,10 @@ fn an_unknown_key_is_named_with_its_line_and_a_like_one() {
 #[test]
 fn an_impossible_value_is_named_with_its_line_value_and_what_is_possible() {
     for (text, message) in [
-        ("[gel]\npoissons_ratio = 0.5", "line 2: gel.poissons_ratio = 0.5 is impossible: it takes 0 to below 0.5"),
+        ("[gel]\npoissons_ratio = 0.5", "line 2: gel.poissons_ratio = 0.5 is impossible: it must be 0 to below 0.5"),
         (
             "\n[gel]\nthickness_mm = 0",
-            "line 3: gel.thickness_mm = 0.0 is impossible: it takes a finite length above 0 mm",
+            "line 3: gel.thickness_mm = 0.0 is impossible: it must be a finite length above 0 mm",
         ),
         ("[gel]\nyoungs_modulus_mpa = -1", "line 2: gel.youngs_modulus_mpa = -1.0 is impossible"),
         ("[camera]\ntranslation_mm = [0, 0, -25]", "line 2: camera.translation_mm = [0.0, 0.0, -25.0] is impossible"),
@@ -136,11 +136,11 @@ fn an_impossible_value_is_named_with_its_line_value_and_what_is_possible() {
             "[motion]\nkeyframes = [{ at = 1, depth_mm = -1 }]",
             "line 2: motion.keyframes[0].depth_mm = -1.0 is impossible",
         ),
-        ("[motion]\nkeyframes = [{ at = 1, depth_mm = 10 }]", "it takes less than the gel's thickness of 10 mm"),
-        ("[motion]\nframes = 1", "line 2: motion.frames = 1 is impossible: it takes 2 to 100000 frames"),
+        ("[motion]\nkeyframes = [{ at = 1, depth_mm = 10 }]", "it must be less than the gel's thickness of 10 mm"),
+        ("[motion]\nframes = 1", "line 2: motion.frames = 1 is impossible: it must be 2 to 100000 frames"),
         ("[motion]\ncentre_mm = [16, 0]", "line 2: motion.centre_mm = [16.0, 0.0] is impossible"),
         ("[pattern]\ncell_mm = 0", "line 2: pattern.cell_mm = 0 is impossible"),
-        ("[render]\nshading = 2", "line 2: render.shading = 2 is impossible: it takes 0 to 1"),
+        ("[render]\nshading = 2", "line 2: render.shading = 2 is impossible: it must be 0 to 1"),
         ("[mesh]\ncells = [1000, 1000, 10]", "line 2: mesh.cells = [1000, 1000, 10] is impossible"),
         ("[indenter]\nshape = 'circle'\nradius_mm = -4", "line 3: indenter.radius_mm = -4.0 is impossible"),
     ] {
@@ -166,7 +166,7 @@ fn a_wrong_type_is_named_with_its_line() {
     assert!(error.starts_with("line 2: gel.size_mm: invalid type"), "{error}");
     let (error, hint) = refusal("[contact]\nlaw = 'glue'");
     assert!(error.starts_with("line 2: contact.law: unknown variant `glue`"), "{error}");
-    assert_eq!(hint, "it takes stick, frictionless, friction");
+    assert_eq!(hint, "possible values: stick, frictionless, friction");
     let (error, _) = refusal("[indenter]\nshape = 'sphere'");
     assert!(error.contains("indenter: missing radius_mm"), "{error}");
     let (error, _) = refusal("[gel\n");

@@ -1,4 +1,4 @@
-//! Analytic motions of the image plane: the truth, and the way back from the current image to the reference.
+//! Analytic motions of the image plane: the truth, and the inverse motion from the current image to the reference.
 //!
 //! Except for the shift and the star, a motion stretches every ray from a centre `c`:
 //!
@@ -6,7 +6,7 @@
 //! X = c + (x − c) (1 + h(n)),   n = ‖x − c‖
 //! ```
 //!
-//! where the norm is Euclidean for round motions and the largest coordinate for square ones. So the way back is one
+//! where the norm is Euclidean for round motions and the largest coordinate for square ones. So the inverse is one
 //! scalar equation per point, `n (1 + h(n)) = N`, whatever the shape.
 
 use crate::GelError;
@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 /// The direction of [`Motion::shift`], clockwise from the x axis.
 const SHIFT_ANGLE_DEGREES: f64 = 33.0;
 
-/// Where the way back ends, px.
+/// Tolerance of the inverse motion, px.
 const TOLERANCE_PX: f64 = 1e-12;
 
 /// A displacement of every point of the image plane, in px.
@@ -50,8 +50,8 @@ pub enum Motion {
         /// `s`, dimensionless; 1 is at rest.
         scale: f64,
     },
-    /// A wave along y whose period grows along x: `v(x, y) = A cos(2π (y − m) / p(x))`, the star of the DIC Challenge 2.0
-    /// (\[Reu2022\]). It shows which periods a method resolves.
+    /// A wave along y whose period grows along x: `v(x, y) = A cos(2π (y − m) / p(x))`, the star of the DIC Challenge
+    /// 2.0 (\[Reu2022\]). It shows which periods a method resolves.
     Star {
         /// `A`, the amplitude, px.
         amplitude_px: f64,
@@ -233,8 +233,8 @@ impl Motion {
     }
 }
 
-/// The root of an increasing function, given with its slope, within a bracket: Newton steps from `start`, halving the bracket
-/// where a step would leave it.
+/// The root of an increasing function, given with its slope, within a bracket: Newton steps from `start`, halving the
+/// bracket where a step would leave it.
 fn solve(start: f64, [mut low, mut high]: [f64; 2], function: impl Fn(f64) -> (f64, f64)) -> f64 {
     let mut root = start;
     while high - low > TOLERANCE_PX {

@@ -1,7 +1,7 @@
 use crate::GelError;
 use serde::{Deserialize, Serialize};
 
-/// What the camera sees at rest, and how.
+/// The sheet at rest, and its image.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sheet {

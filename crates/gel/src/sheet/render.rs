@@ -1,4 +1,4 @@
-//! From a sheet and a motion to the camera's 8-bit frame.
+//! Renders the camera's 8-bit frame of a sheet under a motion.
 //!
 //! The order is a camera's: the pattern's exact coverage, the optics' blur, the pixel's area, the light, the noise,
 //! then rounding. Every step before rounding is in floating point, and a margin is rendered for the blur, so no pixel

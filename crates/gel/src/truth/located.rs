@@ -1,4 +1,4 @@
-//! Which point of the gel each reference pixel sees.
+//! The point of the gel that each reference pixel sees.
 
 use fingervision_elastic::SurfaceState;
 use fingervision_optics::Camera;

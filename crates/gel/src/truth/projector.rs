@@ -10,13 +10,13 @@ const CONTACT: f64 = 0.5;
 /// Two meetings of a ray with the surface are one if they lie closer than this at rest, mm.
 const SAME_POINT_MM: f64 = 1e-3;
 
-/// What a frame shows, on the reference grid: the value at a pixel belongs to the point of the gel that this pixel sees
-/// while the gel is undeformed.
+/// The truth of a frame on the reference grid: the value at a pixel belongs to the point of the gel that this pixel
+/// sees while the gel is undeformed.
 ///
 /// Where the pixel sees no gel, all numbers are NaN and both masks 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
-    /// Where the point went in the image, to the right and down, px.
+    /// The displacement of the point in the image, to the right and down, px.
     pub flow: Image<[f32; 2]>,
     /// The surface's displacement towards the camera, mm, positive pressed in.
     pub depth: Image<f32>,

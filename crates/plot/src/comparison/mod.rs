@@ -22,9 +22,9 @@ const PLOT_HEIGHT: f32 = 300.0;
 /// A true field and its estimate, both on the same grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair<'a, T> {
-    /// What it is.
+    /// The true field.
     pub truth: &'a T,
-    /// What it was taken for.
+    /// The estimated field.
     pub estimate: &'a T,
 }
 

@@ -12,7 +12,7 @@ use super::strongest::{Strength, Strongest};
 use super::write_png;
 use crate::{Sink, SinkError};
 
-/// What a preview needs from the sensor.
+/// The properties of the sensor that a preview needs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PreviewOptions {
     /// The region of the fields in the camera image, px; the whole of it if absent.

@@ -1,4 +1,4 @@
-//! The sample table: six compact lists that together give the place of every sample in the file and in time.
+//! The sample table: six compact lists that together give the position of every sample in the file and in time.
 
 use super::boxes::{Bytes, find};
 use crate::fault::Fault;

@@ -1,4 +1,4 @@
-//! A grid of larger cells over the surface: tractions need fewer cells than depth does.
+//! A grid of larger cells over the surface, because tractions need fewer cells than depth.
 
 use fingervision_elastic::SurfaceGrid;
 
@@ -23,8 +23,8 @@ impl CoarseGrid {
         Self { surface, part, grid }
     }
 
-    /// The surface's cells around the centre of each cell: four, two of them twice, or one four times. Its centre is the mean of
-    /// theirs.
+    /// The surface's cells around the centre of each cell: four, two of them twice, or one four times. Its centre is
+    /// the mean of theirs.
     pub fn around(self) -> impl Iterator<Item = Around> {
         let Self { surface, part, grid } = self;
         (0..grid.len()).map(move |cell| {
@@ -77,11 +77,11 @@ impl Around {
     }
 }
 
-/// The places among `count` on both sides of the centre of one of `part` times their length, counted alike; twice the same
-/// where that centre is the centre of one of them.
+/// The indices, among `count` cells, of the two cells on both sides of the centre of the larger cell `at`, which is
+/// `part` cells long; the same index twice if that centre is the centre of a cell.
 fn beside(at: usize, part: usize, count: usize) -> [usize; 2] {
     let first = part * at;
-    // An odd number of places has its middle in the middle of one.
+    // The middle of an odd number of cells is the middle of one cell.
     [first, first + usize::from(part == 2 && count.is_multiple_of(2))]
 }
 

@@ -10,14 +10,15 @@ use super::surface::{self, Seen, Surface, WithoutDrag};
 use super::thresholds::THRESHOLDS;
 use super::{CELLS, ElasticMode, ElasticParams};
 
-/// Rings of cells left out at the border of contact where a face's motion is fitted: the walls do not belong to the face.
+/// Rings of cells left out at the border of contact where a face's motion is fitted: the walls do not belong to the
+/// face.
 const RIM_CELLS: usize = 3;
 
-/// Standard deviation of a depth over the mean absolute error that the network predicts. That of the Laplace distribution, for
-/// which it was trained, is 1.41; on images of another program 1.83 to 2.39 such deviations hold 95 % of the errors, so it is
-/// 13 % larger.
+/// Ratio of the standard deviation of depth to the mean absolute error that the network predicts. It is 1.41 for the
+/// Laplace distribution that was assumed in training. On images of another program, 95 % of the errors are within 1.83
+/// to 2.39 such deviations, so the value is 13 % larger.
 const DEVIATION: f32 = 1.6;
-/// Most cells used to fit a face's motion: more add time and no precision.
+/// Largest number of cells used to fit a face's motion: more cells take time, but do not improve the fit.
 const MOST_POINTS: usize = 600;
 
 /// Finds contact in every frame.
@@ -33,20 +34,21 @@ pub(super) struct ContactFinder {
     symmetries: Vec<Symmetry>,
     /// Its estimates for the cells.
     estimated: Vec<[f32; OUTPUTS]>,
-    /// From mm to the network's scale, on which the gel has the side used in training.
+    /// Factor from mm to the network's length scale, in which the gel has the side used in training.
     scale: f32,
     /// Thickness of the gel, mm.
     thickness_mm: f64,
-    /// Allowed difference between a point of the gel and a stuck face's motion, mm: at least, and in the last frame.
+    /// Allowed difference between a point of the gel and a stuck face's motion, mm: its least value, and the value in
+    /// the last frame.
     least_noise_mm: f64,
     noise_mm: f64,
     /// Whether the deviation of the flow is far larger than that of the training images.
     pub(super) is_flow_uncertain: bool,
-    /// Error of depth, mm, caused by the flow's error beyond what the network's own error includes.
+    /// Error of depth, mm, caused by the part of the flow's error that the network's estimate does not include.
     flow_deviation_mm: f32,
     /// Whether each cell is touched.
     pub(super) touches: Vec<bool>,
-    /// Which part of each cell is touched, 0 to 1; above a half the cell is.
+    /// The part of each cell that is touched, 0 to 1; above one half, the cell counts as touched.
     pub(super) share: Vec<f32>,
     /// Depth of each cell, mm.
     pub(super) depth_mm: Vec<f32>,
@@ -133,22 +135,23 @@ impl ContactFinder {
             &mut self.face_scratch,
         );
         self.hold_to_face(surface);
-        // What does not move with the face has no depth of its own.
+        // Cells that do not move with the face have no depth.
         self.touches.copy_from_slice(&self.on_face);
         for (share, &touches) in self.share.iter_mut().zip(&self.touches) {
             *share = f32::from(u8::from(touches));
         }
     }
 
-    /// Finds the depth again with the displacement by shear subtracted; contact, for which the whole motion is the better
-    /// input, is kept.
+    /// Finds the depth again with the displacement by shear subtracted. Contact does not change, because it is found
+    /// better from the whole motion.
     pub(super) fn find_depth(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
         self.look(surface, drag);
         self.take_depth(drag);
         self.hold_to_face(surface);
     }
 
-    /// Stores how accurate a frame's flow is; returns the motion up to which the gel is at rest in it, mm.
+    /// Stores the accuracy of a frame's flow; returns the motion, mm, up to which the gel counts as at rest in this
+    /// frame.
     pub(super) fn take_noise(&mut self, surface: &Surface) -> f64 {
         let deviation_mm = surface.typical_deviation_mm(&mut self.scratch);
         self.noise_mm = self.least_noise_mm.max(THRESHOLDS.noise_over_deviation * deviation_mm);
@@ -184,7 +187,7 @@ impl ContactFinder {
         }
     }
 
-    /// Whether a face is about as deep as the network estimates, if that is used.
+    /// Whether the depth of a face agrees with the network's depth, if the network is used.
     fn is_likely(&self, surface: &Surface, face: &StuckFace) -> bool {
         let depths = |cell: usize| (face.motion.apply(surface.centre_mm(cell))[2], f64::from(self.depth_mm[cell]));
         let (face_mm, network_mm) =
@@ -192,8 +195,8 @@ impl ContactFinder {
         !self.uses_network() || (face_mm - network_mm).abs() <= THRESHOLDS.most_change * network_mm
     }
 
-    /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth where it is free and
-    /// the network is not used.
+    /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth if it is not touched
+    /// and the network is not used.
     pub(super) fn deviation_mm(&self, cell: usize, around_mm: f32) -> f32 {
         match (self.on_face[cell], self.uses_network()) {
             (true, _) => self.face_deviation_mm,
@@ -244,7 +247,7 @@ impl ContactFinder {
         self.estimated.as_flattened_mut().iter_mut().for_each(|sum| *sum *= per_symmetry);
     }
 
-    /// Contact as the network estimates it, where the camera sees the gel at rest; beyond that nothing is known.
+    /// Contact as estimated by the network, only where the camera sees the gel at rest.
     fn take_contact(&mut self, surface: &Surface) {
         for (cell, &[depth_mm, odds, _]) in self.estimated.iter().enumerate() {
             let is_estimated = depth_mm > 0.0 && surface.has_pixels(cell);
@@ -283,7 +286,8 @@ impl ContactFinder {
     }
 }
 
-/// The network's input for a cell of a grid of this many columns and rows; beyond the surface that of the last cell.
+/// The network's input for a cell of a grid of this many columns and rows; beyond the surface, the input of the last
+/// cell.
 fn input(
     grid: SurfaceGrid,
     seen: &[Seen],
@@ -304,7 +308,7 @@ fn input(
     [2.0 * x, 2.0 * y, here.slope[0], here.slope[1], 3.0 * spread]
 }
 
-/// The neighbours of a place along an axis of this length; itself where there is none.
+/// The neighbours of a position along an axis of this length; the position itself where there is none.
 fn neighbours(at: usize, count: usize) -> [usize; 2] {
     [at.saturating_sub(1), (at + 1).min(count - 1)]
 }

@@ -1,9 +1,10 @@
 //! Separates the displacement caused by motion of contact along the surface from that of the indentation.
 //!
 //! At small strain displacements add up: a press that also shears or twists the gel moves it as the press alone would,
-//! plus the displacement caused by the motion of contact along the surface. That motion, a translation and a rotation, is
-//! visible. Elasticity gives the rest of the field, from tractions that move contact by that much and do not change its
-//! depth. What is left after the subtraction looks like a press straight down, which is what the network knows best.
+//! plus the displacement caused by the motion of contact along the surface. This motion, a translation and a rotation,
+//! is visible. Elasticity gives the displacement of the whole surface, from tractions that cause this motion of contact
+//! without changing its depth. After subtracting it, the field looks like a press straight down, for which the network
+//! is most accurate.
 
 use fingervision_elastic::BlockOperator;
 
@@ -13,8 +14,9 @@ use super::motion::{Motion, ramp};
 use super::surface::{Seen, Surface, WithoutDrag};
 use super::traction::{Limits, Tractions};
 
-/// Ratio of motion along the surface to depth, root mean squares: below the first number nothing is subtracted, above the
-/// second all of it. Stuck faces pressed straight down stay below 0.02, sliding ones below 0.22.
+/// Ratio of motion along the surface to depth, root mean squares: below the first number nothing is subtracted, above
+/// the second the whole displacement. For faces pressed straight down it is below 0.02 if they stick and below 0.22 if
+/// they slide.
 const PARTIAL: [f64; 2] = [0.15, 0.3];
 
 /// Finds the displacement caused by shear and twist in every frame.
@@ -29,7 +31,7 @@ pub(super) struct Drag {
     is_found: bool,
     /// Displacement of the surface's cells by shear and twist alone, mm.
     dragged_mm: Vec<[f32; 3]>,
-    /// What the camera would measure of the cells without shear and twist.
+    /// The camera's measurements of the cells without shear and twist.
     seen: Vec<Seen>,
 }
 
@@ -59,7 +61,7 @@ impl Drag {
         self.is_found.then_some(WithoutDrag { seen: &self.seen, dragged_mm: &self.dragged_mm })
     }
 
-    /// Attributes the whole motion to the indentation until shear is looked for.
+    /// Attributes the whole motion to the indentation until the next search for shear.
     pub(super) fn forget(&mut self) {
         self.is_found = false;
     }
@@ -85,7 +87,7 @@ impl Drag {
     }
 }
 
-/// Motion of contact along the surface, and which part of it is subtracted; none without contact.
+/// Motion of contact along the surface, and the part of it that is subtracted; none without contact.
 fn motion_of(surface: &Surface, contact: &ContactFinder) -> Option<(f64, Motion)> {
     let cells = || (0..surface.grid.len()).filter(|&cell| contact.touches[cell]);
     let lateral_mm = |cell: usize| surface.seen[cell].lateral_mm(contact.depth_mm[cell]).map(f64::from);

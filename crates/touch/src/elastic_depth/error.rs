@@ -1,11 +1,11 @@
 use fingervision_elastic::LayerError;
 
-/// Why there is no elastic inverse for a gel and a camera.
+/// Why the elastic inverse cannot be made for a gel and a camera.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ElasticError {
     /// The camera does not see the gel.
-    #[error("depth: the camera sees the undeformed gel in no pixel of the region")]
+    #[error("depth: no pixel of the region of interest shows the undeformed gel")]
     NoSurface,
     /// The gel's elastic model cannot be made.
     #[error("gel: {0}")]

@@ -1,8 +1,8 @@
 //! Finds a flat face that the gel sticks to, by its motion alone.
 //!
-//! The surface is divided into overlapping windows. A rigid motion is fitted to each; the face is given by the one that
-//! explains most of the deep surface to the noise of the flow. No network is used, and nothing else is found: neither a
-//! ball nor a face that slides.
+//! The surface is divided into overlapping windows. A rigid motion is fitted to each; the face is given by the motion
+//! that matches the largest part of the deep surface within the noise of the flow. The network is not used. Balls and
+//! faces on which the gel slides are not found.
 
 use fingervision_elastic::SurfaceGrid;
 
@@ -12,21 +12,21 @@ use super::thresholds::THRESHOLDS;
 
 /// Side of a window, cells.
 const WINDOW: usize = 12;
-/// From one window to the next, cells.
+/// Distance between neighbouring windows, cells.
 const STEP: usize = 6;
-/// Only every so many cells are tested, along both axes.
+/// Distance between the tested cells along both axes, cells.
 const SPARSE: usize = 2;
 /// Least number of cells of a face.
 const LEAST_CELLS: usize = 60;
 
-/// What counts as a face, in mm.
+/// Conditions for a face, in mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FaceLimits {
-    /// What a point may differ from the face's motion.
+    /// Largest difference of a point from the face's motion.
     tolerance: f64,
     /// Least depth of a face.
     least_depth: f64,
-    /// Depth from which on a cell counts for no more.
+    /// Depth above which the weight of a cell no longer grows.
     counted_depth: f64,
 }
 
@@ -107,7 +107,8 @@ fn is_on(surface: &Surface, cell: usize, face: &StuckFace, limits: &FaceLimits) 
         && rigid::distance_mm(surface, cell, &face.motion) < 2.0 * limits.tolerance
 }
 
-/// Cells that move with a face, each worth its depth up to a limit: gel near rest fits many motions.
+/// Sum over the cells that move with a face, each weighted by its depth up to a limit, because gel near rest fits many
+/// motions.
 fn score(surface: &Surface, face: &StuckFace, limits: &FaceLimits) -> f64 {
     let SurfaceGrid { columns, rows, .. } = surface.grid;
     let cells = (0..rows).step_by(SPARSE).flat_map(|row| (0..columns).step_by(SPARSE).map(move |x| row * columns + x));
@@ -123,7 +124,7 @@ fn open(grid: SurfaceGrid, marks: &mut [bool], inner: &mut [bool]) {
         *inner =
             marks[cell] && surface::neighbours(grid, cell).is_some_and(|near| near.iter().all(|&near| marks[near]));
     }
-    // Cells at the grid's border do not count, so a step across it finds none.
+    // Cells at the grid's border are not marked, so neighbours across the border do not matter.
     let columns = grid.columns;
     let around = |cell: usize| [cell.wrapping_sub(1), cell + 1, cell.wrapping_sub(columns), cell + columns];
     for (cell, mark) in marks.iter_mut().enumerate() {

@@ -25,17 +25,18 @@ pub struct ElasticFields {
     pub force_n: Option<[f32; 3]>,
     /// Torque on the gel about the z axis through the centre of contact, N mm; none without Young's modulus.
     pub torque_nmm: Option<f32>,
-    /// Difference between the motion along the surface, a quarter of the thickness and more from contact, and the motion
-    /// that the tractions predict there: root mean square over the largest depth, dimensionless; none where the motion is
-    /// too small.
+    /// Difference between measured motion along the surface and the motion that the tractions predict, at distances of
+    /// at least a quarter of the thickness from contact: root mean square over the largest depth, dimensionless; none
+    /// if the motion is too small.
     pub unexplained: Option<f32>,
     /// Whether the gel is strained beyond the linear range.
     pub is_beyond_linear: bool,
     /// Whether contact reaches the border of what the camera sees.
     pub is_cut: bool,
-    /// Whether the tractions do not explain the motion: the fields are then not valid.
+    /// Whether the tractions do not explain the motion; if so, the fields are not valid.
     pub is_unexplained: bool,
-    /// Whether that is so although the deviation of the flow is small: the flow cannot be that of this gel and camera.
+    /// Whether they do not explain it although the deviation of the flow is small: the flow cannot be that of this gel
+    /// and camera.
     pub is_misfit: bool,
     /// Whether the gel moves, the network is switched on, and gel and camera are outside its training range.
     pub is_outside_training: bool,
@@ -98,8 +99,8 @@ impl ElasticFields {
         fields
     }
 
-    /// Sets everything to what it is on an untouched gel, in images in which motion is seen from so many times the usual
-    /// motion on.
+    /// Sets everything to the values of an untouched gel; `motion` is the smallest motion that is detected in this
+    /// image, relative to the usual one.
     pub(crate) fn rest(&mut self, motion: f64) {
         let rest_deviation_mm = self.rest_deviation_mm * motion as f32;
         self.depth_mm.values_mut().fill(0.0);

@@ -60,7 +60,7 @@ impl HeldGel {
         self.tractions.hold(&self.touches, &self.wanted_mm, self.limits);
     }
 
-    /// Transfers values of the surface's cells to the larger cells: the mean around each centre.
+    /// Transfers values of the surface's cells to the larger cells, as the mean around each centre.
     fn gather(&mut self, surface: &Surface, contact: &ContactFinder) {
         for (cell, around) in self.coarse.around().enumerate() {
             let seen = Seen {
@@ -76,9 +76,9 @@ impl HeldGel {
         }
     }
 
-    /// Difference between the motion along the surface, well away from contact, and the motion that the tractions predict
-    /// there, beyond the flow's own error: root mean square over the largest depth; over the whole surface where there is
-    /// no contact, none where the motion is too small.
+    /// Difference between measured motion along the surface and the motion that the tractions predict, away from
+    /// contact and beyond the error of the flow: root mean square over the largest depth. Without contact, the whole
+    /// surface is compared. None if the motion is too small.
     pub(super) fn unexplained(&mut self, thickness_mm: f64, deepest_mm: f64, mm_per_px: f64) -> Option<f64> {
         let away = THRESHOLDS.away * thickness_mm / self.grid().cell_mm;
         let columns = self.grid().columns;
@@ -101,7 +101,7 @@ impl HeldGel {
         (all > count * least_mm * least_mm).then(|| (left / count).sqrt() / deepest_mm.max(least_mm))
     }
 
-    /// Strain in contact at a depth; nothing slides where there is a stuck face.
+    /// Strain in contact at a depth; a stuck face counts as not sliding.
     pub(super) fn strain(&self, thickness_mm: f64, deepest_mm: f64, has_face: bool) -> Strain {
         let strain = Strain::of(self.grid(), &self.touches, &self.wanted_mm, deepest_mm, thickness_mm);
         if has_face { Strain { slide: 0.0, ..strain } } else { strain }

@@ -10,8 +10,8 @@
 //!    ([`traction`]). They give the force and the torque, and show whether the gel is the one described. Without the
 //!    network they alone give the displacement around contact.
 //!
-//! Elasticity is linear, that of a block with free sides, bonded at its base. The solution is that of small strain: beyond
-//! a depth of about a quarter of the thickness it is an approximation.
+//! Elasticity is linear, that of a block with free sides, bonded at its base. The solution is that of small strain:
+//! beyond a depth of about a quarter of the thickness it is an approximation.
 
 mod coarse;
 mod contact;
@@ -51,8 +51,8 @@ use thresholds::THRESHOLDS;
 
 /// Cells along the gel's longer side.
 const CELLS: usize = 120;
-/// Motion well away from contact that may stay unexplained, root mean square, as a part of the largest depth: above it
-/// the gel is not the one described.
+/// Largest difference between motion away from contact and elasticity, root mean square, relative to the largest depth.
+/// Above it, the flow is not that of the gel in the profile.
 pub const MOST_UNEXPLAINED: f64 = THRESHOLDS.most_unexplained;
 
 /// Termination of the solver for tractions in exact mode.
@@ -65,7 +65,7 @@ const LIVE: Limits = Limits { tolerance: 1e-2, most_iterations: 1 };
 pub struct Cells<'a> {
     /// The cells.
     pub grid: SurfaceGrid,
-    /// What the camera measures of each.
+    /// The camera's measurement of each cell.
     pub seen: &'a [Seen],
     /// Whether each is touched.
     pub touches: &'a [bool],
@@ -78,8 +78,8 @@ pub struct Cells<'a> {
 /// Finds indentation from the motion of the gel's surface in the image.
 ///
 /// Owns all scratch memory: no call of [`ElasticDepth::solve`] allocates. The result of a frame depends on previous
-/// frames only through the solver's start, within its tolerance, and through a misfit, which stays until the gel fits
-/// well or rests.
+/// frames in two ways only: through the start of the solver, within its tolerance, and through a misfit, which remains
+/// until the gel fits well or is at rest.
 #[derive(Debug)]
 pub struct ElasticDepth {
     gel: GelBlock,
@@ -89,7 +89,7 @@ pub struct ElasticDepth {
     contact: ContactFinder,
     /// None where the network is not used.
     drag: Option<Drag>,
-    /// Whether shear is found in the frame itself and not taken from the previous one.
+    /// Whether the displacement by shear is computed in the frame itself, not taken from the previous one.
     is_exact: bool,
     held: HeldGel,
     /// Depth, its deviation and the share in contact of the cells, to be interpolated to the pixels; a fourth number
@@ -182,13 +182,13 @@ impl ElasticDepth {
         &self.fields
     }
 
-    /// The same, for taking its planes out; the next frame overwrites those that are put in their place.
+    /// The same, mutable, so that its planes can be exchanged; the next frame overwrites the planes put in their place.
     pub(crate) fn fields_mut(&mut self) -> &mut ElasticFields {
         &mut self.fields
     }
 
-    /// Displacement `(x, y, z)`, mm, at every pixel, from the last frame's depth and its flow: each point lies on the ray
-    /// of the pixel where it is seen, at its depth. Zero where the pixel does not show the gel.
+    /// Displacement `(x, y, z)`, mm, at every pixel, from the last frame's depth and its flow: each point lies on the
+    /// ray of the pixel where it is seen, at its depth. Zero where the pixel does not show the gel.
     pub fn displacement_into(&self, flow: &FlowField, displacement_mm: &mut [Image<f32>; 3]) {
         let [x_mm, y_mm, z_mm] = displacement_mm;
         z_mm.copy_from(&self.fields.depth_mm);
@@ -206,7 +206,7 @@ impl ElasticDepth {
         }
     }
 
-    /// Takes the gel to be at rest, in a frame in which motion is seen from `still_mm` on.
+    /// Sets the result to a gel at rest, for a frame in which motion above `still_mm` would be detected.
     fn rest(&mut self, still_mm: f64) {
         self.held.rest();
         if let Some(drag) = &mut self.drag {
@@ -219,7 +219,7 @@ impl ElasticDepth {
     fn write_fields(&mut self) {
         // Without the network, the tractions give the depth of the free gel.
         let moved = (!self.contact.uses_network()).then(|| self.held.displacement_mm());
-        // Without the network and without a face, nothing is known.
+        // Without the network and without a face, no depth is known.
         let is_known = self.contact.uses_network() || self.contact.has_face();
         for (cell, values) in self.cells.iter_mut().enumerate() {
             let around_mm = moved.map_or(0.0, |moved| moved[cell][2]);

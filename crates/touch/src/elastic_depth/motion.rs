@@ -1,8 +1,8 @@
 //! The motion of contact along the surface as a whole.
 
-/// Which part of the squared motion in contact is a translation and a rotation: below the first number contact slides,
-/// above the second it sticks. Sticking contact reaches 0.97 and more where it moves by more than it strains, sliding
-/// contact at most 0.945.
+/// Limits on the part of the squared motion in contact that is a translation and a rotation: below the first number
+/// contact slides, above the second it sticks. Measured: 0.97 and more for sticking contact whose motion is larger than
+/// its strain, at most 0.945 for sliding contact.
 const STICKING: [f64; 2] = [0.945, 0.965];
 
 /// A translation and a rotation along the surface.
@@ -64,7 +64,7 @@ impl Motion {
         self.square
     }
 
-    /// How well the points stick to this motion, 0 to 1; 1 where none moves.
+    /// How closely the points follow this motion, 0 to 1; 1 if none moves.
     pub(super) fn sticking(&self) -> f64 {
         if self.whole_square > 0.0 { ramp(self.square / self.whole_square, STICKING) } else { 1.0 }
     }

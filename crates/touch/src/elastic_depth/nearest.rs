@@ -3,12 +3,12 @@
 /// Column and row of a cell.
 pub(super) type Place = [isize; 2];
 
-/// The value where there is no marked cell: farther from any cell than all others are.
+/// The value if there is no marked cell: farther from every cell than any cell of the grid.
 const NOWHERE: Place = [-20_000, -20_000];
 
-/// Finds the nearest marked cell of every cell, itself where it is marked, by propagating places from cell to cell
-/// ([Danielsson1980]); occasionally the result lies a fraction of a cell farther than the nearest one. All are the same
-/// impossible place where none is marked.
+/// Finds the nearest marked cell of every cell (the cell itself if it is marked) by propagating positions from cell to
+/// cell ([Danielsson1980]). Occasionally the result is a fraction of a cell farther than the nearest one. If no cell is
+/// marked, all results are the same impossible position.
 pub(super) fn nearest_into(columns: usize, marks: &[bool], nearest: &mut [Place]) {
     for (cell, (nearest, &mark)) in nearest.iter_mut().zip(marks).enumerate() {
         *nearest = if mark { place(columns, cell) } else { NOWHERE };
@@ -23,12 +23,12 @@ pub(super) fn nearest_into(columns: usize, marks: &[bool], nearest: &mut [Place]
     }
 }
 
-/// Whether a place is that of a cell.
+/// Whether a position is that of a cell.
 pub(super) fn is_somewhere(place: Place) -> bool {
     place[0] >= 0
 }
 
-/// The distance of a cell from a place, in cells; far from an impossible place.
+/// The distance of a cell from a position, in cells; very large for the impossible position.
 pub(super) fn distance(columns: usize, cell: usize, from: Place) -> f64 {
     (squared(place(columns, cell), from) as f64).sqrt()
 }
@@ -42,7 +42,7 @@ fn place(columns: usize, cell: usize) -> Place {
     [(cell % columns).cast_signed(), (cell / columns).cast_signed()]
 }
 
-/// Propagates the places of the neighbouring row to this row, then the places of its own cells to each other.
+/// Propagates the nearest positions from the neighbouring row to this row, then along this row.
 fn pass(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize, beside: usize) {
     for column in 0..columns {
         for other in column.saturating_sub(1)..(column + 2).min(columns) {
@@ -62,7 +62,8 @@ fn along(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize) {
     }
 }
 
-/// Takes the place known to another cell if it is nearer to the cell at this column and row; a marked cell knows its own.
+/// Copies the nearest position of another cell if it is nearer to the cell at this column and row; marked cells keep
+/// their own.
 fn take(columns: usize, marks: &[bool], nearest: &mut [Place], (column, row): (usize, usize), other: usize) {
     let cell = row * columns + column;
     if marks[cell] {

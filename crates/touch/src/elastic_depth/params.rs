@@ -12,8 +12,8 @@ use super::network::Sensor;
 pub struct ElasticParams {
     /// How much time a frame may take.
     pub mode: ElasticMode,
-    /// Whether the network trained on simulated presses finds contact and depth; without it only stuck flat faces are
-    /// found, by their rigid motion.
+    /// Whether contact and depth are found by the network trained on simulated presses; without it only stuck flat
+    /// faces are found, by their rigid motion.
     pub network: bool,
 }
 

@@ -1,14 +1,14 @@
 //! The motion of a face that the gel sticks to.
 //!
-//! Gel that sticks to a flat face from the first touch moves with it as a rigid body: six numbers give the depth of every
-//! point, and the camera sees each point on a ray. With the points at rest `X`, rotated by R and moved by T,
+//! Gel that sticks to a flat face from the first touch moves with it as a rigid body: six numbers give the depth of
+//! every point, and the camera sees each point on a ray. With the points at rest `X`, rotated by R and moved by T,
 //!
 //! ```text
 //! (R X + T − X)_xy + a (R X + T)_z = b
 //! ```
 //!
-//! is fitted by Gauss–Newton with Tukey's weights [Huber1981]. Points that match to the noise of the flow belong to the
-//! face: free gel strains by far more.
+//! is fitted by Gauss–Newton with Tukey's weights [Huber1981]. Points that match within the noise of the flow belong to
+//! the face; for gel outside the face the difference is much larger, because it is strained.
 
 #[cfg(test)]
 mod tests;
@@ -28,13 +28,13 @@ pub(super) struct RigidMotion {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StuckFace {
     pub(super) motion: RigidMotion,
-    /// Median distance between a point's ray and where the motion puts it, mm.
+    /// Median distance between a point's ray and its position by the motion, mm.
     pub(super) residual_mm: f64,
-    /// Which part of the points matches, 0 to 1.
+    /// The part of the points that match, 0 to 1.
     pub(super) matching: f64,
 }
 
-/// A point at rest and what the camera measures of it.
+/// A point at rest and its measurement by the camera.
 #[derive(Debug, Clone, Copy)]
 struct Point {
     rest: [f64; 2],
@@ -65,13 +65,13 @@ impl RigidMotion {
     }
 }
 
-/// Distance between the position of a cell by a motion and as the camera sees it, mm.
+/// Distance between the position of a cell by a motion and its measured position, mm.
 pub(super) fn distance_mm(surface: &Surface, cell: usize, motion: &RigidMotion) -> f64 {
     let [x, y] = residual(&point(surface, cell), motion);
     (x * x + y * y).sqrt()
 }
 
-/// Fits the motion of a face to some cells of the surface; none where they are too few or do not determine it.
+/// Fits the motion of a face to some cells of the surface; none if they are too few or do not determine it.
 pub(super) fn fit(surface: &Surface, cells: &[usize], tolerance_mm: f64, scratch: &mut Vec<f64>) -> Option<StuckFace> {
     if cells.len() < LEAST_POINTS {
         return None;
@@ -94,8 +94,8 @@ fn scale_of(residual_mm: f64, tolerance_mm: f64) -> f64 {
     (1.5 * residual_mm).max(tolerance_mm)
 }
 
-/// Standard deviation of the depth in the middle of the points of a fitted face, mm, if each has an independent error of
-/// the tolerance: large where the rays are nearly parallel, none where the points do not determine it.
+/// Standard deviation of the depth in the middle of the points of a fitted face, mm, if each has an independent error
+/// of the tolerance: large where the rays are nearly parallel, none where the points do not determine it.
 pub(super) fn depth_deviation_mm(
     surface: &Surface,
     cells: &[usize],

@@ -1,19 +1,28 @@
-//! How much stiffer a gel is at finite strain than at small strain.
+//! Correction of the force for finite strain, at which a gel is stiffer than at small strain.
 //!
 //! Four effects make the force of a neo-Hookean block larger than that of the linear one with the same displacement in
-//! contact: the gel is compressed; where it slides outwards under a face, the part that was touched at rest covers more
-//! of the face; shear adds to the normal force (Poynting effect [Poynting1909]); and where contact slides, only the side
-//! walls of the indenter push along the surface, and they compress the gel in front of them. With d the largest depth, h
-//! the thickness, e the mean change of the area in contact, s the length of its mean displacement along the surface and a
-//! the radius of a disc of its area, the normal force grows by `1 + 0.25 d / h + 0.3 e + 0.1 s² / (d a)`, shear force and
-//! torque by `1 + 0.72 d / h + 0.3 e`, and by 0.09 more where contact slides.
+//! contact:
 //!
-//! The numbers were fitted only to presses of a circle, a sphere and a square. For the normal force: stuck and sliding, ν
-//! .35 and .48, 2 mm deep in 10 mm; its last coefficient to 24 presses, 1 and 1.8 mm deep, dragged by .8 and 1.5 mm, of
-//! which each alone gives .06 to .14; `s² / (d a)` is limited to the largest value among them. For shear force and
-//! torque: the mean over 60 presses that were slid by up to 1.5 mm or turned by .3 rad; single forces are within 4 %,
-//! torques within 12 %. The 0.09 was fitted to 5 squares, 1.2 to 2 mm deep, slid by 1.2 mm or turned by .16 or .3 rad
-//! without friction: shear forces alone give .05, torques .13.
+//! 1. The gel is compressed.
+//! 2. Where gel slides outwards under a face, the touched part of the surface becomes larger than it is at rest.
+//! 3. Shear adds to the normal force (Poynting effect [Poynting1909]).
+//! 4. Where contact slides, only the side walls of the indenter push along the surface, and they compress the gel in
+//!    front of them.
+//!
+//! Let d be the largest depth, h the thickness, e the mean relative change of the area in contact, s the length of its
+//! mean displacement along the surface, and a the radius of a disc with the area of contact. The normal force is
+//! multiplied by `1 + 0.25 d / h + 0.3 e + 0.1 s² / (d a)`, shear force and torque by `1 + 0.72 d / h + 0.3 e`, plus
+//! 0.09 where contact slides.
+//!
+//! The coefficients were fitted only to presses of a circle, a sphere and a square:
+//!
+//! - Normal force: stuck and sliding presses, ν 0.35 and 0.48, 2 mm deep in a gel of 10 mm.
+//! - Its last coefficient: 24 presses, 1 and 1.8 mm deep, dragged by 0.8 and 1.5 mm. Each of them alone gives 0.06 to
+//!   0.14. `s² / (d a)` is limited to the largest value among them.
+//! - Shear force and torque: the mean over 60 presses, displaced along the surface by up to 1.5 mm or turned by 0.3
+//!   rad. Single forces are within 4 %, torques within 12 %.
+//! - The 0.09: 5 squares without friction, 1.2 to 2 mm deep, displaced by 1.2 mm or turned by 0.16 or 0.3 rad. Their
+//!   shear forces alone give 0.05, their torques alone 0.13.
 
 use std::f64::consts::PI;
 
@@ -42,19 +51,20 @@ pub struct Strain {
     pub depth: f64,
     /// Mean relative change of the area in contact.
     pub spread: f64,
-    /// `s² / (d a)`: the square of the mean displacement along the surface over depth and the radius of a disc of the area.
+    /// `s² / (d a)`: the square of the mean displacement along the surface over depth and the radius of a disc of the
+    /// area.
     pub drag: f64,
-    /// How far contact slides, 0 to 1: 1 where its motion along the surface is more than a translation and a rotation.
+    /// How much contact slides, 0 to 1: 1 if its motion along the surface is more than a translation and a rotation.
     pub slide: f64,
 }
 
 impl Strain {
-    /// Strain of a grid's cells in contact, from their displacement, mm, the largest depth, mm, and the gel's thickness,
-    /// mm; the spread is that of cells whose four neighbours are in contact. 0 where there is no contact.
+    /// Strain of a grid's cells in contact, from their displacement, mm, the largest depth, mm, and the gel's
+    /// thickness, mm; the spread is that of cells whose four neighbours are in contact. 0 where there is no contact.
     ///
     /// # Panics
     ///
-    /// If a field has not one entry a cell.
+    /// If a field does not have one entry per cell.
     #[must_use]
     pub fn of(grid: SurfaceGrid, in_contact: &[bool], moved_mm: &[[f32; 3]], depth_mm: f64, thickness_mm: f64) -> Self {
         assert!(in_contact.len() == grid.len() && moved_mm.len() == grid.len(), "one entry a cell");
@@ -88,7 +98,7 @@ fn spread(grid: SurfaceGrid, in_contact: &[bool], moved_mm: &[[f32; 3]]) -> f64 
         let change = |to: usize, from: usize, axis: usize| {
             f64::from(moved_mm[to][axis] - moved_mm[from][axis]) / (2.0 * grid.cell_mm)
         };
-        // The determinant, so that a rotation is not a spread.
+        // The determinant, so that a rotation does not count as a change of area.
         let area = (1.0 + change(right, left, 0)) * (1.0 + change(below, above, 1))
             - change(right, left, 1) * change(below, above, 0);
         sum += area - 1.0;

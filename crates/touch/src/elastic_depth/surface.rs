@@ -1,14 +1,14 @@
 //! The gel's surface as cells, and the camera's measurement of each.
 //!
-//! A pixel at `x` with the flow `u` sees its point of the gel along the ray of `x + u`. With `X` the point at rest, that
-//! ray meets the undeformed surface at `X + b`, the apparent displacement, and leans by the slope `a` from the z axis.
-//! So the true displacement `(U, d)` obeys two equations, exact and linear, one along x and one along y:
+//! A pixel at `x` with the flow `u` sees its point of the gel along the ray of `x + u`. With `X` the point at rest,
+//! that ray meets the undeformed surface at `X + b`, the apparent displacement, and leans by the slope `a` from the z
+//! axis. So the true displacement `(U, d)` satisfies two equations, exact and linear, one along x and one along y:
 //!
 //! ```text
 //! U + a d = b
 //! ```
 //!
-//! Three unknowns for each point: the depth d is left open, and elasticity has to determine it.
+//! There are three unknowns for each point: the equations do not determine the depth d. Elasticity has to determine it.
 
 use fearless_simd::{Level, dispatch, f32x4, f32x8, prelude::*};
 use fearless_simd_macros::simd;
@@ -19,7 +19,8 @@ use fingervision_optics::Camera;
 
 use super::nearest::{Place, cell_at, is_somewhere, nearest_into};
 
-/// An invalid flow nearer to the image's border than this belongs to gel that has left the view, px.
+/// If an invalid flow leads to a point nearer to the image's border than this, px, the gel there has left the field of
+/// view.
 const MARGIN_PX: f64 = 8.0;
 /// Marks a pixel that does not show the gel.
 const NOWHERE: u32 = u32::MAX;
@@ -46,14 +47,14 @@ pub(super) struct Surface {
     is_seen: Vec<bool>,
     nearest: Vec<Place>,
     sums: Vec<Sum>,
-    /// Size of a pixel on the undeformed surface, mm: the root of the mean area of what the pixels on the gel see.
+    /// Size of a pixel on the undeformed surface, mm: the square root of the mean area that a pixel on the gel sees.
     pub(super) mm_per_px: f64,
     /// The measurements of the last frame, one for each cell.
     pub(super) seen: Vec<Seen>,
 }
 
-/// The upper left of the four cells around a pixel, and the distance of the pixel from its centre to the right and down,
-/// 0 to 1.
+/// The upper left of the four cells around a pixel, and the distance of the pixel from its centre to the right and
+/// down, 0 to 1.
 #[derive(Debug, Clone, Copy)]
 struct Corners {
     cell: u32,
@@ -93,17 +94,17 @@ pub struct Seen {
     pub apparent_mm: [f32; 2],
     /// a: the slope of the ray, dimensionless.
     pub slope: [f32; 2],
-    /// Which part of the cell's pixels has a valid flow, 0 to 1; 0 where no pixel shows the cell.
+    /// The part of the cell's pixels with valid flow, 0 to 1; 0 if no pixel shows the cell.
     pub trust: f32,
-    /// Predicted standard deviation of its flow, both components together, on the undeformed surface, mm; 0 where none is
-    /// valid.
+    /// Predicted standard deviation of its flow, both components together, on the undeformed surface, mm; 0 if no flow
+    /// is valid.
     pub deviation_mm: f32,
 }
 
-/// The surface as it would be without drag, and what drag does to it.
+/// The surface without drag, and its displacement by drag.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct WithoutDrag<'a> {
-    /// What the camera would tell of the cells.
+    /// The camera's measurements of the cells without drag.
     pub(super) seen: &'a [Seen],
     /// Displacement of the cells by drag alone, mm.
     pub(super) dragged_mm: &'a [[f32; 3]],
@@ -173,7 +174,7 @@ impl Surface {
         self.cell_of[pixel] != NOWHERE
     }
 
-    /// Whether some pixel shows a cell at rest.
+    /// Whether a pixel shows this cell at rest.
     pub(super) fn has_pixels(&self, cell: usize) -> bool {
         self.rest[cell].is_some()
     }
@@ -299,7 +300,7 @@ impl Surface {
         }
     }
 
-    /// What the camera would measure of a cell at a depth, mm, if a displacement, mm, were subtracted from its own.
+    /// The measurement of a cell at a depth, mm, after a displacement, mm, is subtracted from its own.
     pub(super) fn without(&self, cell: usize, depth_mm: f32, [x, y, z]: [f32; 3]) -> Seen {
         let seen = &self.seen[cell];
         let lateral_mm = seen.lateral_mm(depth_mm);

@@ -21,9 +21,9 @@ pub struct Tractions {
 /// When the iteration ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
-    /// Residual displacement relative to the wanted one, as root mean squares, dimensionless.
+    /// Residual displacement relative to the prescribed one, both as root mean squares, dimensionless.
     pub tolerance: f64,
-    /// The most iterations of conjugate gradients.
+    /// Largest number of iterations of conjugate gradients.
     pub most_iterations: usize,
 }
 
@@ -65,7 +65,7 @@ impl Tractions {
     ///
     /// # Panics
     ///
-    /// If a field has not one entry a cell.
+    /// If a field does not have one entry per cell.
     pub fn hold(&mut self, in_contact: &[bool], wanted_mm: &[[f32; 3]], limits: Limits) {
         let restrict = |field: &mut [[f32; 3]]| {
             for (value, &held) in field.iter_mut().zip(in_contact) {

@@ -5,11 +5,12 @@ use fingervision_flow::Preset;
 use super::{Profile, ProfileError};
 use crate::{DepthLaw, DepthMethod, Fields, Policy};
 
-/// A reason for no effect, and what would give the setting one.
+/// The reason why a setting has no effect, and a change that gives it an effect.
 type Reason = (String, String);
 
 impl Profile {
-    /// Checks that settings have an effect, each named by its path: those that the user gave explicitly.
+    /// Checks that settings, each given by its path, have an effect. The caller passes the settings that the user gave
+    /// explicitly.
     ///
     /// # Errors
     ///
@@ -22,7 +23,7 @@ impl Profile {
         keys.into_iter().find_map(|key| self.no_effect(key, fields)).map_or(Ok(()), Err)
     }
 
-    /// Why a setting has no effect; absent if it has one.
+    /// Why a setting has no effect; none if it has one.
     #[must_use]
     pub fn no_effect(&self, key: &str, fields: Fields) -> Option<ProfileError> {
         let reason = match key.split_once('.') {

@@ -6,7 +6,7 @@ use fingervision_settings::{Place, SettingsError};
 
 use crate::ParameterError;
 
-/// What is wrong with a profile.
+/// Why a profile cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProfileError {
@@ -24,18 +24,18 @@ pub enum ProfileError {
         /// Columns and rows of the frames, px.
         frame_size: (usize, usize),
     },
-    /// A setting that has no effect under the others.
+    /// A setting that has no effect with the other settings.
     #[error("{key} has no effect: {reason}")]
     NoEffect {
         /// The path of the setting.
         key: String,
         /// Why not.
         reason: String,
-        /// What would give it an effect.
+        /// What gives it an effect.
         hint: String,
     },
     /// Elastic depth is requested, but the table that describes camera or gel is missing.
-    #[error("depth.method = \"elastic\" needs [{table}], which the profile lacks")]
+    #[error("depth.method = \"elastic\" needs [{table}], which is missing in the profile")]
     ElasticNeeds {
         /// The table.
         table: &'static str,
@@ -54,7 +54,7 @@ impl ProfileError {
                 Some(format!("write {key} in mm: multiply a value in m by 1000, divide a value in µm by 1000"))
             }
             Self::Settings(SettingsError::OutOfRange { key, allowed, .. }) => {
-                Some(format!("set {key} in the profile, or with --set, to {allowed}"))
+                Some(format!("change {key} in the profile, or with --set: it must be {allowed}"))
             }
             Self::Settings(error) => error.hint(),
             Self::RegionOutside { frame_size: (width, height), .. } => {
@@ -100,7 +100,7 @@ impl From<ParameterError> for ProfileError {
     }
 }
 
-/// The key that an error of the flow refers to; a picture's size is the region's.
+/// Names the key that an error of the flow refers to; the size of a picture is that of the region of interest.
 impl From<FlowError> for ProfileError {
     fn from(error: FlowError) -> Self {
         const REGION: &str = "image.region_of_interest";
@@ -108,9 +108,11 @@ impl From<FlowError> for ProfileError {
             FlowError::Parameter { name, value, range } => {
                 Self::impossible(format!("flow.{name}"), value.to_string(), range)
             }
-            FlowError::TooSmall { width, height, least } => {
-                Self::impossible(REGION, format!("{width}x{height} px"), format!("{least} px or more either way"))
-            }
+            FlowError::TooSmall { width, height, least } => Self::impossible(
+                REGION,
+                format!("{width}x{height} px"),
+                format!("{least} px or more in width and height"),
+            ),
             FlowError::TooLarge { width, height, most } => {
                 Self::impossible(REGION, format!("{width}x{height} px"), format!("{most} px or less in total"))
             }

@@ -1,4 +1,4 @@
-//! What looks wrong in a profile although every value is possible: a wrong unit, a camera that does not see the gel.
+//! Suspicious values of a profile, although every value is possible: a wrong unit, a camera that does not see the gel.
 
 use serde::Serialize;
 
@@ -8,12 +8,13 @@ use crate::TRAINING_RANGE;
 
 /// Usual angles of view of a lens across the region, degrees.
 const ANGLES_DEGREES: std::ops::RangeInclusive<f64> = 5.0..=150.0;
-/// With less than this part of the gel in view, or of the view on gel, the profile is unlikely to be as intended.
+/// If less than this part of the gel is visible, or less than this part of the region shows gel, the profile is
+/// probably wrong.
 const LEAST_PART: f64 = 0.2;
-/// A principal point farther than this from the region's middle, in sides of the region, is assumed to be that of another
-/// image.
+/// A principal point farther than this from the middle of the region, in sides of the region, probably belongs to
+/// another image.
 const FARTHEST_AXIS: f64 = 0.25;
-/// A longer rotation vector is assumed to be in degrees, rad.
+/// A rotation vector longer than this, rad, is assumed to be in degrees.
 const LARGEST_ROTATION_RAD: f64 = 0.6;
 
 /// The severity of a remark.
@@ -22,13 +23,13 @@ const LARGEST_ROTATION_RAD: f64 = 0.6;
 pub enum Weight {
     /// Tracking fails, or its numbers are wrong.
     Fault,
-    /// It may be intended, but rarely is.
+    /// Possible, but probably not intended.
     Warning,
-    /// Something is absent; the remark names what it would enable.
+    /// Something is missing; the remark names the quantities that need it.
     Missing,
 }
 
-/// One thing to say about a profile.
+/// One remark on a profile.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Remark {
@@ -58,7 +59,7 @@ pub(super) fn all(profile: &Profile, view: &View, frame_size: Option<(usize, usi
     remarks
 }
 
-/// Why a tracker cannot be made.
+/// The reason why a tracker cannot be made, if there is one.
 fn does_not_fit(profile: &Profile, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
     let region = frame_size.and_then(|size| profile.region(size).err());
     let is_elastic = profile.depth_method() == DepthMethod::Elastic;
@@ -101,7 +102,7 @@ fn slip(key: &str, value: f64, [least, most]: [f64; 2], [unit, smaller, larger]:
         Some((meant, given_in)) => format!("the unit is {unit}: write {} if this is in {given_in}", rounded(meant)),
         None => format!("the unit is {unit}: measure it again"),
     };
-    let message = format!("{key} = {value} {unit} is not that of a usual sensor: {least} to {most} {unit}");
+    let message = format!("{key} = {value} {unit} is unusual for a sensor: usual are {least} to {most} {unit}");
     Some(Remark::new(Weight::Fault, message, hint))
 }
 
@@ -121,7 +122,7 @@ fn lens(profile: &Profile, view: &View) -> Vec<Remark> {
         if !ANGLES_DEGREES.contains(&angle) {
             remarks.push(Remark::new(
                 Weight::Fault,
-                format!("camera.focal_length_px = {fx} px sees {angle:.1}° across a region of {width} px"),
+                format!("camera.focal_length_px = {fx} px means an angle of view of {angle:.1}° across a region of {width} px"),
                 "the focal length is in px of the image: that of the lens in mm divided by the size of a pixel on the chip in mm",
             ));
         }
@@ -140,13 +141,13 @@ fn lens(profile: &Profile, view: &View) -> Vec<Remark> {
     }
     let rotation = camera.rotation_rad.iter().map(|value| value * value).sum::<f64>().sqrt();
     if rotation > LARGEST_ROTATION_RAD {
-        let message = format!("camera.rotation_rad turns the gel by {:.0}°", rotation.to_degrees());
+        let message = format!("camera.rotation_rad rotates the gel by {:.0}°", rotation.to_degrees());
         remarks.push(Remark::new(Weight::Warning, message, "it is in rad: 1° is 0.01745 rad"));
     }
     remarks
 }
 
-/// Camera and gel that miss each other.
+/// A camera that does not see enough of the gel.
 fn misses(view: &View) -> Option<Remark> {
     let (gel_seen, region_on_gel) = view.gel_seen.zip(view.region_on_gel)?;
     let percent = |part: f64| 100.0 * part;
@@ -175,7 +176,7 @@ fn training_range(profile: &Profile) -> Option<Remark> {
     })
 }
 
-/// What is absent, and what it would enable.
+/// Missing parts, and the quantities that need them.
 fn missing(profile: &Profile) -> Vec<Remark> {
     let mut remarks = Vec::new();
     let mut lacks = |message: &str, hint: &str| remarks.push(Remark::new(Weight::Missing, message, hint));

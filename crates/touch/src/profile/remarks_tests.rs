@@ -1,6 +1,6 @@
 use super::{Profile, Remark, SENSOR, Weight};
 
-/// What there is to say once some values are others.
+/// The remarks after some values are changed.
 fn remarks(assignments: &[(&str, &str)]) -> Vec<Remark> {
     let mut profile = Profile::from_toml(SENSOR).unwrap();
     profile.set_all(assignments.iter().copied()).unwrap();

@@ -1,4 +1,4 @@
-//! What a profile enables, before any frame is tracked.
+//! The quantities that a profile enables, before any frame is tracked.
 
 use serde::Serialize;
 
@@ -6,12 +6,12 @@ use super::remarks::{self, Remark};
 use super::view::View;
 use super::{DepthMethod, Profile};
 
-/// What a profile enables, what the camera sees and what looks wrong.
+/// The quantities that a profile enables, the field of view of the camera, and problems.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct ProfileReview {
-    /// Left column, top row, width and height of the tracked region, px; absent if it is the whole frame and its size is
-    /// unknown.
+    /// Left column, top row, width and height of the tracked region, px; absent if it is the whole frame and its size
+    /// is unknown.
     pub region_of_interest: Option<[usize; 4]>,
     /// The method for depth, or none.
     pub depth: Option<DepthMethod>,
@@ -27,12 +27,12 @@ pub struct ProfileReview {
     pub region_on_gel: Option<f64>,
     /// Whether gel and camera are outside the training range of the network behind elastic depth; absent without it.
     pub is_outside_training_range: Option<bool>,
-    /// What is wrong, looks wrong or is missing, faults first.
+    /// Wrong, suspicious and missing values, faults first.
     pub remarks: Vec<Remark>,
 }
 
 impl Profile {
-    /// What the profile enables and what looks wrong, for frames of this size if it is known.
+    /// The review of a profile, for frames of this size if it is known.
     #[must_use]
     pub fn review(&self, frame_size: Option<(usize, usize)>) -> ProfileReview {
         let view = View::new(self, frame_size);

@@ -70,10 +70,10 @@ fn elastic_depth_names_the_table_that_it_lacks() {
         (error.to_string(), error.hint().unwrap())
     };
     let (error, hint) = lacking(|profile| profile.camera = None);
-    assert_eq!(error, "depth.method = \"elastic\" needs [camera], which the profile lacks");
+    assert_eq!(error, "depth.method = \"elastic\" needs [camera], which is missing in the profile");
     assert!(hint.contains("calibrate camera"), "{hint}");
     let (error, hint) = lacking(|profile| profile.gel = None);
-    assert_eq!(error, "depth.method = \"elastic\" needs [gel], which the profile lacks");
+    assert_eq!(error, "depth.method = \"elastic\" needs [gel], which is missing in the profile");
     assert!(hint.contains("thickness_mm") && hint.contains("depth.method=density"), "{hint}");
     assert!(Profile::from_toml(&whole()).unwrap().elastic_sensor().is_ok());
 }
@@ -127,7 +127,7 @@ fn a_wrong_type_is_named_with_its_line() {
     assert_eq!(error, "line 2: depth.method: unknown variant `elastik`, expected `density` or `elastic`");
     assert_eq!(hint, "did you mean elastic?");
     let (_, hint) = refusal("[depth]\nmethod = 'magic'");
-    assert_eq!(hint, "it takes density, elastic");
+    assert_eq!(hint, "possible values: density, elastic");
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn an_impossible_value_is_refused() {
     };
     assert_eq!(
         camera("focal_length_px", "[-400, 400]"),
-        "camera.focal_length_px = [-400.0, 400.0] is impossible: it takes two lengths above 0 px"
+        "camera.focal_length_px = [-400.0, 400.0] is impossible: it must be two lengths above 0 px"
     );
     assert!(camera("principal_point_px", "[nan, 1]").contains("camera.principal_point_px = [NaN, 1.0]"));
     assert!(camera("distortion.k1", "inf").contains("camera.distortion.k1 = inf"));
@@ -167,7 +167,7 @@ fn an_impossible_value_is_refused() {
     assert!(gel("size_mm", "[0, 30]").contains("gel.size_mm"));
     assert!(gel("thickness_mm", "0").contains("gel.thickness_mm = 0.0"));
     for ratio in ["-0.1", "0.5", "nan"] {
-        assert!(gel("poissons_ratio", ratio).contains("it takes 0 to below 0.5"), "{ratio}");
+        assert!(gel("poissons_ratio", ratio).contains("it must be 0 to below 0.5"), "{ratio}");
     }
     assert!(gel("youngs_modulus_mpa", "-0.6").contains("gel.youngs_modulus_mpa = -0.6"));
 }
@@ -195,7 +195,7 @@ fn a_gain_of_perspective_needs_a_camera() {
     assert_eq!(Profile::from_toml(&profile.to_toml()).unwrap(), profile);
     let (error, hint) = refusal("[depth]\ndensity = { gain = 0.8 }");
     assert!(
-        error.starts_with("line 2: depth.density.gain = 0.8 is impossible: it takes a profile with a [camera]"),
+        error.starts_with("line 2: depth.density.gain = 0.8 is impossible: it must be used with a [camera]"),
         "{error}"
     );
     assert!(hint.contains("slope_mm"), "{hint}");

@@ -7,11 +7,11 @@ use crate::{DepthLaw, PerspectiveGain};
 
 use super::{ImageSection, Profile, ProfileError};
 
-/// Distances from a lens to a gel, mm: beyond them the length is assumed to be in another unit.
+/// Possible distances from a lens to a gel, mm: a value outside is assumed to be in another unit.
 const DISTANCES_MM: [f64; 2] = [1.0, 2000.0];
-/// Sides of a gel, mm.
+/// Possible sides of a gel, mm.
 const SIZES_MM: [f64; 2] = [1.0, 2000.0];
-/// Thicknesses of a gel, mm.
+/// Possible thicknesses of a gel, mm.
 const THICKNESSES_MM: [f64; 2] = [0.1, 1000.0];
 
 pub(super) fn validate(profile: &Profile) -> Result<(), ProfileError> {
@@ -39,7 +39,7 @@ fn validate_camera(camera: &CameraParams) -> Result<(), ProfileError> {
     if (DISTANCES_MM[0]..=DISTANCES_MM[1]).contains(&distance_mm) {
         return Ok(());
     }
-    let allowed = "a distance to the gel, its last number, of 1 to 2000 mm";
+    let allowed = "three lengths, of which the last, the distance to the gel, is 1 to 2000 mm";
     Err(ProfileError::impossible("camera.translation_mm", format!("{:?}", camera.translation_mm), allowed))
 }
 
@@ -52,8 +52,7 @@ fn validate_law(law: DepthLaw, has_camera: bool) -> Result<(), ProfileError> {
     law.validate()?;
     match law {
         DepthLaw::Perspective(PerspectiveGain { gain }) if !has_camera => {
-            let allowed =
-                "a profile with a [camera] table, whose perspective it scales, or slope_mm and intercept_mm instead";
+            let allowed = "used with a [camera] table in the profile, whose perspective it scales; without one use slope_mm and intercept_mm";
             Err(ProfileError::impossible("depth.density.gain", gain.to_string(), allowed))
         }
         _ => Ok(()),

@@ -1,4 +1,4 @@
-//! What the camera sees of the gel.
+//! The part of the gel that the camera sees.
 
 use fingervision_elastic::GelBlock;
 use fingervision_image::Rect;
@@ -6,10 +6,10 @@ use fingervision_optics::Camera;
 
 use super::Profile;
 
-/// Points along each side of the grids that count what is visible.
+/// Points along each side of the grids on which visibility is counted.
 const GRID: usize = 41;
 
-/// What the camera sees of the gel; a value is absent where the profile does not determine it.
+/// The field of view of the camera on the gel; a value is absent if the profile does not determine it.
 #[derive(Debug)]
 pub(super) struct View {
     /// The tracked region of the frame, px.

@@ -1,13 +1,13 @@
-//! Our policy: one reference for the whole stream.
+//! The default policy: one reference for the whole stream.
 //!
 //! Every frame is matched with the first image, starting from the flow of the previous frame, so errors do not
-//! accumulate. A *keyframe*, a recent frame that matched well, is kept as well. If the first image no longer matches, the
-//! frame is searched without a start against the first image and against the keyframe; the better result, after a
-//! refinement of the composed flow against the first image, is taken. Only while the first image cannot be matched at
-//! all, the keyframe is the reference, and the composed flow the result.
+//! accumulate. A *keyframe*, a recent frame that matched well, is kept as well. If the first image no longer matches,
+//! the frame is searched without a start, both against the first image and against the keyframe. The flow over the
+//! keyframe is refined against the first image, and the better of the two results is used. Only while the first image
+//! cannot be matched at all, the keyframe is the reference and the composed flow is the result.
 //!
-//! A gel that was pressed at the start is recognised by its first motion; once it has come to rest, that rest becomes the
-//! reference, unless the elastic model explains the frame as an indentation.
+//! A gel that was pressed at the start is recognised by its first motion. Once it has come to rest, the current frame
+//! becomes the reference, unless the elastic model explains this frame as an indentation.
 
 use super::compose::compose_into;
 use super::start_up::StartUp;
@@ -41,7 +41,7 @@ pub(crate) struct Anchored {
     from_key: Estimate,
     trial: Estimate,
     frames_lost: u64,
-    /// Consecutive frames of which a large area is lost.
+    /// Number of consecutive frames in which a large area is lost.
     frames_incomplete: u64,
     frames_since_key: u64,
     start_up: StartUp,
@@ -112,7 +112,7 @@ impl Anchored {
         }
     }
 
-    /// Searches the whole frame if too large an area was lost for a search of that area alone, and takes what matches better.
+    /// If the lost area is too large for a local search, searches the whole frame and keeps the better match.
     fn complete(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) {
         let pixels = out.valid.values().len() as f32;
         if out.lost_px2 <= THRESHOLDS.most_lost * pixels {
@@ -128,7 +128,8 @@ impl Anchored {
         }
     }
 
-    /// Tries to find a frame that was not found from the previous frame's flow. Returns the reference's id.
+    /// Searches a frame that does not match from the previous frame's flow. Returns the id of the reference that
+    /// matches.
     fn rescue(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> u64 {
         if let Some(id) = self.follow_keyframe(estimator, current, out) {
             return id;
@@ -143,7 +144,7 @@ impl Anchored {
         self.first_id
     }
 
-    /// Matches with the keyframe and, if that leads back to the first image, refines there.
+    /// Matches with the keyframe, and refines the composed flow against the first image if it matches that.
     fn follow_keyframe(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Option<u64> {
         let key = self.keyframe.as_deref_mut()?;
         if !key.is_prepared {
@@ -179,7 +180,7 @@ impl Anchored {
             return;
         }
         self.frames_since_key += 1;
-        // While the keyframe serves as reference it is replaced only when it, too, begins to fail.
+        // While the keyframe is the reference, it is replaced only when it also begins to fail.
         let is_due = if reference_id == self.first_id {
             self.frames_since_key >= THRESHOLDS.keyframe_interval && out.matched >= THRESHOLDS.keyframe_matched
         } else {
@@ -209,7 +210,7 @@ impl Anchored {
         key.is_prepared = false;
     }
 
-    /// Makes the current rest the first reference.
+    /// Makes the current frame, at rest, the first reference.
     fn adopt(&mut self, estimator: &FlowEstimator, current: &Picture) {
         estimator.prepare(current, &mut self.first);
         self.ids += 1;

@@ -35,7 +35,7 @@ mod tests {
     use fingervision_flow::FlowField;
     use fingervision_image::Image;
 
-    /// Writes the plain sum of two flows, as if both belonged to the same points: only for comparison.
+    /// Writes the plain sum of two flows, as if both belonged to the same points; used only for comparison.
     fn add_into(a: &FlowField, b: &FlowField, out: &mut FlowField) {
         for ((out, a), b) in [(&mut out.u, &a.u), (&mut out.v, &a.v)].into_iter().zip([&b.u, &b.v]) {
             for ((out, a), b) in out.values_mut().iter_mut().zip(a.values()).zip(b.values()) {

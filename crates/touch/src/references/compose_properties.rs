@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::compose::compose_into;
 
 const SIZE: (usize, usize) = (64, 56);
-/// What moves by two flows, one after the other, stays in the image if it lies so far from its border, px.
+/// A point at this distance from the border, px, stays in the image when it moves by both flows.
 const MARGIN: usize = 12;
 /// Largest rounding error, px: a few operations on coordinates of up to 64 px.
 const TOLERANCE_PX: f32 = 1e-4;
@@ -50,7 +50,7 @@ fn places() -> impl Iterator<Item = (usize, usize)> {
 
 /// The largest difference between two flows in the middle of the image, px.
 ///
-/// At the border flows that hold are interpolated with what lies beside them and does not.
+/// At the border, valid flows are interpolated with neighbours that are not valid.
 fn apart_px(a: &Estimate, b: &Estimate, margin: usize) -> f32 {
     let is_within = |at: usize, side: usize| (margin..side - margin).contains(&at);
     let middle = places().filter(|&(x, y)| is_within(x, SIZE.0) && is_within(y, SIZE.1));

@@ -1,17 +1,17 @@
 //! Decides from the first motion of the gel whether the first image showed it at rest or pressed.
 //!
-//! The direction in which the surface moves along itself is not evidence. Nearly incompressible gel is pushed outwards
-//! and compressible gel is drawn in, so a press on the one looks much like a release of the other. Two signs hold for
-//! every gel, because a pressed surface comes nearer to the camera, and what comes nearer moves away from the centre of
-//! perspective:
+//! The direction of motion along the surface does not decide: nearly incompressible gel is pushed outwards and
+//! compressible gel is drawn inwards, so a press of one looks like a release of the other. Two observations decide for
+//! every gel. They follow from perspective: a pressed surface comes nearer to the camera, and a point that comes nearer
+//! moves away from the centre of perspective in the image.
 //!
-//! - **Far from contact**, all around it, a press leaves the surface where it is or moves it outwards, whatever Poisson's
-//!   ratio is. A release moves it inwards.
-//! - **The face**, where motion is largest, is a patch that is scaled about the centre of perspective: a press away from
-//!   the centre shifts and magnifies it, a release shifts it back and makes it smaller, both by the same factor. Shear
-//!   shifts without magnifying.
+//! - **Far from contact**, all around it, a press moves the surface outwards or not at all, for any Poisson's ratio. A
+//!   release moves it inwards.
+//! - **The face**, where motion is largest, is scaled about the centre of perspective. A press shifts it away from the
+//!   centre and magnifies it; a release shifts it back and makes it smaller by the same factor. Shear shifts it without
+//!   magnification.
 //!
-//! Each is evidence for either answer. Without any, the first image stays undecided and the next frame is tested.
+//! Each of them can show a press or a release. If neither decides, the next frame is tested.
 
 use fingervision_flow::Estimate;
 
@@ -20,14 +20,14 @@ use super::thresholds::THRESHOLDS;
 /// Distance between samples along both axes, px.
 pub(super) const STEP: usize = 8;
 
-/// What the first image showed.
+/// The state of the gel in the first image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FirstImage {
     AtRest,
     Pressed,
 }
 
-/// Place and flow of one sample, px.
+/// Position and flow of one sample, px.
 #[derive(Debug, Clone, Copy)]
 struct Sample {
     at: [f32; 2],
@@ -48,7 +48,7 @@ impl FirstMotion {
         Self { centre_px, samples: Vec::new() }
     }
 
-    /// What a flow shows about the first image; none if little moves or the motion could be either.
+    /// The state of the gel in the first image according to a flow; none if little moves or the motion does not decide.
     pub(super) fn judge(&mut self, estimate: &Estimate) -> Option<FirstImage> {
         self.take(estimate);
         let moving = || self.samples.iter().filter(|sample| sample.length() > THRESHOLDS.motion_px);
@@ -66,7 +66,7 @@ impl FirstMotion {
         }
         let half_height = 0.5 * estimate.flow.size().1 as f32;
         let scale = self.scale_of_face(largest, THRESHOLDS.least_aside * half_height)?;
-        // The surroundings must not show the opposite.
+        // The surroundings must not contradict this.
         let is_denied = far_px.abs() > limit_px && (scale > 0.0) != (far_px > 0.0);
         let says = if scale > 0.0 { FirstImage::AtRest } else { FirstImage::Pressed };
         (!is_denied).then_some(says)
@@ -92,7 +92,8 @@ impl FirstMotion {
         if all > 0.0 { along / all } else { 0.0 }
     }
 
-    /// Magnification less 1 of a face that is scaled about the centre of perspective; none where it is not.
+    /// Magnification minus 1 of a face that is scaled about the centre of perspective; none if its motion is not such a
+    /// scaling.
     fn scale_of_face(&self, largest: f32, least_aside: f32) -> Option<f32> {
         let least = THRESHOLDS.motion_px.max(THRESHOLDS.face * largest);
         let face = || self.samples.iter().filter(|sample| sample.length() > least);
@@ -131,7 +132,7 @@ fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// Mean motion away from a place, px, over the half of the samples that is farther from it.
+/// Mean motion away from a point, px, over the farther half of the samples.
 fn far_from(samples: &mut [Sample], place: [f32; 2]) -> f32 {
     let distance = |sample: &Sample| {
         let [x, y] = sample.from(place);

@@ -1,4 +1,4 @@
-//! Which reference a frame is matched with, and how flows over several references are composed.
+//! Selects the reference that a frame is matched with, and composes flows over several references.
 
 mod anchored;
 mod compose;
@@ -21,13 +21,13 @@ pub use params::{Policy, ReferenceParams};
 pub(crate) struct Matched {
     /// Reference that the frame was matched with, counted from 0.
     pub(crate) reference_id: u64,
-    /// References held.
+    /// Number of references that are kept.
     pub(crate) reference_count: usize,
     /// Photometric error, grey levels.
     pub(crate) photometric_error: f32,
 }
 
-/// The references of a stream under one policy.
+/// The references of a stream, handled by one policy.
 #[derive(Debug)]
 pub(crate) enum References {
     Anchored(Box<Anchored>),

@@ -5,15 +5,15 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Policy {
-    /// Every frame is matched with the first image, starting from the flow of the previous frame; a later image is used
-    /// only where and as long as the first no longer matches. No drift accumulates.
+    /// Every frame is matched with the first image, starting from the flow of the previous frame. A later image is used
+    /// only while the first one does not match. No drift accumulates.
     #[default]
     Anchored,
     /// The stack of references of [Du2021], as published.
     ///
     /// [Du2021]: https://doi.org/10.1109/LRA.2021.3061306
     Stack,
-    /// Only the first image, started from the previous frame.
+    /// Every frame is matched with the first image only, starting from the flow of the previous frame.
     Single,
 }
 
@@ -37,10 +37,10 @@ pub struct ReferenceParams {
     pub policy: Policy,
     /// Anchored and stack: a frame counts as matched while at least this part of the textured patches match, 0 to 1.
     pub min_matched: f32,
-    /// Anchored: frames between two searches without a start while the gel is lost.
+    /// Anchored: number of frames between two searches without a start while the gel is lost.
     pub search_interval: u64,
-    /// Anchored: number of frames that the gel must have been still, after a release from a pressed start, before its new
-    /// rest becomes the reference.
+    /// Anchored: if the gel was pressed at the start, number of consecutive frames without motion after its release
+    /// before a new reference is taken.
     pub rest_frames: u64,
     /// Stack: a largest photometric error above this adds the frame to the stack, grey levels.
     pub push_error: f32,
@@ -68,11 +68,11 @@ impl Default for ReferenceParams {
 }
 
 impl ReferenceParams {
-    /// Checks that every value makes sense.
+    /// Checks that every value is in its range.
     ///
     /// # Errors
     ///
-    /// [`ParameterError`] naming the first value that does not.
+    /// [`ParameterError`] naming the first value that is not.
     pub fn validate(&self) -> Result<(), ParameterError> {
         let check = |holds: bool, key: &'static str, value: f64, allowed: &'static str| {
             if holds { Ok(()) } else { Err(ParameterError { key, value, allowed }) }
@@ -88,7 +88,7 @@ impl ReferenceParams {
             check(error > 0.0 && error <= 255.0, key, f64::from(error), "above 0, at most 255 grey levels")?;
         }
         for size in self.coarse_grid {
-            check((32..=4096).contains(&size), "references.coarse_grid", size as f64, "32 to 4096 either way")?;
+            check((32..=4096).contains(&size), "references.coarse_grid", size as f64, "32 to 4096 columns and rows")?;
         }
         let most = self.max_references;
         check((1..=10_000).contains(&most), "references.max_references", most as f64, "1 to 10000")

@@ -1,13 +1,14 @@
 //! The stack of references of [Du2021], as published.
 //!
-//! Beside the fine flow a coarse one is kept on a small grid. The current image, warped back with it, is compared with
-//! the reference on top of the stack: a largest photometric error above the push threshold adds the frame with its flow
-//! to the stack. An error below the loop threshold against an older reference closes a loop and drops all later ones.
-//! The flow from the first reference is the current flow composed with its reference's own.
+//! In addition to the fine flow, a coarse flow is computed on a small grid. The current image, warped back with the
+//! coarse flow, is compared with the reference on top of the stack. If the largest photometric error is above the push
+//! threshold, the frame and its flow are added to the stack. If the error against an older reference is below the loop
+//! threshold, all later references are dropped. The flow from the first reference is the composition of the flow to the
+//! current reference and the flow from there.
 //!
-//! The fine flow starts from that of the previous frame, and is searched for if that does not match.
+//! The fine flow starts from that of the previous frame; if this does not match, it is searched without a start.
 //!
-//! Where the paper adds flows this composes them; the sum is off by several per cent of a strong press.
+//! The paper adds flows; here they are composed, because the sum is wrong by several per cent for a strong press.
 
 use super::compose::compose_into;
 use super::{Matched, ReferenceParams};
@@ -127,7 +128,7 @@ impl Stack {
     }
 }
 
-/// Largest `|current(x + flow(x)) − reference(x)|` over the pixels whose place lies in the image.
+/// Largest `|current(x + flow(x)) − reference(x)|` over the pixels for which `x + flow(x)` is in the image.
 fn largest_error(reference: &Image<f32>, current: &Image<f32>, flow: &FlowField) -> f32 {
     let (width, height) = reference.size();
     let (mut largest, mut compared) = (0.0_f32, 0);
@@ -145,6 +146,6 @@ fn largest_error(reference: &Image<f32>, current: &Image<f32>, flow: &FlowField)
             }
         }
     }
-    // A flow that leads out of the image has compared too little.
+    // If the flow leads out of the image, too few pixels are compared.
     if 2 * compared >= width * height { largest } else { f32::INFINITY }
 }

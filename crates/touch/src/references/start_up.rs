@@ -1,10 +1,10 @@
 //! Decides whether the gel was pressed when tracking began.
 //!
-//! The first motion is observed until it shows whether the first image showed the gel at rest or pressed
-//! ([`FirstMotion`]). Motion that could be either leaves the question open, without a flag.
+//! The motion is observed until it shows whether the gel was at rest or pressed in the first image ([`FirstMotion`]).
+//! As long as this is not decided, no flag is raised.
 //!
-//! The elastic model, if there is one, also decides: it cannot explain a release as an indentation on any gel, so a press
-//! that fits in several consecutive frames shows that the gel was at rest at first.
+//! The elastic model, if there is one, can also decide. It cannot explain a release as an indentation, for any gel. If
+//! it explains several consecutive frames as an indentation, the gel was at rest in the first image.
 
 use fingervision_flow::{Estimate, FlowField};
 
@@ -13,11 +13,11 @@ use super::thresholds::THRESHOLDS;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Nothing has moved yet, or nothing that decides.
+    /// Nothing has moved yet, or the motion does not decide.
     Undecided,
     /// The reference showed the gel pressed.
     Pressed {
-        /// Consecutive frames without motion.
+        /// Number of consecutive frames without motion.
         still: u64,
     },
     /// The reference shows the gel at rest.
@@ -30,7 +30,7 @@ pub(crate) struct StartUp {
     state: State,
     first_motion: FirstMotion,
     rest_frames: u64,
-    /// Consecutive frames, up to the last one, that fit a press on the gel of the first image.
+    /// Number of consecutive frames, up to the last one, that the elastic model explains as an indentation.
     explained: u64,
 }
 
@@ -40,13 +40,12 @@ impl StartUp {
         Self { state: State::Undecided, first_motion: FirstMotion::new(centre_px), rest_frames, explained: 0 }
     }
 
-    /// Whether the reference showed a pressed gel, as far as is known.
+    /// Whether the reference showed a pressed gel, according to the frames so far.
     pub(crate) fn is_pressed(&self) -> bool {
         self.explained == 0 && matches!(self.state, State::Pressed { .. })
     }
 
-    /// Whether a gel that was pressed at the start has been still for long enough, and not because an object holds it
-    /// pressed.
+    /// Whether a gel that was pressed at the start has been still for long enough and is not held pressed by an object.
     pub(crate) fn has_come_to_rest(&self) -> bool {
         self.explained == 0 && matches!(self.state, State::Pressed { still } if still >= self.rest_frames)
     }
@@ -59,7 +58,7 @@ impl StartUp {
         }
     }
 
-    /// The reference has been replaced by one at rest.
+    /// To be called when the reference has been replaced by one at rest.
     pub(crate) fn settle(&mut self) {
         self.state = State::Settled;
     }

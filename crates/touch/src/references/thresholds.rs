@@ -1,18 +1,19 @@
-//! The thresholds of reference handling, all in one place: pixels of flow, multiples or parts of what is measured in the same
-//! frame, and numbers of frames. None depends on the size of the sensor.
+//! The thresholds of reference handling, all in one place: pixels of flow, factors relative to a value measured in the
+//! same frame, and numbers of frames. None depends on the size of the sensor.
 
 /// See [`THRESHOLDS`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Thresholds {
     /// Flow that counts as motion, px: well above noise and slow drift.
     pub(super) motion_px: f32,
-    /// Least number of moving samples from which something is concluded.
+    /// Least number of moving samples for a decision.
     pub(super) least_moving: usize,
-    /// Part of the moving samples' motion that must point to or from the centre of perspective.
+    /// Least part of the moving samples' motion that points towards or away from the centre of perspective.
     pub(super) certain: f32,
     /// Least mean motion far from contact, px: the mean of this many samples is accurate to a few thousandths.
     pub(super) least_far_px: f32,
-    /// The same as a part of the largest motion: in simulated presses the error to the other side is less than half of it.
+    /// Least mean motion far from contact as a part of the largest motion: in simulated presses a mean of the wrong
+    /// sign is less than half of this.
     pub(super) least_far: f32,
     /// Samples that move by this part of the largest motion belong to the face.
     pub(super) face: f32,
@@ -21,8 +22,8 @@ pub(super) struct Thresholds {
     pub(super) least_aside: f32,
     /// Least cosine between the face's shift and the line to the centre of perspective.
     pub(super) least_aligned: f32,
-    /// Shift of the face over the shift predicted from its magnification and its distance from the centre: 1 by perspective
-    /// alone.
+    /// Allowed ratio of the face's shift to the shift predicted from its magnification and its distance from the
+    /// centre, which is 1 if perspective is the only cause.
     pub(super) shift_by_scale: [f32; 2],
     /// Root mean square residual of the face's motion after shift and magnification, as a part of the largest motion.
     pub(super) most_unexplained: f32,

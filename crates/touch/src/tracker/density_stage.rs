@@ -1,4 +1,4 @@
-//! The density feature, and depth by a law of it.
+//! The density feature, and depth from it by a law.
 
 use fingervision_image::Image;
 

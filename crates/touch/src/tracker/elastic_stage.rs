@@ -29,7 +29,7 @@ impl ElasticStage {
         Ok(Self { inverse })
     }
 
-    /// Fills the fields from the reading's flow. A frame that is lost or does not fit has none.
+    /// Fills the fields from the reading's flow. They are empty for a frame that is lost or does not fit the gel.
     pub(super) fn run(&mut self, reading: &mut Reading) {
         if reading.flags.has(Flag::Lost) || reading.flags.has(Flag::NoTexture) {
             clear(reading);
@@ -59,7 +59,7 @@ impl ElasticStage {
     }
 }
 
-/// Takes the results over. Planes are exchanged: the next frame overwrites all of them.
+/// Moves the results into the reading. Planes are exchanged: the next frame overwrites all of them.
 fn take(found: &mut ElasticFields, reading: &mut Reading) {
     reading.max_depth_mm = super::largest_valid(&found.depth_mm, &found.on_gel);
     if let Some(depth) = &mut reading.depth {
@@ -78,7 +78,7 @@ fn take(found: &mut ElasticFields, reading: &mut Reading) {
     (reading.force_n, reading.torque_nmm) = (found.force_n, found.torque_nmm);
 }
 
-/// Leaves empty fields: infinite deviation, no contact, no force.
+/// Clears the fields: infinite deviation, no contact, no force.
 fn clear(reading: &mut Reading) {
     let planes = reading.depth.iter_mut().chain(reading.displacement.iter_mut().flatten());
     planes.for_each(|plane| plane.values_mut().fill(0.0));

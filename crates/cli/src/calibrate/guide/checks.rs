@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 /// Its file in the sensor's folder.
 const FILE: &str = "checks.json";
 
-/// What a check depends on: the recording's files, their sizes and times, and the settings.
+/// The key of a check: everything that it depends on, which is the recording's files, their sizes and times, and the
+/// settings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Key(u64);
 

@@ -66,8 +66,8 @@ struct FlowTable {
     noise_levels: f32,
 }
 
-/// Fits camera, depth and gel to the recordings of a folder and writes its profile; either all of it or, if a part is not
-/// valid, nothing.
+/// Fits camera, depth and gel to the recordings of a folder and writes its profile; either all of it or, if a part is
+/// not valid, nothing.
 pub(super) fn calibrate(
     folder: &Path,
     answers: &Answers,
@@ -204,7 +204,7 @@ impl fmt::Display for Outcome {
                 residuals.display()
             )?;
         }
-        // Along x and along y the same may be open: it is said once.
+        // The same unknown can be undetermined along x and along y: it is reported once.
         let mut meanings: Vec<&str> = Vec::new();
         for meaning in camera.knowledge.blind.iter().map(|blind| blind.meaning) {
             if !meanings.contains(&meaning) {

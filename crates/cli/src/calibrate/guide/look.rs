@@ -18,7 +18,8 @@ use super::PROFILE;
 use super::answers::Answers;
 use super::checks::{Checks, Key};
 
-/// Fewer presses do not show whether one law fits everywhere in the image: centre, midway and corner.
+/// Least number of presses: at the centre, midway and near a corner, to show whether one law fits everywhere in the
+/// image.
 const LEAST_PRESSES: usize = 3;
 
 /// A step of the calibration for the user.
@@ -132,8 +133,8 @@ pub(super) fn look(folder: &Path, answers: &Answers, output: OutputArgs) -> Resu
     Ok(steps)
 }
 
-/// The camera's noise by a valid recording of the untouched gel, grey levels. Rounding and a lossless file cause at least
-/// half a level.
+/// The camera's noise by a valid recording of the untouched gel, grey levels. Rounding and a lossless file cause at
+/// least half a level.
 pub(super) fn noise_to_set(still: &Step) -> Option<f32> {
     let check = still.check.as_ref().filter(|check| check.is_sound())?;
     let noise = check.noise_levels?.max(0.5);

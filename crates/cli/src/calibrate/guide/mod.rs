@@ -145,27 +145,27 @@ fn make(folder: &Path) -> Result<(), Failure> {
 
 /// A measured distance, mm.
 fn distance(text: &str) -> Result<Prior, String> {
-    let form = |_| "it takes the distance and its standard deviation, above 0 mm, as in 25±0.5 or 25+-0.5".to_string();
+    let form = |_| "expected the distance and its standard deviation, above 0 mm, as in 25±0.5 or 25+-0.5".to_string();
     Prior::parse(&format!("distance_mm={text}")).map(|(_, prior)| prior).map_err(form)
 }
 
 /// A length, mm.
 fn length(text: &str) -> Result<f64, String> {
     let length = text.trim().parse().ok().filter(|value| (0.1..=1000.0).contains(value));
-    length.ok_or_else(|| "it takes a length in mm, 0.1 to 1000".into())
+    length.ok_or_else(|| "expected a length in mm, 0.1 to 1000".into())
 }
 
 /// The gel's width, height and thickness, mm.
 fn gel(text: &str) -> Result<Gel, String> {
     let lengths: Result<Vec<f64>, String> = text.split(',').map(length).collect();
     let lengths = lengths.ok().and_then(|lengths| Gel::try_from(lengths).ok());
-    lengths.ok_or_else(|| "it takes width, height and thickness in mm, as in 30,30,10".into())
+    lengths.ok_or_else(|| "expected width, height and thickness in mm, as in 30,30,10".into())
 }
 
 /// A stiffness, MPa.
 fn modulus(text: &str) -> Result<f64, String> {
     let modulus = text.trim().parse().ok().filter(|value: &f64| *value > 0.0 && *value <= 1e4);
-    modulus.ok_or_else(|| "it takes a stiffness in MPa above 0, as in 0.6 for soft silicone".into())
+    modulus.ok_or_else(|| "expected a stiffness in MPa above 0, as in 0.6 for soft silicone".into())
 }
 
 #[cfg(test)]
@@ -182,7 +182,7 @@ mod tests {
     fn a_distance_that_is_typed_is_taken() {
         let (given, said) = heard(Kind::Distance, "far\n25±0.5\n");
         assert_eq!(given.unwrap().distance, Some(Prior { value: 25.0, deviation: 0.5 }));
-        assert!(said.contains("far is not a distance: it takes"), "{said}");
+        assert!(said.contains("far is not a distance: expected"), "{said}");
     }
 
     #[test]

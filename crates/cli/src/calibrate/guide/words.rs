@@ -1,4 +1,4 @@
-//! The guide's texts: the checklist, and how to take each recording.
+//! The texts of the guided calibration: the checklist, and the instructions for each recording.
 
 use std::fmt;
 use std::path::Path;
@@ -79,7 +79,7 @@ fn question(kind: Kind) -> &'static str {
     }
 }
 
-/// How a step is done, in lines.
+/// The instructions for a step.
 fn how_to(kind: Kind) -> String {
     match kind {
         Kind::Still => format!(

@@ -9,23 +9,23 @@
 //!
 //! with `C_near + C_far` the compliance of the layer, `G` the compliance of the block's surface in a coarse mesh of
 //! finite elements (small strain, mean dilatation, [Nagtegaal1974], up to 24×24×8), `G_∞` that of the **same mesh
-//! continued without end**, and `B` the transfer of tractions to the coarse nodes: each cell's force is distributed
+//! extended to infinity**, and `B` the transfer of tractions to the coarse nodes: each cell's force is distributed
 //! bilinearly to the four nodes around it; displacements are interpolated by the transpose. Far from the sides, the
-//! errors of the mesh are the same in both and cancel; the difference is smooth and can be represented on a coarse mesh.
-//! The sum is symmetric by construction.
+//! errors of the mesh are the same in both and cancel; the difference is smooth and can be represented on a coarse
+//! mesh. The sum is symmetric by construction.
 //!
 //! The layer's influence is split smoothly by distance (`near`). The near part is computed on the grid of cells, by
 //! Fourier transform; the far part is smooth as well and is included in the correction of the sides without additional
 //! cost. So the transform needs little padding.
 //!
-//! A block has two mirror planes. Fields are split into four parities about them (`parity`), each a problem on a quarter
-//! of the block, eliminated level by level from the base to the surface (`quarter`). The mesh without end is a chain of
-//! 3×3 matrices for each wave, by the theorem of Floquet and Bloch (`waves`).
+//! A block has two mirror planes. Fields are split into four parities about them (`parity`), each a problem on a
+//! quarter of the block, eliminated level by level from the base to the surface (`quarter`). The infinite mesh is a
+//! chain of 3×3 matrices for each wave, by the theorem of Floquet and Bloch (`waves`).
 //!
-//! Assumed are linear elasticity, small strain and equal bricks. Against elements half as wide, on 30×25×10 mm at
-//! ν 0.48 under humps of 4 mm radius, the error farther than 5 mm from the load stays below 3 % of the largest
-//! displacement even for a load beside a side; a load's own error grows to some 5 % in the half coarse cell next to a
-//! side, whose edge the coarse mesh does not resolve.
+//! Assumed are linear elasticity, small strain and equal bricks. They are compared with elements half as wide, on
+//! 30×25×10 mm at ν 0.48, for smooth loads with a radius of 4 mm. Farther than 5 mm from the load, the error is below 3
+//! % of the largest displacement, even for a load beside a side. Within the load, it grows to about 5 % in the half
+//! coarse cell next to a side, whose edge the coarse mesh does not resolve.
 
 mod correction;
 mod inverse;

@@ -1,10 +1,10 @@
-//! The coarse mesh continued without end: displacement at one node of its surface by a force at another.
+//! The coarse mesh extended to infinity: displacement at one node of its surface caused by a force at another.
 //!
 //! A wave of nodal displacements `u_level e^{i θ·place}`, with `place` counted in elements, meets nodal forces
 //! `Σ K e^{i θ·(place_b − place_a)} u`: 3×3 matrices between neighbouring levels of nodes. In a mesh with mirror planes
-//! their entries between horizontal and vertical are imaginary and all others real, so with `i w` in place of
-//! the vertical component the system is real. Levels are eliminated from the base up; what is left at the surface is the
-//! stiffness of the wave. A sum over all waves of a long period brings its inverse back to space.
+//! their entries between horizontal and vertical are imaginary and all others real, so with `i w` in place of the
+//! vertical component the system is real. Levels are eliminated from the base up; the matrix that remains at the
+//! surface is the stiffness of the wave. A sum over all waves of a long period brings its inverse back to space.
 
 use std::f64::consts::TAU;
 

@@ -1,9 +1,10 @@
-//! The flat circular punch solved another way: its tractions in functions that hold their singularity at the edge.
+//! A second solution of the flat circular punch, with functions that contain the singularity of the tractions at the
+//! edge.
 //!
-//! Pressure and radial shear have the Hankel transforms `P(k) = Σ a_m j_m(k)`, m even, and `T(k) = Σ b_m j_m(k)`, m odd,
-//! with k in units of 1/radius and j the spherical Bessel functions: each is the transform of a function that vanishes
-//! outside the circle and grows like the inverse root of the distance to its edge. Least energy for a given depth is
-//! `A (a, b) = depth · (1, 0, …)`, `A = ∫ (N, −C; −C, L) j_m j_n dk`. The half-space's part is
+//! Pressure and radial shear have the Hankel transforms `P(k) = Σ a_m j_m(k)`, m even, and `T(k) = Σ b_m j_m(k)`, m
+//! odd, with k in units of 1/radius and j the spherical Bessel functions: each is the transform of a function that
+//! vanishes outside the circle and grows like the inverse root of the distance to its edge. The minimum of the energy
+//! for a given depth is `A (a, b) = depth · (1, 0, …)`, `A = ∫ (N, −C; −C, L) j_m j_n dk`. The half-space's part is
 //! `∫ j_m j_n dk = sin(π (m − n) / 2) / ((m − n) (m + n + 1))`, the remainder falls exponentially.
 
 use super::super::Layer;
@@ -43,7 +44,8 @@ fn half_space_integral(m: usize, n: usize) -> f64 {
     if m == n { half / sum } else { (half * difference).sin() / (difference * sum) }
 }
 
-/// What the base takes away, times its weight, and the Bessel functions, at the points of a quadrature by Simpson's rule.
+/// The reduction of the compliance by the bonded base, times its weight, and the Bessel functions, at the points of a
+/// quadrature by Simpson's rule.
 fn remainder(layer: &Layer, radius_mm: f64, orders: usize) -> Vec<(Reduced, Vec<f64>)> {
     if layer.thickness_mm().is_infinite() {
         return Vec::new();

@@ -1,8 +1,8 @@
 //! A pattern on paper at true scale: PDF, SVG and PNG.
 //!
 //! Around the pattern are crop marks, a scale bar of 10 mm to check the printer with, and a caption with everything
-//! needed to make the same pattern again. Nothing in a file depends on time, machine or typefaces: the same pattern gives
-//! the same bytes.
+//! needed to make the same pattern again. Nothing in a file depends on time, machine or typefaces: the same pattern
+//! gives the same bytes.
 
 mod lettering;
 mod page;
@@ -66,7 +66,7 @@ impl Print {
         self.page.origin_mm
     }
 
-    /// What the caption says.
+    /// The text of the caption.
     #[must_use]
     pub fn caption(&self) -> &str {
         &self.page.caption
@@ -75,9 +75,10 @@ impl Print {
     /// The page as PDF. Print dialogues are asked not to scale it.
     ///
     /// Colour cells are one image, with several samples per cell and without interpolation. Rectangles would be the
-    /// obvious choice, but a PDF paints every device pixel that a shape touches, so each cell would grow by up to a pixel
-    /// over its neighbours, and screens show seams. With an image, every device pixel belongs to one sample. With several
-    /// samples per cell, a driver that smooths images nevertheless changes only the outermost hundredths of a mm.
+    /// obvious choice, but a PDF paints every device pixel that a shape touches, so each cell would grow by up to a
+    /// pixel over its neighbours, and screens show seams. With an image, every device pixel belongs to one sample. With
+    /// several samples per cell, a driver that smooths images nevertheless changes only the outermost hundredths of a
+    /// mm.
     #[must_use]
     pub fn pdf(&self) -> Vec<u8> {
         pdf::write(&self.page)

@@ -13,8 +13,8 @@ use crate::pattern::error::PatternError;
 const MARGIN_MM: f64 = 10.0;
 /// Least width between the margins, mm: needed for the caption.
 const LEAST_WIDTH_MM: f64 = 30.0;
-/// From a sheet's border to a pattern that is centred on it, mm: most printers cannot print the outermost 5 mm, and crop
-/// marks lie between.
+/// From a sheet's border to a pattern that is centred on it, mm: most printers cannot print the outermost 5 mm, and
+/// crop marks lie between.
 const SHEET_MARGIN_MM: f64 = 12.0;
 /// From the pattern to a crop mark, and the mark's end, mm.
 const CROP_MARK_MM: [f64; 2] = [2.0, 7.0];
@@ -48,7 +48,7 @@ pub(super) struct Page {
     pub(super) pattern_mm: [f64; 2],
     pub(super) artwork: Artwork,
     pub(super) strokes: Vec<Stroke>,
-    /// What the caption says.
+    /// The text of the caption.
     pub(super) caption: String,
 }
 

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! where the sum runs over the patch's pixels and channels, and I is the image without noise: the pattern in this
-//! camera's image, with every pixel's exact coverage and the optics' blur. Fine cells have many edges but blur into grey,
-//! coarse ones are sharp but have few edges: the best size is in between.
+//! camera's image, with every pixel's exact coverage and the optics' blur. Fine cells have many edges but blur into
+//! grey, coarse ones are sharp but have few edges: the best size is in between.
 //!
 //! The bound is that of an estimator that is already close to the solution. Where a pattern repeats, such as a grid of
 //! dots, one part can be confused with another; the bound does not include this.
@@ -65,7 +65,7 @@ pub struct Trackability {
 ///
 /// # Errors
 ///
-/// As [`Pattern::texture`]; [`PatternError::NotSeen`] if the camera sees the gel nowhere.
+/// As [`Pattern::texture`]; [`PatternError::NotSeen`] if the camera does not see the gel.
 pub fn trackability(pattern: &Pattern, view: &View) -> Result<Trackability, PatternError> {
     view.validate()?;
     let texture = pattern.texture(view.gel_mm)?;

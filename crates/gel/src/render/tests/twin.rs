@@ -84,8 +84,8 @@ fn differences(params: &RenderParams, camera: &Camera, state: &SurfaceState) -> 
     [mean.sqrt(), squares.into_iter().fold(0.0, f32::max).sqrt()]
 }
 
-/// What differs is the twin's own: an edge through a part lies between its rays, which is up to 225/144 levels of the
-/// part. With more rays the difference falls.
+/// The difference comes from the twin: an edge through a part lies between its rays, which changes the part by up to
+/// 225/144 levels. With more rays the difference falls.
 #[test]
 fn a_smooth_surface_is_the_limit_of_dense_rays() {
     let params = params(36, 28);

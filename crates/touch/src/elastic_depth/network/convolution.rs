@@ -10,7 +10,7 @@ const LANES: usize = 16;
 /// Cells of a row computed together: they share the weights that they read, and their sums fill the registers of AVX2.
 pub(super) const CELLS: usize = 6;
 
-/// What is done with a layer's sum.
+/// The operation on the sums of a layer.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Activation<'a> {
     /// Nothing.

@@ -1,4 +1,4 @@
-//! A layer that adds the mean over the whole gel to every cell.
+//! A layer that adds a function of the mean over the whole gel to every cell.
 
 use super::plane::Plane;
 

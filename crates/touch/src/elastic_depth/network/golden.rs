@@ -30,7 +30,7 @@ fn the_forward_pass_is_that_of_pytorch() {
     for (channel, (expected, found)) in channels.enumerate() {
         let largest = expected.iter().fold(0.0, |largest: f32, value| largest.max(value.abs()));
         let differences = expected.iter().zip(found).map(|(expected, found)| (expected - found).abs());
-        // A difference that is no number is the largest.
+        // A difference that is not a number counts as the largest.
         let worst =
             differences.fold(0.0, |worst: f32, difference| if difference <= worst { worst } else { difference });
         assert!(worst <= TOLERANCE * largest, "output {channel}: off by {worst:e} of {largest}");

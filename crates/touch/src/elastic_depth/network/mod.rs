@@ -41,18 +41,18 @@ pub(super) fn constants(poissons_ratio: f64, thickness_mm: f64) -> [f32; CONSTAN
     [(poissons_ratio - 0.42) * 8.0, (thickness_mm - 10.0) / 3.0].map(|value| value as f32)
 }
 
-/// The training range of gel and camera in words: what `Sensor::is_in_training_range` tests.
+/// The training range of gel and camera in words, as tested by `Sensor::is_in_training_range`.
 pub const TRAINING_RANGE: &str = "nearly square gels 0.2 to 0.5 of their side thick, of Poisson's ratio 0.29 to 0.5, seen from 0.4 to \
                                1.4 of their side";
 
-/// A gel before a camera, scaled to a longer side of [`SIZE_MM`].
+/// A gel and its distance from the camera, scaled to a longer side of [`SIZE_MM`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Sensor {
     pub(super) poissons_ratio: f64,
     pub(super) thickness_mm: f64,
     /// The shorter side.
     pub(super) shorter_mm: f64,
-    /// From the camera to the gel.
+    /// Distance from the camera to the gel.
     pub(super) distance_mm: f64,
 }
 
@@ -84,10 +84,10 @@ impl Sensor {
 pub(super) const OUTPUTS: usize = 3;
 /// Sides of the grid must be multiples of this, and at least [`LEAST_SIDE`].
 pub(super) const MULTIPLE: usize = 8;
-/// The least side of a grid, cells: at the coarsest resolution the number of cells a layer computes together.
+/// The least side of a grid, cells: the coarsest resolution then has as many cells as a layer computes together.
 pub(super) const LEAST_SIDE: usize = convolution::CELLS * MULTIPLE;
 
-/// Most channels of a layer: what a file of weights may ask for.
+/// Largest number of channels of a layer that a file of weights may contain.
 const MOST_CHANNELS: usize = 4096;
 
 /// The network with buffers for one grid.
@@ -196,7 +196,8 @@ impl ContactNetwork {
 }
 
 impl Layers {
-    /// The three numbers of channels and the layers of a file of weights; none where the file does not hold just these.
+    /// The three numbers of channels and the layers of a file of weights; none if the file does not contain exactly
+    /// these.
     fn read(file: &[u8]) -> Option<([usize; 3], Self)> {
         let (words, []) = file.as_chunks::<4>() else { return None };
         let (sizes, values) = words.split_first_chunk::<3>()?;

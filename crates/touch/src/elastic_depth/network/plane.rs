@@ -1,7 +1,7 @@
 //! A stack of channels over a grid, with a rim of zeros.
 
-/// `channels` values at every cell of a grid, side by side, and one ring of cells around it that stays zero: what a
-/// convolution of 3×3 reads beyond the border.
+/// `channels` values at every cell of a grid, side by side, and one ring of cells around it that stays zero, because a
+/// convolution of 3×3 reads one cell beyond the border.
 #[derive(Debug, Clone)]
 pub(super) struct Plane {
     pub(super) columns: usize,
@@ -15,7 +15,7 @@ impl Plane {
         Self { columns, rows, channels, values: vec![0.0; (columns + 2) * (rows + 2) * channels] }
     }
 
-    /// From one row of the grid to the next.
+    /// Distance from one row of the grid to the next, in values.
     pub(super) fn stride(&self) -> usize {
         (self.columns + 2) * self.channels
     }

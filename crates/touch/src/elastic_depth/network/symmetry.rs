@@ -1,18 +1,18 @@
 //! The symmetries of the gel: mirror images and quarter turns.
 //!
-//! The result must not depend on the orientation of the gel, but the network learned that only approximately. The mean of
-//! its estimates over all symmetries has a smaller error than a single one.
+//! The result must not depend on the orientation of the gel, but the network has learned this only approximately. The
+//! mean of its estimates over all symmetries has a smaller error than a single estimate.
 
 use super::INPUTS;
 
 /// A mirror image, a quarter turn or both, of a grid of cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::elastic_depth) struct Symmetry {
-    /// Left and right are exchanged,
+    /// Whether left and right are exchanged.
     across: bool,
-    /// above and below are,
+    /// Whether top and bottom are exchanged.
     down: bool,
-    /// and then columns and rows are.
+    /// Whether columns and rows are exchanged afterwards.
     transposed: bool,
 }
 
@@ -20,7 +20,7 @@ impl Symmetry {
     /// The identity.
     pub(in crate::elastic_depth) const PLAIN: Self = Self { across: false, down: false, transposed: false };
 
-    /// All symmetries that keep the size of a grid: eight for a square, else four.
+    /// All symmetries that keep the size of a grid: eight for a square, otherwise four.
     pub(in crate::elastic_depth) fn all((columns, rows): (usize, usize)) -> Vec<Self> {
         let mirrors = |transposed: bool| {
             [(false, false), (true, false), (false, true), (true, true)].map(|(across, down)| Self {
