@@ -29,7 +29,7 @@ const LAYERS: [(&str, &[&str]); 17] = [
         "fingervision",
         &["image", "flow", "optics", "elastic", "settings", "gel", "touch", "source", "plot", "sink", "simulation"],
     ),
-    ("calibrate", &["touch", "plot", "elastic", "flow", "optics", "settings", "image"]),
+    ("calibrate", &["touch", "plot", "sink", "elastic", "flow", "optics", "settings", "image"]),
     ("evaluate", &["touch", "gel", "calibrate", "image", "flow", "optics", "settings", "plot", "sink", "simulation"]),
     (
         "cli",

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use fingervision_image::Frame;
 use fingervision_touch::Reading;
 
-use crate::claim::{FolderKind, FolderLock, write_file};
+use crate::claim::{FolderKind, FolderLock};
 use crate::run_fields::RunFields;
+use crate::whole_file::write_file;
 use crate::{Field, RunOptions, Sink, SinkError, Table};
 
 /// The contents of a run; `run.toml` describes how it was made.
