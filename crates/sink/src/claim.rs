@@ -62,7 +62,8 @@ impl FolderKind {
         }
     }
 
-    fn empty(&self, path: &Path) -> Result<(), SinkError> {
+    /// Removes the files of an earlier command, the marker last.
+    pub(crate) fn empty(&self, path: &Path) -> Result<(), SinkError> {
         if let Some(images) = self.images.map(|images| path.join(images)).filter(|images| images.is_dir()) {
             for entry in fs::read_dir(&images).map_err(SinkError::writing(&images))? {
                 let image = entry.map_err(SinkError::writing(&images))?.path();

@@ -1,5 +1,6 @@
 //! The folder of a run: arrays, the table and `run.toml`.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use fingervision_image::Frame;
@@ -95,6 +96,16 @@ impl RunFolder {
         self.fields.finish()?;
         drop(self.lock);
         Ok(RunSummary { folder: self.path, frames: self.frames, bytes })
+    }
+
+    /// Removes the files of a run without any reading, and the folder if nothing else is in it.
+    pub fn discard(self) {
+        let Self { path, fields, table, lock, .. } = self;
+        drop((fields, table));
+        // What cannot be removed stays: the caller reports why there is no reading.
+        let _ = RUN.empty(&path);
+        drop(lock);
+        let _ = fs::remove_dir(&path);
     }
 }
 
