@@ -24,6 +24,9 @@ pub(super) struct Thresholds {
 
     /// Presses whose feature follows their depth less than this are named in a warning, dimensionless.
     pub(super) usual_correlation: f64,
+    /// A lower correlation, of a press or of all together, is named in a warning, dimensionless. The paper's nine presses
+    /// have more than 0.98 each and 0.95 together; simulated sensors fall below 0.95 where a rim near the border is lost.
+    pub(super) good_correlation: f64,
     /// Slopes that differ by more than this factor do not belong to a common line.
     pub(super) most_factor: f64,
     /// A pooled correlation that is lower by this than the least one of a single press does not belong to a common line
@@ -47,6 +50,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     least_correlation: 0.7,
     median_deviation_px: 2.0,
     usual_correlation: 0.6,
+    good_correlation: 0.95,
     most_factor: 1.5,
     most_drop: 0.05,
     most_error: 0.5,
