@@ -21,7 +21,7 @@ const LAYERS: [(&str, &[&str]); 17] = [
     ("touch", &["image", "flow", "optics", "elastic", "settings"]),
     ("source", &["image"]),
     ("plot", &["image", "flow"]),
-    ("sink", &["touch", "image", "flow", "plot"]),
+    ("sink", &["touch", "image", "flow", "plot", "settings"]),
     // A simulated press is read like a recording and written like a run: the same arrays, tables and pictures.
     ("simulation", &["gel", "touch", "image", "flow", "plot", "source", "sink"]),
     // The crate that a program names: names alone, from the others.

@@ -4,6 +4,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use fingervision_settings::write_file;
 use fingervision_touch::{Profile, ProfileError};
 use serde::Serialize;
 use thiserror::Error;
@@ -80,14 +81,7 @@ pub fn update_profile(path: &Path, table: &str, values: &impl Serialize) -> Resu
 ///
 /// [`ProfileFileError::Write`]; a file that was there is then unchanged.
 pub fn write_profile(path: &Path, text: &str) -> Result<(), ProfileFileError> {
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(".new");
-    let beside = PathBuf::from(beside);
-    fs::write(&beside, text).and_then(|()| fs::rename(&beside, path)).map_err(|error| {
-        // The rest of the temporary file is not needed.
-        let _ = fs::remove_file(&beside);
-        refused(path, &error)
-    })
+    write_file(path, text.as_bytes()).map_err(|error| refused(path, &error))
 }
 
 /// The profile of a sensor that is to be calibrated further, before anything is measured.

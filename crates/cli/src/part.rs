@@ -78,11 +78,40 @@ impl Part {
         self.end.is_some_and(|end| sequence >= end)
     }
 
+    /// Tests whether a recording with this last frame contains the reference and a frame of the part.
+    ///
+    /// # Errors
+    ///
+    /// [`Self::without_reference`] or [`Self::absent`].
+    pub(crate) fn expect_within(&self, last: u64) -> Result<(), Failure> {
+        if let Some(reference) = self.reference.filter(|&reference| reference > last) {
+            return Err(Self::without_reference(reference, Some(last)));
+        }
+        if self.first > last { Err(self.absent(Some(last))) } else { Ok(()) }
+    }
+
+    /// The error of a recording that ends before the reference frame.
+    pub(crate) fn without_reference(reference: u64, last: Option<u64>) -> Failure {
+        Failure::new(
+            format!("the recording has no frame {reference} to begin with{}", ending(last)),
+            "use --reference-frame with a frame that shows the gel untouched",
+        )
+    }
+
     /// The error of a recording that contains none of the frames.
-    pub(crate) fn absent(&self) -> Failure {
-        let frames = Frames { first: self.first, end: self.end };
+    pub(crate) fn absent(&self, last: Option<u64>) -> Failure {
         let hint = "name frames that it contains: readings.csv of a run over the whole recording lists them";
-        Failure::new(format!("the recording has no frame in --frames {frames}"), hint)
+        Failure::new(format!("the recording has no frame in --frames {}{}", self.frames(), ending(last)), hint)
+    }
+
+    /// The error of a run that is interrupted before the first frame of the part.
+    pub(crate) fn interrupted(&self) -> Failure {
+        let message = format!("interrupted before the first frame of --frames {}: nothing is written", self.frames());
+        Failure::new(message, "run the command again")
+    }
+
+    fn frames(&self) -> Frames {
+        Frames { first: self.first, end: self.end }
     }
 
     /// Upper limit of the number of frames written, for a recording of this length.
@@ -103,6 +132,11 @@ impl fmt::Display for Frames {
         write!(f, "{}..", self.first)?;
         self.end.map_or(Ok(()), |end| write!(f, "{end}"))
     }
+}
+
+/// Where a recording ends, if that is known.
+fn ending(last: Option<u64>) -> String {
+    last.map_or_else(String::new, |last| format!(": its last one is frame {last}"))
 }
 
 fn frames(text: &str) -> Result<Frames, String> {
@@ -132,6 +166,17 @@ mod tests {
         for text in ["", "3", "7..3", "3..3", "-1..3", "a..b", "3..=7"] {
             assert!(frames(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn a_part_must_begin_before_the_recording_ends() {
+        let part = |reference, first| Part { reference, first, end: None };
+        assert!(part(None, 3).expect_within(3).is_ok() && part(Some(3), 3).expect_within(3).is_ok());
+        let message = |part: Part| part.expect_within(3).unwrap_err().to_string();
+        let expected = "the recording has no frame in --frames 4..: its last one is frame 3";
+        assert_eq!(message(part(Some(3), 4)), expected);
+        let expected = "the recording has no frame 4 to begin with: its last one is frame 3";
+        assert_eq!(message(part(Some(4), 4)), expected);
     }
 
     #[test]

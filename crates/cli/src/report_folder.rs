@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use fingervision_evaluate::page::Page;
-use fingervision_sink::{FolderKind, FolderLock};
+use fingervision_sink::{FolderKind, FolderLock, SinkError, write_file};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -38,7 +38,8 @@ impl ReportFolder {
     pub(crate) fn add(&self, name: &str, bytes: &[u8]) -> Result<(), Failure> {
         let path = self.path.join(name);
         let parent = path.parent().unwrap_or(&self.path);
-        fs::create_dir_all(parent).and_then(|()| fs::write(&path, bytes)).map_err(|error| refused(&path, &error))
+        fs::create_dir_all(parent).map_err(SinkError::writing(parent))?;
+        Ok(write_file(&path, bytes)?)
     }
 
     /// Writes the numbers and the page; returns the page's path.
@@ -49,9 +50,4 @@ impl ReportFolder {
         drop(self.lock);
         Ok(self.path.join(PAGE))
     }
-}
-
-fn refused(path: &Path, error: &std::io::Error) -> Failure {
-    let message = format!("{}: it cannot be written: {error}", path.display());
-    Failure::new(message, "choose a writable folder with --out")
 }

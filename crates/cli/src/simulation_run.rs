@@ -1,7 +1,6 @@
 //! Writes one scene into a folder: solves, draws, writes and summarises it.
 
 use std::fmt;
-use std::fs;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -78,10 +77,6 @@ impl SimulationRun {
         let frames = *closed.as_ref().unwrap_or(&0);
         let picture = path.join("preview.png");
         let saved = if frames > 0 { preview.save(&picture) } else { Ok(()) };
-        if saved.is_err() {
-            // An incomplete picture is not kept; the error that interrupted it is reported.
-            let _ = fs::remove_file(&picture);
-        }
         let deepest = deepest(&simulation, frames as usize);
         let summary = SimulationSummary {
             scene: scene.name.clone(),

@@ -13,7 +13,7 @@ use fingervision_touch::Profile;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
-use crate::part::PartArgs;
+use crate::part::{Part, PartArgs};
 use crate::profile_args::ProfileArgs;
 use crate::tracking::{Run, fields_to_compute};
 
@@ -127,7 +127,7 @@ impl clap::ValueEnum for FieldName {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let part = args.part.part()?;
-    let (profile, mut source) = sensor(args)?;
+    let (profile, mut source) = sensor(args, part)?;
     let fields: Option<Vec<Field>> = args.fields.as_ref().map(|fields| fields.iter().map(|field| field.0).collect());
     let to_compute = fields_to_compute(fields.as_deref(), profile.depth_method());
     args.profile.expect_effect(&profile, to_compute, args.output)?;
@@ -141,7 +141,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 /// The profile in force and the frames. A simulated scene has its own sensor.
-fn sensor(args: &Args) -> Result<(Profile, Box<dyn Source>), Failure> {
+fn sensor(args: &Args, part: Part) -> Result<(Profile, Box<dyn Source>), Failure> {
     let options = args.fps.map_or_else(Options::default, |frames_per_second| Options { frames_per_second });
     let Some(location) = SimulatedLocation::of(&args.source)? else {
         if args.fps.is_some() && args.source.is_file() {
@@ -155,8 +155,10 @@ fn sensor(args: &Args) -> Result<(Profile, Box<dyn Source>), Failure> {
         return Err(Failure::new(message, "give the rate once"));
     }
     let scene = location.scene()?;
+    let frames = scene.motion.frames as u64;
+    part.expect_within(frames.saturating_sub(1))?;
     let profile = args.profile.load_or(simulated_profile(&scene))?;
-    let bar = args.output.progress("solving", Some(scene.motion.frames as u64));
+    let bar = args.output.progress("solving", Some(frames));
     let mut progress = |frames: usize| {
         bar.set_position(frames as u64);
         ControlFlow::Continue(())

@@ -63,6 +63,9 @@ impl Run {
         for remark in source.remarks() {
             self.output.note(&remark);
         }
+        if let Some(last) = source.last_sequence() {
+            self.part.expect_within(last)?;
+        }
         let region = self.profile.region(source.size())?;
         let mut skipped = Skipped::default();
         let first = self.reference(source, &mut skipped)?;
@@ -87,6 +90,12 @@ impl Run {
             part: self.part,
         };
         let ended = self.stream(source, first, &mut tracker, &mut sinks);
+        if sinks.tally.frames == 0
+            && let Err(failure) = ended
+        {
+            self.discard(sinks);
+            return Err(failure);
+        }
         Ok(self.finish(sinks, &tracker, begin, ended))
     }
 
@@ -114,11 +123,7 @@ impl Run {
             }
         }
         let Some(wanted) = wanted else { return Err(SinkError::NoReadings.into()) };
-        let end = skipped.last_read().map_or_else(String::new, |last| format!(": its last one is frame {last}"));
-        Err(Failure::new(
-            format!("the recording has no frame {wanted} to begin with{end}"),
-            "use --reference-frame with a frame that shows the gel untouched",
-        ))
+        Err(Part::without_reference(wanted, skipped.last_read()))
     }
 
     fn tracker(&self, first: &Frame, frame_size: (usize, usize)) -> Result<Tracker, Failure> {
@@ -244,7 +249,7 @@ impl Run {
             sinks.write(tracker.track(&frame)?, &frame)?;
             progress.inc(1);
             if interrupt.is_asked() {
-                return interrupted(progress.position(), count);
+                return self.interrupted(sinks, progress.position(), count);
             }
             if self.part.is_behind(frame.sequence + 1) {
                 break;
@@ -254,7 +259,30 @@ impl Run {
             next = following.filter(|frame| !self.part.is_behind(frame.sequence));
         }
         progress.finish_and_clear();
-        if sinks.tally.frames == 0 { Err(self.part.absent()) } else { Ok(()) }
+        if sinks.tally.frames == 0 { Err(self.part.absent(None)) } else { Ok(()) }
+    }
+
+    /// A stream without an end ends normally when it is interrupted; one with an end is cut short.
+    fn interrupted(&self, sinks: &Sinks, frames: u64, count: Option<u64>) -> Result<(), Failure> {
+        match count {
+            _ if sinks.tally.frames == 0 => Err(self.part.interrupted()),
+            Some(count) if frames < count => Err(Failure::new(
+                format!("interrupted after {frames} of {count} frames"),
+                "the frames written so far can be used; --overwrite starts again",
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Removes the files of a run without any reading.
+    fn discard(&self, sinks: Sinks) {
+        let Sinks { folder, overlay, .. } = sinks;
+        if let (Some(path), Some(overlay)) = (&self.overlay, overlay) {
+            drop(overlay);
+            // The error that is reported is the one that ended the run.
+            let _ = fs::remove_file(path);
+        }
+        folder.discard();
     }
 
     /// Writes everything to disk and draws the preview. The first error is reported.
@@ -271,10 +299,6 @@ impl Run {
         let path = self.folder.join("preview.png");
         let drawn = if tally.frames > 0 { preview.save(&path) } else { Ok(()) };
         let has_preview = tally.frames > 0 && drawn.is_ok();
-        if drawn.is_err() {
-            // An incomplete picture is not kept; the error that interrupted it is reported.
-            let _ = fs::remove_file(&path);
-        }
         let closed = folder.finish();
         let summary = Summary {
             folder: self.folder.clone(),
@@ -317,16 +341,5 @@ impl Sinks {
             overlay.write(reading, frame)?;
         }
         Ok(())
-    }
-}
-
-/// A stream without an end ends normally when it is interrupted; one with an end is cut short.
-fn interrupted(frames: u64, count: Option<u64>) -> Result<(), Failure> {
-    match count {
-        Some(count) if frames < count => Err(Failure::new(
-            format!("interrupted after {frames} of {count} frames"),
-            "the frames written so far can be used; --overwrite starts again",
-        )),
-        _ => Ok(()),
     }
 }

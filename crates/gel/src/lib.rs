@@ -54,7 +54,7 @@ mod sheet;
 mod truth;
 
 pub use error::GelError;
-pub use fingervision_elastic::{MeshParams, Resolution};
+pub use fingervision_elastic::{ContactLaw, MeshParams, Resolution};
 pub use indenter::{Indenter, IndenterError, IndenterRelief, IndenterShape};
 pub use pattern::{
     ColourPattern, Coupling, Motif, NEIGHBOUR_DISTANCE, Paper, Pattern, PatternError, Print, Texture, Trackability,

@@ -27,8 +27,10 @@ mod error;
 mod likeness;
 mod line;
 mod place;
+mod whole_file;
 
 pub use document::Document;
 pub use error::SettingsError;
 pub use likeness::nearest;
 pub use place::Place;
+pub use whole_file::write_file;

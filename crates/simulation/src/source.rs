@@ -171,6 +171,10 @@ impl Source for SimulatedSource {
         Some(self.simulation.poses().len() as u64)
     }
 
+    fn last_sequence(&self) -> Option<u64> {
+        (self.simulation.poses().len() as u64).checked_sub(1)
+    }
+
     fn size(&self) -> (usize, usize) {
         self.simulation.size()
     }

@@ -1,7 +1,7 @@
 //! An output folder: created, found empty, or cleared of the files of an earlier command, and locked meanwhile.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{ErrorKind, Write as _};
+use std::io::ErrorKind;
 use std::path::Path;
 
 use crate::SinkError;
@@ -63,7 +63,8 @@ impl FolderKind {
         }
     }
 
-    fn empty(&self, path: &Path) -> Result<(), SinkError> {
+    /// Removes the files of an earlier command, the marker last.
+    pub(crate) fn empty(&self, path: &Path) -> Result<(), SinkError> {
         if let Some(images) = self.images.map(|images| path.join(images)).filter(|images| images.is_dir()) {
             for entry in fs::read_dir(&images).map_err(SinkError::writing(&images))? {
                 let image = entry.map_err(SinkError::writing(&images))?.path();
@@ -93,18 +94,4 @@ fn remove(path: &Path) -> Result<(), SinkError> {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(SinkError::Write { path: path.to_path_buf(), error }),
         _ => Ok(()),
     }
-}
-
-/// Writes a small file to the disk.
-///
-/// # Errors
-///
-/// [`SinkError::Write`] if the disk refuses it.
-pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), SinkError> {
-    let write = || {
-        let mut file = fs::File::create(path)?;
-        file.write_all(bytes)?;
-        file.sync_all()
-    };
-    write().map_err(SinkError::writing(path))
 }

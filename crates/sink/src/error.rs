@@ -86,6 +86,8 @@ fn hint_for(kind: ErrorKind) -> &'static str {
         }
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a writable folder",
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "there is a file of that name: choose another folder",
+        ErrorKind::NotFound => "make the folder first",
+        ErrorKind::IsADirectory => "name a file in the folder",
         _ => "check the folder and its disk",
     }
 }

@@ -17,9 +17,10 @@ mod run_folder;
 mod run_options;
 mod sink;
 mod table;
+mod whole_file;
 
 pub use arrays::{ArrayWriter, Element};
-pub use claim::{FolderKind, FolderLock, write_file};
+pub use claim::{FolderKind, FolderLock};
 pub use error::SinkError;
 pub use field::Field;
 pub use picture::{Overlay, Preview, PreviewOptions, png, write_pixels, write_png};
@@ -28,3 +29,4 @@ pub use run_folder::{RunFolder, RunSummary};
 pub use run_options::{Precision, RunOptions};
 pub use sink::Sink;
 pub use table::{COLUMNS, Table};
+pub use whole_file::write_file;

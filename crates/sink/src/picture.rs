@@ -18,7 +18,7 @@ pub use overlay::Overlay;
 pub use preview::{Preview, PreviewOptions};
 
 use crate::SinkError;
-use crate::claim::write_file;
+use crate::whole_file::write_file;
 
 /// Writes an image as PNG.
 ///

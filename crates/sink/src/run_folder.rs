@@ -1,12 +1,14 @@
 //! The folder of a run: arrays, the table and `run.toml`.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use fingervision_image::Frame;
 use fingervision_touch::Reading;
 
-use crate::claim::{FolderKind, FolderLock, write_file};
+use crate::claim::{FolderKind, FolderLock};
 use crate::run_fields::RunFields;
+use crate::whole_file::write_file;
 use crate::{Field, RunOptions, Sink, SinkError, Table};
 
 /// The contents of a run; `run.toml` describes how it was made.
@@ -94,6 +96,16 @@ impl RunFolder {
         self.fields.finish()?;
         drop(self.lock);
         Ok(RunSummary { folder: self.path, frames: self.frames, bytes })
+    }
+
+    /// Removes the files of a run without any reading, and the folder if nothing else is in it.
+    pub fn discard(self) {
+        let Self { path, fields, table, lock, .. } = self;
+        drop((fields, table));
+        // What cannot be removed stays: the caller reports why there is no reading.
+        let _ = RUN.empty(&path);
+        drop(lock);
+        let _ = fs::remove_dir(&path);
     }
 }
 

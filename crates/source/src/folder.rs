@@ -86,6 +86,10 @@ impl Source for FolderSource {
         Some(self.files.len() as u64)
     }
 
+    fn last_sequence(&self) -> Option<u64> {
+        self.sequences.last().copied()
+    }
+
     fn size(&self) -> (usize, usize) {
         (self.format.width, self.format.height)
     }

@@ -36,6 +36,13 @@ pub trait Source: Send {
     /// A file that is cut off may hand out fewer before it ends with an error.
     fn frame_count(&self) -> Option<u64>;
 
+    /// The number of the last frame, or `None` where that is not known beforehand.
+    ///
+    /// A file that is cut off may end before it.
+    fn last_sequence(&self) -> Option<u64> {
+        None
+    }
+
     /// Columns and rows of every frame, px.
     fn size(&self) -> (usize, usize);
 

@@ -208,6 +208,10 @@ impl Source for VideoSource {
         Some(self.shown_count())
     }
 
+    fn last_sequence(&self) -> Option<u64> {
+        self.end().checked_sub(1)
+    }
+
     fn size(&self) -> (usize, usize) {
         self.format.map_or((0, 0), |format| (format.width, format.height))
     }

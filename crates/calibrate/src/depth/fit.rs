@@ -192,6 +192,7 @@ fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<St
             )
         })
         .collect();
+    warnings.extend(weak_presses(presses));
     if let (Some(flat), Some(steep)) = (presses.iter().min_by(by_slope), presses.iter().max_by(by_slope))
         && slope_factor > THRESHOLDS.most_factor
     {
@@ -207,8 +208,30 @@ fn warnings(presses: &[PressFit], pooled: &LineFit, slope_factor: f64) -> Vec<St
             "depth from one line is uncertain: the correlation is {:.3} for all presses together, but {least:.3} or more for each press",
             pooled.correlation
         ));
+    } else if presses.len() > 1 && pooled.correlation < THRESHOLDS.good_correlation {
+        warnings.push(format!(
+            "depth by one line is uncertain: the correlation of all presses together is {:.4}, below {}",
+            pooled.correlation, THRESHOLDS.good_correlation
+        ));
     }
     warnings
+}
+
+/// A warning if presses follow their line, but not closely.
+fn weak_presses(presses: &[PressFit]) -> Option<String> {
+    let range = THRESHOLDS.usual_correlation..THRESHOLDS.good_correlation;
+    let weak: Vec<&PressFit> = presses.iter().filter(|press| range.contains(&press.line.correlation)).collect();
+    let worst = weak.iter().min_by(|a, b| a.line.correlation.total_cmp(&b.line.correlation))?;
+    let PressFit { curve, line } = worst;
+    let others = match weak.len() - 1 {
+        0 => String::new(),
+        others => format!(", as for {others} other press{}", if others == 1 { "" } else { "es" }),
+    };
+    Some(format!(
+        "{}: r = {:.4} is below {}{others}: check the depths and the order of the images; if the rim of the contact jumps, fit with \
+         calibrate depth --maximum robust",
+        curve.name, line.correlation, THRESHOLDS.good_correlation
+    ))
 }
 
 #[cfg(test)]
@@ -268,6 +291,30 @@ mod tests {
         assert!(fit.warnings[0].starts_with("small: its density feature hardly grows"), "{:?}", fit.warnings);
         let law = fit.law(Method::Origin).unwrap();
         fit.check(law, &fingervision_touch::Profile::default()).unwrap();
+    }
+
+    #[test]
+    fn a_press_that_follows_its_depth_loosely_is_named() {
+        // The feature scatters by a constant, up and down: the correlation falls with it.
+        let scattered = |name: &str, scatter: f64| {
+            let mut curve = curve(name, 12.0, 0.0, 10.0);
+            curve.points.iter_mut().for_each(|point| point.feature += [scatter, -scatter][(point.frame % 2) as usize]);
+            curve
+        };
+        let [good, loose] = [scattered("good", 0.004), scattered("loose", 0.0105)];
+        let fit = DepthFit::new(vec![good.clone()]).unwrap();
+        assert!(fit.presses[0].line.correlation > 0.98 && fit.warnings.is_empty(), "{:?}", fit.warnings);
+        let fit = DepthFit::new(vec![loose.clone()]).unwrap();
+        let r = fit.presses[0].line.correlation;
+        assert!((0.94..0.95).contains(&r), "r = {r}");
+        let [warning] = &fit.warnings[..] else { panic!("{:?}", fit.warnings) };
+        assert!(warning.starts_with(&format!("loose: r = {r:.4} is below 0.95: check")), "{warning}");
+        assert!(fit.to_string().contains(&format!("\nwarning      {warning}")));
+        let mut other = loose.clone();
+        other.name = "other".into();
+        let fit = DepthFit::new(vec![loose, other]).unwrap();
+        assert!(fit.warnings[0].contains(", as for 1 other press: check"), "{:?}", fit.warnings);
+        assert!(fit.warnings[1].contains("of all presses together is 0.94"), "{:?}", fit.warnings);
     }
 
     #[test]

@@ -1,11 +1,10 @@
 //! Writing the page.
 
 use std::fmt;
-use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use fingervision_gel::{Paper, Print};
+use fingervision_sink::write_file;
 use serde::Serialize;
 
 use super::Args;
@@ -87,7 +86,7 @@ pub(super) fn write(args: &Args, file: &Path) -> Result<Written, Failure> {
         (Format::Svg, _) => print.svg().into_bytes(),
         _ => print.pdf(),
     };
-    save(file, &bytes)?;
+    write_file(file, &bytes)?;
     let caption = print.caption().to_string();
     Ok(Written { file: file.to_owned(), pattern_mm: [width, height], page_mm: print.page_mm(), caption, px_per_m })
 }
@@ -125,22 +124,6 @@ fn resolution(args: &Args, print: &Print) -> u32 {
 /// A number to four decimals, without trailing zeros.
 fn decimal(value: f64) -> String {
     format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_string()
-}
-
-fn save(file: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    fs::write(file, bytes).map_err(|error| {
-        if matches!(error.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded) {
-            // An incomplete page is removed. If that fails, too, the first error is sufficient.
-            let _ = fs::remove_file(file);
-        }
-        let hint = match error.kind() {
-            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some space or choose another disk",
-            ErrorKind::NotFound => "make the folder first",
-            ErrorKind::IsADirectory => "name a file in the folder",
-            _ => "choose a writable file",
-        };
-        Failure::new(format!("cannot write {}: {error}", file.display()), hint)
-    })
 }
 
 impl fmt::Display for Written {

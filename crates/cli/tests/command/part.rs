@@ -63,9 +63,24 @@ fn a_part_that_the_recording_does_not_have_is_refused() {
     let bench = Workbench::new();
     bench.press(4);
     let ended = bench.run("track press --out run --frames 7..9");
-    ended.expect_failure("the recording has no frame in --frames 7..9", "name frames that it contains");
+    ended.expect_failure("no frame in --frames 7..9: its last one is frame 3", "name frames that it contains");
+    assert!(!bench.path("run").exists(), "nothing is begun");
     let ended = bench.run("track press --out other --reference-frame 7");
     ended.expect_failure("the recording has no frame 7 to begin with: its last one is frame 3", "--reference-frame");
+    assert!(!bench.path("other").exists(), "nothing is begun");
+    let ended = bench.run("track sim:circle?draft --out run --frames 100..");
+    ended.expect_failure("no frame in --frames 100..: its last one is frame", "name frames that it contains");
+}
+
+#[test]
+fn a_part_that_falls_into_a_gap_leaves_nothing_behind() {
+    let bench = Workbench::new();
+    let folder = bench.press(8);
+    (3..6).for_each(|frame| fs::remove_file(folder.join(format!("{frame:04}.png"))).unwrap());
+    let ended = bench.run("track press --out run --overlay film.avi --frames 4..6");
+    let ended = ended.expect_failure("the recording has no frame in --frames 4..6", "name frames that it contains");
+    assert_eq!(ended.out, "");
+    assert!(!bench.path("run").exists() && !bench.path("film.avi").exists());
 }
 
 #[test]

@@ -112,7 +112,7 @@ fn a_full_disk_leaves_no_half_page() {
         println!("skipped: this machine has no /dev/full");
         return;
     }
-    std::os::unix::fs::symlink("/dev/full", bench.path("a.pdf")).unwrap();
+    std::os::unix::fs::symlink("/dev/full", bench.path("a.pdf.new")).unwrap();
     bench.run("pattern --out a.pdf").expect_failure("cannot write a.pdf: No space left", "free some space");
     assert!(!bench.path("a.pdf").exists());
 }

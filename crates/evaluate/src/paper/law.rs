@@ -48,16 +48,16 @@ pub(super) fn measure(lab: &Lab, setting: Setting) -> Result<(Fits, LawFit, Sect
         slope_factor: dense.slope_factor,
         dots_pooled: dots.pooled.correlation,
     };
-    let section = section(setting, &dense, &law)?;
+    let section = section(setting, &setting.about(lab.extent)?, &dense, &law)?;
     Ok((Fits { dense, dots }, law, section))
 }
 
-fn section(setting: Setting, fit: &DepthFit, law: &LawFit) -> Result<Section, ExperimentError> {
+fn section(setting: Setting, about: &str, fit: &DepthFit, law: &LawFit) -> Result<Section, ExperimentError> {
     let mut section = Section::new(
         &format!("law-{}", setting.word()),
         format!("Figure 5: density against depth, {}", setting.name()),
     );
-    section.text(format!("Nine presses of a 6 mm square, tracked from images: {}.", setting.about()));
+    section.text(format!("Nine presses of a 6 mm square, 1, 2 and 3 mm deep, tracked from images: {about}."));
     section.picture(
         &fit.draw(),
         "The largest density feature of every frame against the known depth, and the pooled lines.",

@@ -1,9 +1,11 @@
 //! The simulated sensors: the paper's, with the values given in its text, and the default one.
 
-use fingervision_gel::{Scene, SceneError};
+use std::collections::BTreeSet;
+
+use fingervision_gel::{ContactLaw, Resolution, Scene, SceneError};
 use serde::Serialize;
 
-use crate::experiment::Extent;
+use crate::experiment::{CALIBRATION, Extent};
 
 /// A simulated sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -58,18 +60,29 @@ impl Setting {
         }
     }
 
-    /// A description.
-    pub(super) fn about(self) -> &'static str {
-        match self {
-            Self::Published => {
-                "480×480 px, Poisson's ratio 0.35, 99×99×10 cells under the indenters (the calibration presses on a draft mesh), \
-                 the camera 15 mm from a gel of 30×30×10 mm with a focal length of 240 px, sticking contact, 2 mm deep"
-            }
-            Self::Realistic => {
-                "480×480 px, Poisson's ratio 0.48, 0.3 mm cells under the indenters (the calibration presses on a draft mesh), the \
-                 camera 25 mm from a gel of 30×30×10 mm with a focal length of 400 px, sticking contact, 2 mm deep"
-            }
-        }
+    /// What it is, read from the scenes that are solved.
+    pub(super) fn about(self, extent: Extent) -> Result<String, SceneError> {
+        let scene = |name: &&str| self.scene(Scene::find(name)?, extent);
+        let indenters = extent.indenters().iter().map(scene).collect::<Result<Vec<_>, _>>()?;
+        let calibration = self.draft(Scene::find(CALIBRATION[0].0)?, extent)?;
+        let Scene { render, gel, camera, contact, motion, .. } = &calibration;
+        let ([width, height], thickness, ratio) = (gel.size_mm, gel.thickness_mm, gel.poissons_ratio);
+        let poses = indenters.iter().flat_map(|scene| scene.motion.poses());
+        let deepest_mm = poses.map(|pose| pose.depth_mm).fold(0.0, f64::max);
+        let meshes: BTreeSet<String> = indenters.iter().map(mesh).collect();
+        Ok(format!(
+            "{}×{} px, Poisson's ratio {ratio}, {} frames a press, {} under the calibration presses, {} under the indenters, which \
+             go up to {deepest_mm} mm deep, the camera {} mm from a gel of {width}×{height}×{thickness} mm with a focal length of {} \
+             px, {}",
+            render.width,
+            render.height,
+            motion.frames,
+            mesh(&calibration),
+            meshes.into_iter().collect::<Vec<_>>().join(" or "),
+            camera.translation_mm[2],
+            camera.focal_length_px[0],
+            contact_law(contact.law)
+        ))
     }
 
     /// A scene on this sensor, on a draft mesh.
@@ -95,5 +108,51 @@ impl Setting {
             (Extent::Full, Self::Realistic) => scene.set_all([("mesh.resolution", "\"fine\"")])?,
         }
         Ok(scene)
+    }
+}
+
+/// The mesh of a scene in words.
+fn mesh(scene: &Scene) -> String {
+    match (scene.mesh.cells, scene.mesh.resolution) {
+        (Some([x, y, z]), _) => format!("{x}×{y}×{z} cells"),
+        (None, Resolution::Fine) => "a fine mesh".into(),
+        (None, Resolution::Medium) => "a medium mesh".into(),
+        (None, Resolution::Draft) => "a draft mesh".into(),
+    }
+}
+
+fn contact_law(law: ContactLaw) -> String {
+    match law {
+        ContactLaw::Stick => "sticking contact".into(),
+        ContactLaw::Frictionless => "contact without friction".into(),
+        ContactLaw::Friction(coefficient) => format!("contact with a friction of {coefficient}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_setting_is_described_by_the_scenes_that_are_solved() {
+        for (extent, expected) in [
+            (
+                Extent::Quick,
+                "11 frames a press, a draft mesh under the calibration presses, a draft mesh under the indenters",
+            ),
+            (
+                Extent::Full,
+                "31 frames a press, a draft mesh under the calibration presses, a fine mesh under the indenters",
+            ),
+        ] {
+            let about = Setting::Realistic.about(extent).unwrap();
+            assert!(about.starts_with("480×480 px, Poisson's ratio 0.48, ") && about.contains(expected), "{about}");
+            assert!(
+                about.contains("the camera 25 mm from a gel of 30×30×10 mm with a focal length of 400 px"),
+                "{about}"
+            );
+        }
+        let about = Setting::Published.about(Extent::Full).unwrap();
+        assert!(about.contains("ratio 0.35") && about.contains("99×99×10 cells under the indenters"), "{about}");
     }
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use fingervision_calibrate::camera::{Prior, Slide};
 use fingervision_elastic::GelBlock;
+use fingervision_sink::write_file;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -102,7 +103,7 @@ impl Answers {
     pub(super) fn save(&self, folder: &Path) -> Result<(), Failure> {
         let path = folder.join(FILE);
         let text = toml::to_string(self).map_err(|error| refused(&path, &error))?;
-        fs::write(&path, text).map_err(|error| refused(&path, &error.kind()))
+        Ok(write_file(&path, text.as_bytes())?)
     }
 
     /// The board's slide.

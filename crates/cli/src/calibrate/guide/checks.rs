@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
 use fingervision_calibrate::check::RecordingCheck;
+use fingervision_sink::write_file;
 use serde::{Deserialize, Serialize};
 
 /// Its file in the sensor's folder.
@@ -84,7 +85,7 @@ impl Checks {
         if self.has_changed
             && let Ok(text) = serde_json::to_string_pretty(&self.kept)
         {
-            let _ = fs::write(&self.path, text);
+            let _ = write_file(&self.path, text.as_bytes());
         }
     }
 }

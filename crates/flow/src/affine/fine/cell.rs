@@ -60,7 +60,7 @@ pub(super) fn template_moments<S: Simd>(
         let t = f32x16::load_array_ref(simd, values) - MID_LEVEL;
         let (gx, gy) = (f32x16::load_array_ref(simd, gradient_x), f32x16::load_array_ref(simd, gradient_y));
         for (sum, product) in sums.iter_mut().zip([gx * gx, gx * gy, gy * gy, gx * t, gx, gy * t, gy, t * t, t, one]) {
-            *sum = *sum + product;
+            *sum += product;
         }
     }
     let mut moments = [[0.0; MOMENTS]; CORNERS];

@@ -71,7 +71,7 @@ impl Relaxation<'_> {
     }
 
     fn sides(&self) -> [Side; 4] {
-        let row = self.grid.columns as isize;
+        let row = self.grid.columns.cast_signed();
         [(1, 1, 1.0), (-1, 1, -1.0), (row, 2, 1.0), (-row, 2, -1.0)]
     }
 
@@ -155,7 +155,7 @@ mod tests {
             for (_, offset, slope) in pairs.into_iter().filter(|(exists, ..)| *exists) {
                 let (near, far) = (at(place), at(place + offset));
                 let bond = stiffness.tolerance
-                    / (stiffness.tolerance + relaxation.roughness(place, (offset as isize, slope, 1.0)));
+                    / (stiffness.tolerance + relaxation.roughness(place, (offset.cast_signed(), slope, 1.0)));
                 for first in [0, 3] {
                     let mismatch = near[first] - far[first] + 0.5 * (near[first + slope] + far[first + slope]);
                     let bent: f32 = [1, 2].map(|k| (near[first + k] - far[first + k]).powi(2)).iter().sum();
