@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use fingervision_calibrate::depth::Place;
 use fingervision_gel::{ContactLaw, Resolution, Scene, SceneError};
 use serde::Serialize;
 
@@ -11,16 +12,15 @@ use crate::experiment::{CALIBRATION, Extent};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Setting {
-    /// With the values given in the paper's text: Poisson's ratio 0.35, 99×99×10 cells, 480×480 px, the camera at half
-    /// the gel's width. The text gives no contact law and no focal length: contact sticks here, and the gel fills the
-    /// image.
+    /// As far as the paper's text fixes it: Poisson's ratio 0.35, 99×99×10 cells, 480×480 px, the camera at half the
+    /// gel's width. Contact law and focal length are not printed: sticking, and such that the gel fills the image.
     Published,
     /// The default simulated sensor: Poisson's ratio 0.48, the camera 25 mm away, sticking.
     Realistic,
 }
 
 impl Extent {
-    /// Number of parts to compute.
+    /// How many parts there are to make.
     #[must_use]
     pub fn parts(self) -> u64 {
         5 + 2 * self.settings().len() as u64
@@ -52,7 +52,7 @@ impl Setting {
         }
     }
 
-    /// The name in links.
+    /// A word for anchors.
     pub(super) fn word(self) -> &'static str {
         match self {
             Self::Published => "published",
@@ -64,21 +64,28 @@ impl Setting {
     pub(super) fn about(self, extent: Extent) -> Result<String, SceneError> {
         let scene = |name: &&str| self.scene(Scene::find(name)?, extent);
         let indenters = extent.indenters().iter().map(scene).collect::<Result<Vec<_>, _>>()?;
-        let calibration = self.draft(Scene::find(CALIBRATION[0].0)?, extent)?;
-        let Scene { render, gel, camera, contact, motion, .. } = &calibration;
+        let press = |(name, _): &(&str, Place)| self.draft(Scene::find(name)?, extent);
+        let presses = CALIBRATION.iter().map(press).collect::<Result<Vec<_>, _>>()?;
+        let Scene { render, gel, camera, contact, .. } = &presses[0];
         let ([width, height], thickness, ratio) = (gel.size_mm, gel.thickness_mm, gel.poissons_ratio);
         let poses = indenters.iter().flat_map(|scene| scene.motion.poses());
         let deepest_mm = poses.map(|pose| pose.depth_mm).fold(0.0, f64::max);
-        let meshes: BTreeSet<String> = indenters.iter().map(mesh).collect();
+        let frames = presses.iter().map(|press| press.motion.frames);
+        let frames = [frames.clone().min(), frames.max()].map(Option::unwrap_or_default);
+        let frames =
+            if frames[0] == frames[1] { frames[0].to_string() } else { format!("{} to {}", frames[0], frames[1]) };
+        let meshes = |scenes: &[Scene]| {
+            let meshes: BTreeSet<String> = scenes.iter().map(mesh).collect();
+            meshes.into_iter().collect::<Vec<_>>().join(" or ")
+        };
         Ok(format!(
-            "{}×{} px, Poisson's ratio {ratio}, {} frames a press, {} under the calibration presses, {} under the indenters, which \
+            "{}×{} px, Poisson's ratio {ratio}, {frames} frames a press, {} under the calibration presses, {} under the indenters, which \
              go up to {deepest_mm} mm deep, the camera {} mm from a gel of {width}×{height}×{thickness} mm with a focal length of {} \
              px, {}",
             render.width,
             render.height,
-            motion.frames,
-            mesh(&calibration),
-            meshes.into_iter().collect::<Vec<_>>().join(" or "),
+            meshes(&presses),
+            meshes(&indenters),
             camera.translation_mm[2],
             camera.focal_length_px[0],
             contact_law(contact.law)
@@ -99,7 +106,7 @@ impl Setting {
         Ok(scene)
     }
 
-    /// A scene on this sensor, on the mesh for the figures.
+    /// A scene on this sensor, on the mesh that the figures are made with.
     pub(super) fn scene(self, scene: Scene, extent: Extent) -> Result<Scene, SceneError> {
         let mut scene = self.draft(scene, extent)?;
         match (extent, self) {
@@ -142,7 +149,7 @@ mod tests {
             ),
             (
                 Extent::Full,
-                "31 frames a press, a draft mesh under the calibration presses, a fine mesh under the indenters",
+                "11 to 31 frames a press, a draft mesh under the calibration presses, a fine mesh under the indenters",
             ),
         ] {
             let about = Setting::Realistic.about(extent).unwrap();
