@@ -110,7 +110,7 @@ fn a_person_is_led_from_an_empty_folder_to_a_profile() {
     fs::rename(bench.path("truth"), bench.path("sensor/press-2/truth")).unwrap();
 
     let ended = guide(&bench, "").expect_done();
-    expect(&ended, &["camera    residual 0.0", "depth     error 0.0", "fingervision track RECORDING"]);
+    expect(&ended, &["camera    residual 0.0", "depth     error 0.1", "fingervision track RECORDING"]);
     let profile = fs::read_to_string(bench.path("sensor/sensor.toml")).unwrap();
     assert!(profile.contains("[camera]") && profile.contains("[depth]"), "{profile}");
     assert!(profile.contains("noise_levels = "), "the noise that was measured: {profile}");

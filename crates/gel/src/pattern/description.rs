@@ -211,7 +211,7 @@ mod tests {
             assert!(refusal(Motif::Colour { cell_mm }).starts_with(&format!("cell_mm = {cell_mm} is impossible")));
         }
         assert!(refusal(Motif::Colour { cell_mm: 0.001 }).contains("6000 across: 3 to 4096"));
-        assert!(refusal(Motif::Colour { cell_mm: 2.0 }).contains("4 mm of cells of 2 mm are 2 across"));
+        assert!(refusal(Motif::Colour { cell_mm: 2.0 }).contains("4 mm with cells of 2 mm has 2 across"));
         let error = pattern(Motif::Dots { count: [6, 2], diameter_mm: 1.0 }).texture(SIZE_MM).unwrap_err();
         assert_eq!(error.to_string(), "dots of 1 mm overlap: 6 by 2 of them on 6x4 mm stand 1.0000 mm apart");
         assert!(error.hint().contains("below 1.0000 mm"));

@@ -48,7 +48,12 @@ fn a_value_that_no_sensor_has_is_a_fault_that_says_what_may_be_meant() {
 
 #[test]
 fn a_lens_that_cannot_be_is_a_fault() {
-    expect(&[("camera.focal_length_px", "[4.0, 4.0]")], Weight::Fault, "sees 178.5° across", "size of a pixel");
+    expect(
+        &[("camera.focal_length_px", "[4.0, 4.0]")],
+        Weight::Fault,
+        "angle of view of 178.5° across",
+        "size of a pixel",
+    );
     expect(&[("camera.focal_length_px", "[400.0, 800.0]")], Weight::Warning, "not square", "nearly equal");
     expect(&[("camera.principal_point_px", "[20, 20]")], Weight::Warning, "far from the middle", "subtract");
     expect(&[("camera.rotation_rad", "[0, 0, 3.0]")], Weight::Warning, "by 172°", "in rad");

@@ -28,9 +28,6 @@ use super::texel::Texel;
 use crate::{Estimate, ValidityParams};
 use fearless_simd::{Level, Simd, dispatch};
 
-/// Expected change of the flow's gradient between neighbours over that of the coarse patches, which lie in smoother flow.
-const MORE_CURVATURE: f32 = 1.8;
-
 /// Gauss–Seidel sweeps of a step.
 const SWEEPS: usize = 6;
 
@@ -64,7 +61,7 @@ pub(crate) struct FinePatches {
 }
 
 impl FinePatches {
-    pub(crate) fn new(width: usize, height: usize, level: Level, noise: f32, coarse: Stiffness) -> Self {
+    pub(crate) fn new(width: usize, height: usize, level: Level, noise: f32, stiffness: Stiffness) -> Self {
         let grid = FineGrid::over(width, height);
         let noise_variance = 2.0 * noise * noise;
         let count = PatchGrid::over(width, height).nodes();
@@ -73,7 +70,7 @@ impl FinePatches {
             coarse: PatchGrid::over(width, height),
             level,
             noise_variance,
-            stiffness: Stiffness { curvature: coarse.curvature / MORE_CURVATURE.powi(2), ..coarse },
+            stiffness,
             weights: Box::new(grid::window_weights()),
             scale: 1.0 / (noise_variance * grid::overlap()),
             field: FineField::new(grid),
