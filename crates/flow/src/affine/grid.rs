@@ -55,16 +55,21 @@ impl PatchGrid {
 
     /// The nodes at most `distance` columns and rows away from a node, itself included.
     pub(crate) fn around(self, node: usize, distance: usize) -> impl Iterator<Item = usize> {
-        let (i, j) = (node % self.columns, node / self.columns);
-        let span = |place: usize, count: usize| place.saturating_sub(distance)..(place + distance + 1).min(count);
-        let (columns, rows) = (span(i, self.columns), span(j, self.rows));
-        rows.flat_map(move |row| columns.clone().map(move |column| row * self.columns + column))
+        around((self.columns, self.rows), node, distance)
     }
 
     /// Image coordinate of node `i` along either axis, px.
     pub(crate) fn centre(i: usize) -> f32 {
         (STRIDE * i + MARGIN) as f32 - 0.5
     }
+}
+
+/// The nodes of a grid of so many columns and rows at most `distance` of both away from a node, itself included.
+pub(crate) fn around((columns, rows): (usize, usize), node: usize, distance: usize) -> impl Iterator<Item = usize> {
+    let (i, j) = (node % columns, node / columns);
+    let span = |place: usize, count: usize| place.saturating_sub(distance)..(place + distance + 1).min(count);
+    let (beside, rows) = (span(i, columns), span(j, rows));
+    rows.flat_map(move |row| beside.clone().map(move |column| row * columns + column))
 }
 
 /// Weight of the window along one axis, dimensionless, 1 at the centre: a raised cosine.

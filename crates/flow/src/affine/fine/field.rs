@@ -1,10 +1,10 @@
 //! The flow at the fine nodes near refined ones.
 
-use super::grid::{CORNERS, CornerWeights, FineGrid, STRIDE, hermite_basis};
+use super::cell::interpolate;
+use super::grid::{CELL, CORNERS, CornerWeights, FineGrid, STRIDE, hermite_basis};
 use super::node::{FineNode, Motion};
 use crate::FlowField;
-use crate::affine::fine::cell::interpolate;
-use crate::affine::fine::grid::CELL;
+use crate::affine::grid::around;
 use fearless_simd::Simd;
 use fingervision_image::Image;
 
@@ -48,7 +48,7 @@ impl FineField {
         let Self { grid, motions, is_sampled, .. } = self;
         is_sampled.fill(false);
         for node in nodes.iter() {
-            for place in grid.around(node.place, NEAR) {
+            for place in around((grid.columns, grid.rows), node.place, NEAR) {
                 if std::mem::replace(&mut is_sampled[place], true) {
                     continue;
                 }

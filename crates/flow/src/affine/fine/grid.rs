@@ -41,14 +41,6 @@ impl FineGrid {
         is_inner(column, self.width) && is_inner(row, self.height)
     }
 
-    /// The nodes at most `distance` columns and rows away from a node, itself included.
-    pub(crate) fn around(self, node: usize, distance: usize) -> impl Iterator<Item = usize> {
-        let (i, j) = (node % self.columns, node / self.columns);
-        let span = |place: usize, count: usize| place.saturating_sub(distance)..(place + distance + 1).min(count);
-        let (columns, rows) = (span(i, self.columns), span(j, self.rows));
-        rows.flat_map(move |row| columns.clone().map(move |column| row * self.columns + column))
-    }
-
     /// All cells that lie in the image, each by the node at its lower right corner.
     pub(crate) fn cells(self) -> impl Iterator<Item = usize> {
         let inner = |size: usize| 1..(size.saturating_sub(STRIDE / 2) / STRIDE + 1).min(size.div_ceil(STRIDE));

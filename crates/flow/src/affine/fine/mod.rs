@@ -64,17 +64,17 @@ impl FinePatches {
     pub(crate) fn new(width: usize, height: usize, level: Level, noise: f32, stiffness: Stiffness) -> Self {
         let grid = FineGrid::over(width, height);
         let noise_variance = 2.0 * noise * noise;
-        let count = PatchGrid::over(width, height).nodes();
+        let coarse = PatchGrid::over(width, height);
         Self {
             grid,
-            coarse: PatchGrid::over(width, height),
+            coarse,
             level,
             noise_variance,
             stiffness,
             weights: Box::new(grid::window_weights()),
             scale: 1.0 / (noise_variance * grid::overlap()),
             field: FineField::new(grid),
-            rough: Vec::with_capacity(count),
+            rough: Vec::with_capacity(coarse.nodes()),
             index: vec![NONE; grid.nodes()],
             nodes: Vec::with_capacity(grid.nodes()),
             has_cell: vec![false; grid.nodes()],
@@ -98,8 +98,11 @@ impl FinePatches {
         variance: impl Fn(usize) -> Option<f32>,
         out: &mut Estimate,
     ) {
+        if steps == 0 {
+            return;
+        }
         self.select(variance);
-        if self.nodes.is_empty() || steps == 0 {
+        if self.nodes.is_empty() {
             return;
         }
         self.field.sample(&out.flow, &mut self.nodes);
