@@ -4,8 +4,8 @@
 //! error there, `1/max(1, |I(x + u) − T(x)|)`: a patch that explains a pixel well has more weight. [Kroeger2016], eq.
 //! (3).
 //!
-//! Patches that were not found have almost no weight: a pixel takes their filled-in value only where no other patch
-//! covers it.
+//! Patches that were not found have almost no weight: a pixel takes their displacement only where no other patch covers
+//! it.
 
 use super::patches::{Match, PATCH, PatchTemplate};
 use crate::FlowField;
@@ -13,7 +13,7 @@ use fearless_simd::{Simd, f32x8, prelude::*};
 use fearless_simd_macros::simd;
 use fingervision_image::Image;
 
-/// Sums of weights and weighted displacements at every pixel.
+/// Averages patch displacements; contains the sum of the weights at every pixel.
 #[derive(Debug, Clone)]
 pub(crate) struct Densifier {
     weight: Image<f32>,
@@ -39,7 +39,7 @@ impl Densifier {
         for j in 0..template.layout.rows {
             for i in 0..template.layout.columns {
                 let found = matches[j * template.layout.columns + i];
-                self.splat(simd, template, current, template.layout.corner(i, j), found, flow);
+                self.add_patch(simd, template, current, template.layout.corner(i, j), found, flow);
             }
         }
         let weights = self.weight.values();
@@ -51,7 +51,7 @@ impl Densifier {
     }
 
     #[inline(always)]
-    fn splat<S: Simd>(
+    fn add_patch<S: Simd>(
         &mut self,
         simd: S,
         template: &PatchTemplate,
@@ -60,7 +60,7 @@ impl Densifier {
         found: Match,
         flow: &mut FlowField,
     ) {
-        let loudness = if found.is_found() { 1.0 } else { 1e-6 };
+        let patch_weight = if found.is_found() { 1.0 } else { 1e-6 };
         let (width, height) = current.size();
         let x = (left as f32 + found.u).clamp(0.0, (width - PATCH - 1) as f32);
         let y = (top as f32 + found.v).clamp(0.0, (height - PATCH - 1) as f32);
@@ -72,7 +72,7 @@ impl Densifier {
             let below = (load(row + k + 1, 1) - load(row + k + 1, 0)).mul_add(fx, load(row + k + 1, 0));
             let sample = (below - above).mul_add(fy, above);
             let residual = sample - f32x8::from_slice(simd, &template.grey.row(top + k)[left..][..PATCH]);
-            let weight = f32x8::splat(simd, loudness) / residual.abs().max(1.0);
+            let weight = f32x8::splat(simd, patch_weight) / residual.abs().max(1.0);
             let add = |image: &mut Image<f32>, value: f32| {
                 let target = &mut image.row_mut(top + k)[left..][..PATCH];
                 weight.mul_add(value, f32x8::from_slice(simd, target)).store_slice(target);

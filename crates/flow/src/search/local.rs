@@ -1,9 +1,10 @@
-//! Searches again for the parts of the picture that were lost.
+//! Searches the areas of the picture that were lost.
 //!
-//! The patches that cover a lost cell are searched on every level, from the coarsest to the finest. Each starts from the
-//! best of: the matches of the nearest patches on the next coarser level, the guess, its neighbours' matches and, on one
-//! level, the best place within reach. No dense field is formed in between, so that a motion edge stays sharp ([Hu2016]).
-//! The effort grows with the number of lost cells, not with the picture.
+//! The patches that cover a lost cell are searched on every level, from the coarsest to the finest. Each starts from
+//! the best of: the matches of the nearest patches on the next coarser level, the guess, its neighbours' matches and,
+//! on one level, the result of an exhaustive search. No dense field is computed between the levels, so a motion
+//! boundary stays sharp ([Hu2016]). The computing time grows with the number of lost cells, not with the size of the
+//! picture.
 
 use super::patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules};
 use super::sweep::sweep;
@@ -12,18 +13,18 @@ use crate::{FlowField, Picture};
 use fearless_simd::{Simd, dispatch};
 use fingervision_image::Image;
 
-/// The level on which every place in reach is compared, and the reach, px there: 40 px at full size. A random pattern looks
-/// like itself in one place only, and Gauss–Newton steps find it from a px or two away.
-const LEVEL: usize = 2;
-const REACH_PX: i32 = 10;
+/// The level of the exhaustive search, and its reach, px on that level: 40 px at full size. In a random pattern only
+/// the true displacement matches, and Gauss–Newton steps find it from one or two px away.
+const EXHAUSTIVE_LEVEL: usize = 2;
+const EXHAUSTIVE_REACH_PX: i32 = 10;
 
-/// Distance of matches, px, within which they belong to one motion.
+/// Two matches belong to one motion if their displacements differ by less than this, px.
 const SAME_MOTION_PX: f32 = 1.5;
 
-/// Distance from a cell's centre, in cells, within which matches are taken to describe the motion there.
-const REACH: f32 = 1.25;
+/// The matches within this distance from a cell's centre, in cells, give the motion of the cell.
+const CELL_REACH: f32 = 1.25;
 
-/// Least number of matches that agree.
+/// Least number of matches that must agree on a motion.
 const LEAST_MATCHES: usize = 4;
 
 /// Square cells over a picture, some of which are lost.
@@ -33,7 +34,7 @@ pub(crate) struct Cells {
     columns: usize,
     rows: usize,
     is_lost: Vec<bool>,
-    /// Number of lost cells above and to the left, with a first row and column of zeros.
+    /// Summed-area table: number of lost cells above and to the left. The first row and column are zero.
     counts: Vec<u32>,
 }
 
@@ -72,8 +73,8 @@ impl Cells {
         }
     }
 
-    /// Whether a square of the picture, grown by a cell on every side, holds a lost cell.
-    fn are_near(&self, left: usize, top: usize, size: usize) -> bool {
+    /// Whether a square of the picture, extended by a cell on every side, contains a lost cell.
+    fn has_lost_near(&self, left: usize, top: usize, size: usize) -> bool {
         let span = |start: usize, cells: usize| {
             let first = (start / self.size_px).saturating_sub(1).min(cells);
             (first, ((start + size).div_ceil(self.size_px) + 1).min(cells))
@@ -85,8 +86,8 @@ impl Cells {
 }
 
 impl InverseSearch {
-    /// Searches the patches at the lost cells; read the result with [`InverseSearch::motion_at`]. `guess` is a flow of full
-    /// size near the one before the motion.
+    /// Searches the patches at the lost cells; read the result with [`InverseSearch::motion_at`]. `guess` is a flow at
+    /// full size from before the motion.
     pub(crate) fn search_lost(
         &mut self,
         reference: &SearchReference,
@@ -98,8 +99,10 @@ impl InverseSearch {
         let simd = self.simd;
         for k in (0..self.levels.len()).rev() {
             let (fine, coarse) = self.levels.split_at_mut(k + 1);
-            let rules =
-                SearchRules { reach: if finest + k == LEVEL { REACH_PX } else { 0 }, ..self.params.rules(false) };
+            let rules = SearchRules {
+                reach: if finest + k == EXHAUSTIVE_LEVEL { EXHAUSTIVE_REACH_PX } else { 0 },
+                ..self.params.rules(false)
+            };
             let area = Area { lost, guess, level: finest + k };
             let (template, image) = (&reference.templates[k], current.grey.level(finest + k));
             let level = &mut fine[k];
@@ -107,19 +110,20 @@ impl InverseSearch {
         }
     }
 
-    /// The motion at a point of the reference by the last search of lost cells, if its patches agree on one.
+    /// The motion at a point of the reference, from the last search of lost cells; none if too few matches agree.
     ///
-    /// It is that of the largest group of matches within reach that agree, weighed by how well they match.
+    /// It is a fit to the largest group of matches within reach that agree. Each match is weighted by how well it
+    /// matches.
     pub(crate) fn motion_at(&self, finest: usize, (x, y): (f32, f32), cell_px: usize) -> Option<CellMotion> {
         let level = &self.levels[0];
         let scale = (1u32 << finest) as f32;
-        let reach = (REACH * cell_px as f32).max(PATCH as f32 * scale) / scale;
+        let reach = (CELL_REACH * cell_px as f32).max(PATCH as f32 * scale) / scale;
         let (x, y) = ((x + 0.5) / scale - 0.5, (y + 0.5) / scale - 0.5);
         let near = || level.layout.near(x, y, reach).map(|(px, py, patch)| (px, py, &level.matches[patch]));
         let found = || near().filter(|(.., found)| found.is_found());
         let apart = |a: &Match, b: &Match| (a.u - b.u).abs().max((a.v - b.v).abs());
         let weight = |found: &Match| 1.0 / (1.0 + found.error);
-        // The match with most agreement: the sum of the weights of those that agree with it.
+        // The match with the most votes: the sum of the weights of the matches that agree with it.
         let mut best: Option<(&Match, f32)> = None;
         for (.., centre) in found() {
             let agree = found().filter(|(.., other)| apart(centre, other) < SAME_MOTION_PX);
@@ -142,7 +146,7 @@ impl InverseSearch {
     }
 }
 
-/// Where a level is searched.
+/// The lost cells and the guess, for one level.
 struct Area<'a> {
     lost: &'a Cells,
     guess: &'a FlowField,
@@ -150,7 +154,7 @@ struct Area<'a> {
 }
 
 impl Area<'_> {
-    /// The guess at a place on the level.
+    /// The guess at a pixel of the level.
     fn guess_at(&self, x: usize, y: usize) -> (f32, f32) {
         let scale = 1.0 / (1u32 << self.level) as f32;
         let half = (1usize << self.level) / 2;
@@ -161,7 +165,7 @@ impl Area<'_> {
 }
 
 impl SearchLevel {
-    /// Searches the patches near lost cells. All others take the guess.
+    /// Searches the patches near lost cells. All other patches take the guess.
     #[inline(always)]
     fn run_lost<S: Simd>(
         &mut self,
@@ -174,7 +178,7 @@ impl SearchLevel {
     ) {
         sweep(simd, template, current, rules, &mut self.matches, |(left, top), starts| {
             starts.add(area.guess_at(left + PATCH / 2, top + PATCH / 2));
-            let is_near = area.lost.are_near(left << area.level, top << area.level, PATCH << area.level);
+            let is_near = area.lost.has_lost_near(left << area.level, top << area.level, PATCH << area.level);
             if let Some(coarse) = coarse.filter(|_| is_near) {
                 for node in coarse.layout.four_around((left, top)) {
                     let found = coarse.matches[node];
@@ -199,7 +203,7 @@ impl PatchLayout {
         [at(left, top), at(right, top), at(left, bottom), at(right, bottom)]
     }
 
-    /// Centre and number of the patches whose centre is at most `reach` px away from a place along both axes.
+    /// Centre and index of the patches whose centre is at most `reach` px away from a point along both axes.
     fn near(&self, x: f32, y: f32, reach: f32) -> impl Iterator<Item = (f32, f32, usize)> + '_ {
         let range = |place: f32, count: usize| {
             let corner = |centre: f32| (centre - 0.5 * (PATCH - 1) as f32).max(0.0) / self.stride as f32;
@@ -241,11 +245,11 @@ impl Plane {
         }
     }
 
-    /// The plane's value at the origin and its slopes, which are drawn to zero where the places do not determine them.
+    /// The plane's value at the origin and its slopes. Slopes that the points do not determine become zero.
     fn solve(&self) -> CellMotion {
         let w = self.weight;
         let [mx, my] = self.first.map(|sum| sum / w);
-        // A ridge of one px² keeps few places in a line from determining a slope.
+        // Regularisation by 1 px²: a few points on one line must not determine a slope.
         let xx = self.second[0] / w - mx * mx + 1.0;
         let xy = self.second[1] / w - mx * my;
         let yy = self.second[2] / w - my * my + 1.0;
@@ -280,7 +284,7 @@ mod tests {
                     |start: usize, at: usize| at + 8 + 8 > start / 8 * 8 && at < (start + size).div_ceil(8) * 8 + 8;
                 touches(left, x) && touches(top, y)
             });
-            assert_eq!(cells.are_near(left, top, size), expected, "({left}, {top}), {size} px");
+            assert_eq!(cells.has_lost_near(left, top, size), expected, "({left}, {top}), {size} px");
         }
     }
 
@@ -291,7 +295,7 @@ mod tests {
             plane.add([x, y], [1.0 + 0.2 * x, 3.0 - 0.1 * y], 2.0);
         }
         let CellMotion { displacement: [u, v], gradient: [[ux, uy], [vx, vy]] } = plane.solve();
-        // The ridge of 1 px² takes a few percent of the slopes.
+        // The regularisation by 1 px² reduces the slopes by a few percent.
         assert!((u - 1.0).abs() < 0.03 && (v - 3.0).abs() < 0.03, "{u}, {v}");
         assert!((ux - 0.2).abs() < 0.01 && uy.abs() < 0.01 && vx.abs() < 0.01 && (vy + 0.1).abs() < 0.01);
     }

@@ -1,7 +1,8 @@
-//! Dense inverse search with variational refinement: a coarse-to-fine flow that needs no start.
+//! Dense inverse search with variational refinement: a coarse-to-fine flow that needs no initial flow.
 //!
-//! At every pyramid level the patches of the reference are moved by the inverse search, their displacements averaged to
-//! a dense field and the field refined; then the next finer level starts from it. [Kroeger2016], [Brox2004].
+//! At every pyramid level, the inverse search finds the displacements of the reference's patches. Their weighted mean
+//! at every pixel is a dense field, which is then refined. The next finer level starts from this field. [Kroeger2016],
+//! [Brox2004].
 
 mod densify;
 pub(crate) mod local;
@@ -30,12 +31,13 @@ pub struct SearchParams {
     pub finest_level: usize,
     /// Distance between neighbouring patches, px on their level, 1 to 8.
     pub stride: usize,
-    /// Most Gauss–Newton steps of a patch.
+    /// Largest number of Gauss–Newton steps of a patch.
     pub iterations: usize,
-    /// A patch step shorter than this ends the patch's search, px on its level.
+    /// The search of a patch ends when its step is shorter than this, px on its level.
     pub tolerance_px: f32,
-    /// Reach of the comparison of every second patch with all places on the coarsest level, px there; 0 for none. It is made
-    /// if nothing is found without it: by motion of the whole picture that is too long for steps.
+    /// Reach of the exhaustive search on the coarsest level, px there; 0 switches it off. It compares every second
+    /// patch at all whole-pixel displacements within reach. It is used only if the search without it fails, because the
+    /// whole picture moved too far for the steps.
     pub coarse_reach: u16,
     /// Smallest eigenvalue of a textured patch's mean structure tensor, grey levels² per px².
     pub min_texture: f32,
@@ -44,20 +46,20 @@ pub struct SearchParams {
 }
 
 impl SearchParams {
-    /// The preset with the least work: finest level 2, no refinement.
+    /// The fastest preset: finest level 2, no variational refinement.
     #[must_use]
     pub fn ultrafast() -> Self {
         let refine = RefineParams { passes: 0, ..RefineParams::default() };
         Self { finest_level: 2, stride: 4, iterations: 4, refine, ..Self::medium() }
     }
 
-    /// The middle preset: finest level 2, refined.
+    /// The preset in between: finest level 2, with variational refinement.
     #[must_use]
     pub fn fast() -> Self {
         Self { finest_level: 2, stride: 4, iterations: 5, ..Self::medium() }
     }
 
-    /// The thorough preset: finest level 1, denser patches, refined.
+    /// The most accurate preset: finest level 1, denser patches, with variational refinement.
     #[must_use]
     pub fn medium() -> Self {
         Self {
@@ -71,20 +73,20 @@ impl SearchParams {
         }
     }
 
-    /// Checks that every value makes sense.
+    /// Checks that every value is in its range.
     ///
     /// # Errors
     ///
-    /// [`FlowError::Parameter`] naming the first value that does not.
+    /// [`FlowError::Parameter`] naming the first value that is not.
     pub fn validate(&self) -> Result<(), FlowError> {
         let check = FlowError::check;
         check((1..=PATCH).contains(&self.stride), "search.stride", self.stride as f64, "1 to 8 px")?;
-        for (name, count, least) in [
-            ("search.iterations", self.iterations, 1),
-            ("search.refine.passes", self.refine.passes, 0),
-            ("search.refine.sweeps", self.refine.sweeps, 0),
+        for (name, count, least, range) in [
+            ("search.iterations", self.iterations, 1, "1 to 1000"),
+            ("search.refine.passes", self.refine.passes, 0, "0 to 1000"),
+            ("search.refine.sweeps", self.refine.sweeps, 0, "0 to 1000"),
         ] {
-            check((least..=1000).contains(&count), name, count as f64, "at most 1000, and 1 iteration at least")?;
+            check((least..=1000).contains(&count), name, count as f64, range)?;
         }
         check(self.coarse_reach <= 64, "search.coarse_reach", f64::from(self.coarse_reach), "0 to 64 px")?;
         check(self.finest_level <= 8, "search.finest_level", self.finest_level as f64, "0 to 8")?;
@@ -108,9 +110,9 @@ impl SearchParams {
 }
 
 impl SearchParams {
-    /// What the patches of a level follow.
-    fn rules(&self, is_far: bool) -> SearchRules {
-        let reach = if is_far { i32::from(self.coarse_reach) } else { 0 };
+    /// The parameters for the patches of a level.
+    fn rules(&self, is_exhaustive: bool) -> SearchRules {
+        let reach = if is_exhaustive { i32::from(self.coarse_reach) } else { 0 };
         SearchRules { iterations: self.iterations, tolerance: self.tolerance_px, reach }
     }
 }
@@ -135,7 +137,7 @@ pub(crate) struct InverseSearch {
     simd: Level,
     /// From the finest level of the search to the coarsest.
     levels: Vec<SearchLevel>,
-    /// Fields between the finest level and full size, if that is not level 0.
+    /// Fields between the finest level and full size, if the finest level is not 0.
     enlarged: Vec<FlowField>,
 }
 
@@ -150,7 +152,7 @@ struct SearchLevel {
     refinement: VariationalRefinement,
 }
 
-/// Coarsest pyramid level that a search over pictures of this size uses: its longer side spans about four patches.
+/// Coarsest pyramid level of a search on pictures of this size: there the longer side is about four patches long.
 pub(crate) fn coarsest_level(width: usize, height: usize) -> usize {
     let longer = (width.max(height) / (4 * PATCH)).max(1).ilog2();
     let shorter = (width.min(height) / (PATCH + 1)).max(1).ilog2();
@@ -158,7 +160,7 @@ pub(crate) fn coarsest_level(width: usize, height: usize) -> usize {
 }
 
 impl InverseSearch {
-    /// A search over pictures of this size, at least 16 px wide and high.
+    /// A search on pictures of this size, at least 16 px wide and high.
     pub(crate) fn new(width: usize, height: usize, params: SearchParams, simd: Level) -> Self {
         let coarsest = coarsest_level(width, height);
         let finest = params.finest_level.min(coarsest);
@@ -188,7 +190,7 @@ impl InverseSearch {
         SearchReference { templates: self.levels.iter().map(|level| PatchTemplate::new(level.layout)).collect() }
     }
 
-    /// Takes a new reference.
+    /// Prepares a new reference.
     pub(crate) fn prepare(&self, picture: &Picture, reference: &mut SearchReference) {
         let finest = self.finest_level(picture);
         for (k, template) in reference.templates.iter_mut().enumerate() {
@@ -196,14 +198,14 @@ impl InverseSearch {
         }
     }
 
-    /// Writes the flow from the reference to `current` into `flow`, full size. `start` is a further guess, if any. `is_far`
-    /// compares all places in reach on the coarsest level.
+    /// Writes the flow from the reference to `current` into `flow`, full size. The search also tries the displacements
+    /// of `start`, if there is one. With `is_exhaustive`, the coarsest level is searched exhaustively.
     pub(crate) fn flow(
         &mut self,
         reference: &SearchReference,
         current: &Picture,
         start: Option<&FlowField>,
-        is_far: bool,
+        is_exhaustive: bool,
         flow: &mut FlowField,
     ) {
         let finest = self.finest_level(current);
@@ -220,14 +222,14 @@ impl InverseSearch {
             }
             let (template, image) = (&reference.templates[k], current.grey.level(finest + k));
             let has_start = start.is_some();
-            let rules = self.params.rules(is_far && coarse.is_empty());
+            let rules = self.params.rules(is_exhaustive && coarse.is_empty());
             dispatch!(simd, simd => level.run(simd, template, image, has_start, rules));
             level.refinement.refine(&self.params.refine, &template.grey, image, &mut level.flow);
         }
         self.enlarge(finest, flow);
     }
 
-    /// Doubles the finest field up to full size.
+    /// Enlarges the field of the finest level to full size.
     fn enlarge(&mut self, finest: usize, flow: &mut FlowField) {
         let found = &self.levels[0].flow;
         if finest == 0 {
@@ -244,7 +246,8 @@ impl InverseSearch {
 }
 
 impl SearchLevel {
-    /// Searches all patches, each from the coarser level's flow and from the given one, if any, and makes the result dense.
+    /// Searches all patches, each from the coarser level's flow and from the given one, if any. Then computes the dense
+    /// field.
     #[inline(always)]
     fn run<S: Simd>(
         &mut self,

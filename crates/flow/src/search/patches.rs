@@ -1,9 +1,9 @@
-//! The patches of one pyramid level and the inverse search that moves them.
+//! The patches of one pyramid level, and the inverse search for their displacements.
 //!
-//! Each 8×8 patch of the reference is moved by the displacement `u` that minimises `Σ (I(x + u) − T(x) − mean)²`, by
+//! The displacement `u` of an 8×8 patch of the reference minimises `Σ (I(x + u) − T(x) − mean)²`. It is found by
 //! Gauss–Newton in the inverse-compositional form ([Kroeger2016] §3.1, [Baker2004]): the gradient and the 2×2 matrix
-//! belong to the template and are computed once per reference. The gradient is scaled as a derivative, so a step is a
-//! full Gauss–Newton step.
+//! belong to the template and are computed once per reference. The gradient is a derivative per px, so a step has the
+//! full Gauss–Newton length.
 
 use fearless_simd::{Simd, f32x8, prelude::*};
 use fearless_simd_macros::simd;
@@ -22,7 +22,7 @@ pub(crate) struct PatchTemplate {
     patches: Vec<PatchNormal>,
 }
 
-/// Inverse structure tensor of a patch and the sums that remove a change of mean.
+/// Inverse structure tensor of a patch, and the gradient sums that eliminate a change of the mean.
 #[derive(Debug, Clone, Copy, Default)]
 struct PatchNormal {
     inverse: [f32; 3],
@@ -31,7 +31,7 @@ struct PatchNormal {
     is_textured: bool,
 }
 
-/// Where the patches of a level lie: every `stride` px, the last ones flush with the border.
+/// The positions of the patches of a level: every `stride` px, the last ones at the border.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PatchLayout {
     pub(crate) width: usize,
@@ -42,7 +42,7 @@ pub(crate) struct PatchLayout {
 }
 
 impl PatchLayout {
-    /// The layout over a level of this size, which holds at least one patch.
+    /// The layout on a level of this size, which must be at least as large as a patch.
     pub(crate) fn over(width: usize, height: usize, stride: usize) -> Self {
         let count = |size: usize| (size - PATCH).div_ceil(stride) + 1;
         Self { width, height, stride, columns: count(width), rows: count(height) }
@@ -64,7 +64,7 @@ impl PatchLayout {
 pub(crate) struct Match {
     pub(crate) u: f32,
     pub(crate) v: f32,
-    /// Mean squared residual after the change of mean, grey levels²; infinite where nothing was matched.
+    /// Mean squared residual without the change of the mean, grey levels²; infinite if the patch was not found.
     pub(crate) error: f32,
 }
 
@@ -75,7 +75,7 @@ impl Match {
     }
 }
 
-/// Gives every patch that was not found the displacement of a neighbour that was, however far away.
+/// Gives every patch that was not found the displacement of a neighbour, which may itself have been filled.
 pub(crate) fn fill_unfound(layout: &PatchLayout, matches: &mut [Match], filled: &mut [bool]) {
     for (filled, found) in filled.iter_mut().zip(matches.iter()) {
         *filled = found.is_found();
@@ -111,8 +111,8 @@ impl PatchTemplate {
         }
     }
 
-    /// Takes a new reference; a patch whose structure tensor has an eigenvalue below `min_texture` (grey levels² per
-    /// px² and pixel) counts as untextured.
+    /// Prepares a new reference. A patch has no texture if its mean structure tensor has an eigenvalue below
+    /// `min_texture`, grey levels² per px².
     pub(crate) fn prepare(&mut self, grey: &Image<f32>, min_texture: f32) {
         self.grey.copy_from(grey);
         differentiate(grey, &mut self.gradient_x, &mut self.gradient_y);
@@ -151,18 +151,18 @@ impl PatchTemplate {
 /// The parameters of the search.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SearchRules {
-    /// Most Gauss–Newton steps.
+    /// Largest number of Gauss–Newton steps.
     pub(crate) iterations: usize,
-    /// A step shorter than this ends the search, px.
+    /// The search ends when a step is shorter than this, px.
     pub(crate) tolerance: f32,
-    /// Reach of the comparison with all places, px; 0 for none.
+    /// Reach of the exhaustive search, px; 0 for none.
     pub(crate) reach: i32,
 }
 
-/// Moves one patch from the best of several starts and returns where it ends.
+/// Searches one patch from the best of several starts.
 ///
-/// A patch that drifts farther than its own width from its start, that leaves the image or that has no texture stays at
-/// the start.
+/// If the steps do not converge, if the patch moves farther than its own width from the start, or if it leaves the
+/// image, the result is the best displacement so far. A patch without texture keeps the best start.
 #[simd]
 pub(crate) fn search<S: Simd>(
     simd: S,
@@ -198,12 +198,12 @@ pub(crate) fn search<S: Simd>(
         let (du, dv) = (xx * bx + xy * by, xy * bx + yy * by);
         u -= du;
         v -= dv;
-        let has_strayed = (u - start.u).abs().max((v - start.v).abs()) > PATCH as f32;
-        if has_strayed || !(u.is_finite() && v.is_finite()) {
+        let is_too_far = (u - start.u).abs().max((v - start.v).abs()) > PATCH as f32;
+        if is_too_far || !(u.is_finite() && v.is_finite()) {
             break;
         }
         if du.abs().max(dv.abs()) < rules.tolerance {
-            // Where steps have converged the place is right, though bilinear sampling may have less error at a whole
+            // Converged: this displacement is the right one, although bilinear sampling may have less error at a whole
             // pixel.
             (best.u, best.v) = (u, v);
             break;
@@ -212,10 +212,11 @@ pub(crate) fn search<S: Simd>(
     best
 }
 
-/// Compares a patch with all places whose distance from a start is a whole number of px, up to `reach` along each axis, and
-/// returns the one that matches best; the start if none is in the image.
+/// Exhaustive search: compares a patch at all displacements that differ from a start by a whole number of px, up to
+/// `reach` along each axis. Returns the one that matches best; the start if the patch is outside the image at all of
+/// them.
 #[simd]
-pub(crate) fn best_place<S: Simd>(
+pub(crate) fn search_exhaustively<S: Simd>(
     simd: S,
     template: &PatchTemplate,
     current: &Image<f32>,
@@ -227,19 +228,19 @@ pub(crate) fn best_place<S: Simd>(
     let mut best = (start, f32::INFINITY);
     for down in -reach..=reach {
         for right in -reach..=reach {
-            let place = (start.0 + right as f32, start.1 + down as f32);
-            let error = compare(simd, template, current, corner, place).map_or(f32::INFINITY, |sums| sums.error());
+            let shifted = (start.0 + right as f32, start.1 + down as f32);
+            let error = compare(simd, template, current, corner, shifted).map_or(f32::INFINITY, |sums| sums.error());
             if error < best.1 {
-                best = (place, error);
+                best = (shifted, error);
             }
         }
     }
     best.0
 }
 
-/// Searches a patch again if one of the starts matches better than the result so far.
+/// Searches a patch again from two starts, if one of them matches better than the result so far.
 #[simd]
-pub(crate) fn reconsider<S: Simd>(
+pub(crate) fn improve<S: Simd>(
     simd: S,
     template: &PatchTemplate,
     current: &Image<f32>,
@@ -276,7 +277,7 @@ impl Sums {
     }
 }
 
-/// The sums at a displacement, by bilinear sampling; none where the patch leaves the current image.
+/// The sums at a displacement, by bilinear sampling; none if the patch is not completely in the current image.
 #[inline(always)]
 fn compare<S: Simd>(
     simd: S,
@@ -351,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn a_patch_finds_its_shift_in_a_few_whole_steps() {
+    fn a_patch_finds_its_displacement_in_five_steps() {
         let mut template = PatchTemplate::new(PatchLayout::over(40, 40, 4));
         template.prepare(&wave(0.0, 0.0), 0.1);
         let current = wave(1.3, -0.8);
@@ -371,7 +372,7 @@ mod tests {
     }
 
     #[test]
-    fn a_patch_outside_the_image_matches_nothing() {
+    fn a_patch_outside_the_image_is_not_found() {
         let mut template = PatchTemplate::new(PatchLayout::over(40, 40, 4));
         template.prepare(&wave(0.0, 0.0), 0.1);
         let current = wave(0.0, 0.0);

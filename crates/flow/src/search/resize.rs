@@ -1,9 +1,9 @@
-//! Flow fields from one pyramid level to another.
+//! Scales flow fields from one pyramid level to another.
 
 use crate::FlowField;
 use fingervision_image::Image;
 
-/// Enlarges a field to the next finer level: bilinear between pixel centres, twice as long.
+/// Enlarges a field to the next finer level: bilinear between pixel centres, displacements doubled.
 pub(crate) fn double_into(coarse: &FlowField, fine: &mut FlowField) {
     double_plane(&coarse.u, &mut fine.u);
     double_plane(&coarse.v, &mut fine.v);
@@ -22,14 +22,15 @@ fn double_plane(coarse: &Image<f32>, fine: &mut Image<f32>) {
     }
 }
 
-/// The nearer and the farther coarse pixel, or node, beside the fine one `x`; one and the same at the border.
+/// The nearer and the farther of the two coarse pixels, or nodes, next to the fine one `x`; the same twice at the
+/// border.
 pub(crate) fn coarse_neighbours(x: usize, size: usize) -> (usize, usize) {
     let near = (x / 2).min(size - 1);
     let far = if x.is_multiple_of(2) { near.saturating_sub(1) } else { (near + 1).min(size - 1) };
     (near, far)
 }
 
-/// Takes every `2^level`-th value of a full-size field, shortened to that level's pixels.
+/// Samples every `2^level`-th value of a full-size field, in px of that level.
 pub(crate) fn shrink_into(full: &FlowField, level: usize, shrunk: &mut FlowField) {
     let (step, scale) = (1usize << level, 1.0 / (1u32 << level) as f32);
     for (plane, full) in [(&mut shrunk.u, &full.u), (&mut shrunk.v, &full.v)] {
@@ -47,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_affine_field_survives_enlarging_and_shrinking() {
+    fn enlarging_and_shrinking_keep_an_affine_field() {
         let affine = |step: f32| {
             let value = move |x: usize, y: usize| {
                 let (x, y) = ((x as f32 + 0.5) * step, (y as f32 + 0.5) * step);
@@ -61,7 +62,7 @@ mod tests {
         shrink_into(&fine, 2, &mut coarse);
         for (x, y) in [(3, 2), (10, 6), (17, 10)] {
             let expected = (3.0 + 0.4 * (x as f32 + 0.5) - 0.8 * (y as f32 + 0.5)) / 4.0;
-            // Shrinking takes the pixel just right of the centre.
+            // Shrinking samples the pixel half a px right of the centre.
             assert!((coarse.u.at(x, y) - expected).abs() < 0.03, "{} against {expected}", coarse.u.at(x, y));
         }
     }

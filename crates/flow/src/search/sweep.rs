@@ -1,30 +1,31 @@
-//! The search of a level's patches, one after the other, so that neighbours help each other.
+//! Searches the patches of a level one after another, so that a patch can start from the results of its neighbours.
 
-use super::patches::{Match, PatchTemplate, SearchRules, best_place, reconsider, search};
+use super::patches::{Match, PatchTemplate, SearchRules, improve, search, search_exhaustively};
 use fearless_simd::Simd;
 use fingervision_image::Image;
 
-/// Most starts of a patch: its own, two neighbours' and the best place within reach.
+/// Largest number of starts of a patch: its own, those of two neighbours, and the result of the exhaustive search.
 const MOST_STARTS: usize = 8;
 
-/// The places that a patch is searched from, px.
+/// The displacements from which a patch is searched, px.
 pub(super) struct Starts {
-    places: [(f32, f32); MOST_STARTS],
+    displacements: [(f32, f32); MOST_STARTS],
     count: usize,
 }
 
 impl Starts {
-    pub(super) fn add(&mut self, place: (f32, f32)) {
-        self.places[self.count] = place;
+    pub(super) fn add(&mut self, displacement: (f32, f32)) {
+        self.displacements[self.count] = displacement;
         self.count += 1;
     }
 }
 
-/// Searches the patches in reading order, each from its own starts and from its left and upper neighbour's displacement, and
-/// then, in reverse order, those for which the right or lower neighbour's displacement is better.
+/// Searches the patches in reading order, each from its own starts and from the displacements of its left and upper
+/// neighbours. Then goes through them in reverse order, and searches a patch again if the displacement of its right or
+/// lower neighbour matches better.
 ///
-/// `own_starts` gets a patch's upper left pixel, adds its starts, at least one, and returns whether the patch is searched at
-/// all; one that is not takes its first start and counts as not found.
+/// `own_starts` receives a patch's upper left pixel. It adds at least one start, and returns whether the patch is
+/// searched. A patch that is not searched takes its first start and counts as not found.
 #[inline(always)]
 pub(super) fn sweep<S: Simd>(
     simd: S,
@@ -36,26 +37,26 @@ pub(super) fn sweep<S: Simd>(
 ) {
     let layout = &template.layout;
     let columns = layout.columns;
-    let none = || Starts { places: [(0.0, 0.0); MOST_STARTS], count: 0 };
-    let displacement = |found: &Match| (found.u, found.v);
+    let none = || Starts { displacements: [(0.0, 0.0); MOST_STARTS], count: 0 };
+    let of = |found: &Match| (found.u, found.v);
     for j in 0..layout.rows {
         for i in 0..columns {
             let node = j * columns + i;
             let mut starts = none();
             let is_searched = own_starts(layout.corner(i, j), &mut starts);
-            let first = starts.places[0];
+            let first = starts.displacements[0];
             if !is_searched {
                 matches[node] = Match { u: first.0, v: first.1, error: f32::INFINITY };
                 continue;
             }
             for beside in [(i > 0).then(|| node - 1), node.checked_sub(columns)].into_iter().flatten() {
-                starts.add(displacement(&matches[beside]));
+                starts.add(of(&matches[beside]));
             }
-            // Neighbours share what every second patch finds.
+            // Every second patch is enough: its neighbours start from its result.
             if rules.reach > 0 && (i + j) % 2 == 0 {
-                starts.add(best_place(simd, template, current, (i, j), first, rules.reach));
+                starts.add(search_exhaustively(simd, template, current, (i, j), first, rules.reach));
             }
-            matches[node] = search(simd, template, current, (i, j), &starts.places[..starts.count], rules);
+            matches[node] = search(simd, template, current, (i, j), &starts.displacements[..starts.count], rules);
         }
     }
     for node in (0..layout.len()).rev() {
@@ -65,7 +66,7 @@ pub(super) fn sweep<S: Simd>(
         }
         let beside = if i + 1 < columns { node + 1 } else { node };
         let below = if j + 1 < layout.rows { node + columns } else { node };
-        let starts = [displacement(&matches[beside]), displacement(&matches[below])];
-        matches[node] = reconsider(simd, template, current, (i, j), &matches[node], starts, rules);
+        let starts = [of(&matches[beside]), of(&matches[below])];
+        matches[node] = improve(simd, template, current, (i, j), &matches[node], starts, rules);
     }
 }

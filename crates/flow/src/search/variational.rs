@@ -1,4 +1,4 @@
-//! Variational refinement of a dense field: brightness and gradient constancy with a robust smoothness.
+//! Variational refinement of a dense field: brightness and gradient constancy with a robust smoothness term.
 //!
 //! Minimises over the increment `w = (du, dv)`, [Brox2004] in the normalised form of [Kroeger2016] §3.2:
 //!
@@ -248,7 +248,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rough_field_is_drawn_towards_the_truth() {
+    fn refinement_reduces_the_errors_of_a_rough_field() {
         let (width, height) = (48, 40);
         let wave = |dx: f32| {
             Image::from_fn(width, height, |x, y| {
