@@ -8,7 +8,7 @@ use crate::{Estimate, FlowError, FlowField, FlowParams, Picture, Preset};
 use fearless_simd::Level;
 use fingervision_image::Image;
 
-/// A reference prepared for matching: everything that depends only on it.
+/// A reference picture prepared for matching: everything that depends only on the reference.
 #[derive(Debug, Clone)]
 pub struct Reference {
     search: SearchReference,
@@ -32,20 +32,20 @@ impl Reference {
         self.mean_level
     }
 
-    /// How sharp the picture is; see [`Picture::sharpness`].
+    /// Sharpness of the picture; see [`Picture::sharpness`].
     #[must_use]
     pub fn sharpness(&self) -> f32 {
         self.sharpness
     }
 }
 
-/// Where the estimate starts.
+/// The initial flow of an estimate.
 #[derive(Debug, Clone, Copy)]
 pub enum Start<'a> {
-    /// Without a start: the dense inverse search finds the flow, whatever its length. If a flow is given, the search also
-    /// tries it.
+    /// Cold start: the dense inverse search finds the flow, even if it is large. The search also tries the given flow,
+    /// if any.
     Search(Option<&'a FlowField>),
-    /// From a flow that is a few px off at most, such as that of the previous frame.
+    /// Warm start: from a flow with errors of a few px at most, such as that of the previous frame.
     Flow(&'a FlowField),
 }
 
@@ -59,26 +59,27 @@ pub struct FlowEstimator {
     affine: AffinePatches,
     recovery: Recovery,
     found: FlowField,
-    way_back: Option<Box<WayBack>>,
+    backward: Option<Box<Backward>>,
 }
 
-/// Data for the round trip: the current picture as reference.
+/// Memory for the round-trip check: the current picture as reference, and the backward flow.
 #[derive(Debug, Clone)]
-struct WayBack {
+struct Backward {
     reference: Reference,
     start: FlowField,
     flow: FlowField,
     error: Image<f32>,
 }
 
-/// Fixed-point iterations that invert a flow, as a start of the backward flow.
+/// Fixed-point iterations that invert the flow. The backward flow starts from the inverse.
 const INVERSION_PASSES: usize = 6;
 
-/// Most pixels of a picture: the kernels count them in `f32`, which is exact up to here.
+/// Largest number of pixels of a picture: the kernels compute pixel indices in `f32`, which is exact up to this number.
 const MOST_PIXELS: usize = 1 << 24;
 
-/// Part of the textured patches that match where a search has found the motion; with less it goes farther.
-const FOUND: f32 = 0.7;
+/// Least part of the textured patches that must match after a search. If fewer match, the search is repeated with an
+/// exhaustive search on its coarsest level.
+const LEAST_MATCHED: f32 = 0.7;
 
 /// Least width and height of a picture, px.
 const LEAST_SIZE: usize = 32;
@@ -111,10 +112,10 @@ impl FlowEstimator {
             affine: AffinePatches::new(width, height, params, simd),
             recovery: Recovery::new(width, height),
             found: FlowField::zero(width, height),
-            way_back: None,
+            backward: None,
         };
-        estimator.way_back = params.validity.max_round_trip_px.is_some().then(|| {
-            Box::new(WayBack {
+        estimator.backward = params.validity.max_round_trip_px.is_some().then(|| {
+            Box::new(Backward {
                 reference: estimator.reference(),
                 start: FlowField::zero(width, height),
                 flow: FlowField::zero(width, height),
@@ -140,7 +141,7 @@ impl FlowEstimator {
         Reference { search, affine, mean_level: 0.0, sharpness: 0.0, picture }
     }
 
-    /// Makes a picture the reference.
+    /// Prepares a reference from a picture.
     pub fn prepare(&self, picture: &Picture, reference: &mut Reference) {
         self.search.prepare(picture, &mut reference.search);
         self.affine.prepare(picture, &mut reference.affine);
@@ -163,12 +164,12 @@ impl FlowEstimator {
                 out.lost_px2 = lost_px2;
             }
             (Preset::Affine, Start::Search(guess)) => {
-                self.search_and_settle(reference, current, guess, false, out);
+                self.search_and_refine(reference, current, guess, false, out);
                 let matched = out.matched;
-                if matched < FOUND && self.params.search().coarse_reach > 0 {
-                    self.search_and_settle(reference, current, guess, true, out);
+                if matched < LEAST_MATCHED && self.params.search().coarse_reach > 0 {
+                    self.search_and_refine(reference, current, guess, true, out);
                     if out.matched < matched {
-                        self.search_and_settle(reference, current, guess, false, out);
+                        self.search_and_refine(reference, current, guess, false, out);
                     }
                 }
             }
@@ -180,39 +181,40 @@ impl FlowEstimator {
         }
     }
 
-    /// Matches backwards and marks the pixels that do not return to where they began.
+    /// Computes the backward flow. A pixel is not valid if forward and backward flow together end more than `limit` px
+    /// from it.
     fn check_round_trip(&mut self, reference: &Picture, current: &Picture, limit: f32, out: &mut Estimate) {
-        let Some(mut way_back) = self.way_back.take() else { return };
-        let WayBack { reference: back_reference, start, flow, error } = &mut *way_back;
-        self.prepare(current, back_reference);
+        let Some(mut backward) = self.backward.take() else { return };
+        let Backward { reference: current_reference, start, flow, error } = &mut *backward;
+        self.prepare(current, current_reference);
         invert_into(&out.flow, INVERSION_PASSES, start);
         match self.params.preset {
             Preset::Affine => {
                 self.affine.start(start);
-                self.affine.follow(&back_reference.affine, reference, 0, self.params.affine.steps);
+                self.affine.follow(&current_reference.affine, reference, 0, self.params.affine.steps);
                 self.affine.expand(flow);
             }
-            _ => self.search.flow(&back_reference.search, reference, Some(start), false, flow),
+            _ => self.search.flow(&current_reference.search, reference, Some(start), false, flow),
         }
         round_trip_error_into(&out.flow, flow, error);
         for (valid, error) in out.valid.values_mut().iter_mut().zip(error.values()) {
             *valid &= u8::from(*error <= limit);
         }
-        self.way_back = Some(way_back);
+        self.backward = Some(backward);
     }
 
-    /// Searches the flow and refines it with the patches.
-    fn search_and_settle(
+    /// Finds the flow by a search and refines it with the affine patches.
+    fn search_and_refine(
         &mut self,
         reference: &Reference,
         current: &Picture,
         guess: Option<&FlowField>,
-        is_far: bool,
+        is_exhaustive: bool,
         out: &mut Estimate,
     ) {
-        self.search.flow(&reference.search, current, guess, is_far, &mut self.found);
+        self.search.flow(&reference.search, current, guess, is_exhaustive, &mut self.found);
         self.affine.start(&self.found);
-        self.affine.settle(&reference.affine, current, self.params.affine.search_steps);
+        self.affine.refine(&reference.affine, current, self.params.affine.search_steps);
         self.affine.write(&reference.affine, current, out);
         out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
     }

@@ -1,7 +1,7 @@
-//! Finds again the parts of a picture that the step from the frame before has lost.
+//! Searches the areas of a picture that a warm start has lost.
 //!
-//! Patches fail one by one along a rim, where the surface turns away from the camera: no search brings them back. A patch
-//! whose neighbours fail as well shows that a whole area has moved too far. Only such areas are searched again.
+//! Along a rim single patches fail, because the surface turns away from the camera there. No search can find them. If a
+//! patch and its neighbours fail, a whole area has moved too far for the steps. Only such areas are searched.
 
 use crate::affine::grid::{PatchGrid, STRIDE};
 use crate::affine::patches::{AffinePatches, AffineReference};
@@ -9,21 +9,21 @@ use crate::search::local::Cells;
 use crate::search::{InverseSearch, SearchReference};
 use crate::{FlowField, Picture};
 
-/// Patches of the 3×3 around a lost area's core that fail at least, itself included: along a rim that is tracked one row of
-/// patches fails, along one that is lost two do.
-const CORE: usize = 6;
+/// A failed patch is a core of a lost area if at least this many of the 3×3 patches around it failed, itself included.
+/// Along a tracked rim one row of patches fails; along a lost rim two rows do.
+const LEAST_FAILED: usize = 6;
 
 /// Distance from a core, in patches, up to which failed patches belong to its area.
 const AREA: usize = 2;
 
-/// Part of the cores that must be found again; with less the next frame is not searched, so that what is hidden for long
-/// costs half.
+/// Least part of the cores that a search must find. If it finds fewer, the next frame is not searched, which halves the
+/// cost of an area that stays hidden.
 const LEAST_FOUND: f32 = 0.25;
 
-/// How often patches that still fail are tried again from their neighbours, at most.
-const MOST_TRIALS: usize = 6;
+/// Largest number of retries, in which failed patches start from the prediction of their neighbours.
+const MOST_RETRIES: usize = 6;
 
-/// Part of the failed patches that may still fail after a trial for another one to follow.
+/// Another retry follows only if at most this part of the failed patches still fail.
 const STILL_FAILED: f32 = 0.9;
 
 /// The lost areas of a picture and scratch memory.
@@ -32,11 +32,11 @@ pub(crate) struct Recovery {
     grid: PatchGrid,
     /// Patches that failed.
     failed: Vec<bool>,
-    /// Those of them that are the core of a lost area.
+    /// The failed patches that are cores of a lost area.
     is_core: Vec<bool>,
     cells: Cells,
-    /// Whether the last search found too little to be repeated at once.
-    rests: bool,
+    /// Whether the next frame is not searched, because the last search found too little.
+    skips_next: bool,
 }
 
 impl Recovery {
@@ -48,12 +48,12 @@ impl Recovery {
             failed: vec![false; grid.nodes()],
             is_core: vec![false; grid.nodes()],
             cells: Cells::new(STRIDE, grid.columns, grid.rows),
-            rests: false,
+            skips_next: false,
         }
     }
 
-    /// Searches the lost areas again after a step from `guess`, and settles the patches from there. Returns the area that is
-    /// still lost, px².
+    /// Searches the lost areas after a warm start from `guess`, and refines the patches from the result. Returns the
+    /// area that is still lost, px².
     pub(crate) fn run(
         &mut self,
         (searched, reference): (&SearchReference, &AffineReference),
@@ -63,7 +63,7 @@ impl Recovery {
         patches: &mut AffinePatches,
     ) -> f32 {
         let lost = self.find_cores(patches, reference);
-        if lost == 0 || std::mem::take(&mut self.rests) {
+        if lost == 0 || std::mem::take(&mut self.skips_next) {
             return area_px2(lost);
         }
         let Self { grid, failed, is_core, cells, .. } = self;
@@ -75,14 +75,14 @@ impl Recovery {
             let (i, j) = (node % grid.columns, node / grid.columns);
             Some((node, search.motion_at(finest, (PatchGrid::centre(i), PatchGrid::centre(j)), STRIDE)?))
         });
-        patches.resettle(reference, current, found);
+        patches.refine_found(reference, current, found);
         let mut left = self.find_cores(patches, reference);
-        self.rests = left as f32 > (1.0 - LEAST_FOUND) * lost as f32;
-        if self.rests {
+        self.skips_next = left as f32 > (1.0 - LEAST_FOUND) * lost as f32;
+        if self.skips_next {
             return area_px2(left);
         }
         let mut failed = self.failed();
-        for _ in 0..MOST_TRIALS {
+        for _ in 0..MOST_RETRIES {
             patches.retry(reference, current);
             left = self.find_cores(patches, reference);
             let before = std::mem::replace(&mut failed, self.failed());
@@ -93,7 +93,7 @@ impl Recovery {
         area_px2(left)
     }
 
-    /// The area that is lost at the patches as they are, px².
+    /// The area that is lost in the current state of the patches, px².
     pub(crate) fn lost_px2(&mut self, patches: &AffinePatches, reference: &AffineReference) -> f32 {
         area_px2(self.find_cores(patches, reference))
     }
@@ -111,13 +111,13 @@ impl Recovery {
         }
         let Self { grid, failed, is_core, .. } = self;
         for (node, core) in is_core.iter_mut().enumerate() {
-            *core = failed[node] && grid.around(node, 1).filter(|&near| failed[near]).count() >= CORE;
+            *core = failed[node] && grid.around(node, 1).filter(|&near| failed[near]).count() >= LEAST_FAILED;
         }
         is_core.iter().filter(|core| **core).count()
     }
 }
 
-/// The area of a number of patches, px²: each stands for a square of one stride.
+/// The area of a number of patches, px²: each counts as a square whose side is the stride.
 fn area_px2(patches: usize) -> f32 {
     (patches * STRIDE * STRIDE) as f32
 }

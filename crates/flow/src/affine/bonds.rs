@@ -1,8 +1,9 @@
-//! The coupling of neighbouring patches, and how it weakens where the flow is rough.
+//! The coupling of neighbouring patches, which is weaker where the flow is rough.
 //!
-//! A pair is coupled by the mismatch of its affine predictions half-way and by the difference of its gradients. Its
-//! *bond* is 1 where the current field is as smooth as the prior expects and falls as `1/(1 + q/t)` with its roughness
-//! `q`: a robust prior of Cauchy's kind, so that the rim of a press or a motion edge is not smoothed away.
+//! The energy of a pair has two parts: the mismatch of the two affine predictions half-way, and the difference of the
+//! two gradients. The energy is multiplied by the pair's *bond*, `1/(1 + q/t)`, where `q` is the roughness of the
+//! current field at the pair. This is a robust prior of the Cauchy type: it does not smooth the rim of a press or a
+//! motion boundary.
 
 use super::grid::PatchGrid;
 use super::nodes::Planes;
@@ -16,21 +17,21 @@ pub(crate) struct Stiffness {
     pub(crate) continuity: f32,
     /// `1/s_k²`: on the difference of the gradients, px per stride.
     pub(crate) curvature: f32,
-    /// Roughness at which a pair's coupling has halved, in units of its energy by the two stiffnesses, dimensionless.
+    /// `t`, the roughness at which a bond is ½, dimensionless. Roughness is the energy of a pair with bond 1.
     pub(crate) tolerance: f32,
 }
 
-/// The bonds of all pairs of neighbours and their scratch memory.
+/// The bonds of all pairs of neighbours, and scratch memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Bonds {
     grid: PatchGrid,
     stiffness: Stiffness,
-    /// Weight of every node's pair to the right, 0 to 1; the last one of a row has no partner.
+    /// The bond of every node with its right neighbour, 0 to 1; the last one of a row is not used.
     right: Vec<f32>,
-    /// Weight of every node's pair below, 0 to 1.
+    /// The bond of every node with its lower neighbour, 0 to 1.
     below: Vec<f32>,
-    /// Derivatives of the energy of a row's pairs: by the mismatch, by the x slope and by the y slope. Along a row, entry
-    /// `i` belongs to the pair `(i − 1, i)`; the first and the last stay zero.
+    /// Derivatives of the energy of the pairs in a row, by the mismatch, the x slope and the y slope. Along a row,
+    /// entry `i` belongs to the pair `(i − 1, i)`; the first and the last stay zero.
     forces: [Vec<f32>; 3],
 }
 
@@ -48,14 +49,14 @@ impl Bonds {
         }
     }
 
-    /// The stiffness of a bond of weight 1.
+    /// The stiffness of a pair with bond 1.
     pub(crate) fn stiffness(&self) -> Stiffness {
         self.stiffness
     }
 
-    /// Weakens the bonds where a field is rougher than the prior expects.
+    /// Computes the bonds from the roughness of a field.
     #[simd]
-    pub(crate) fn weigh<S: Simd>(&mut self, simd: S, field: &Planes) {
+    pub(crate) fn update<S: Simd>(&mut self, simd: S, field: &Planes) {
         let _ = simd;
         let Self { grid, stiffness, right, below, .. } = self;
         let columns = grid.columns;
@@ -68,7 +69,7 @@ impl Bonds {
                 let far = row(field, component, start + 1, columns - 1);
                 add_roughness(*stiffness, near, far, near[1], far[1], across);
             }
-            soften(stiffness.tolerance, across);
+            to_bonds(stiffness.tolerance, across);
             if j + 1 < grid.rows {
                 let down = &mut below[start..end];
                 down.fill(0.0);
@@ -77,12 +78,12 @@ impl Bonds {
                     let far = row(field, component, end, columns);
                     add_roughness(*stiffness, near, far, near[2], far[2], down);
                 }
-                soften(stiffness.tolerance, down);
+                to_bonds(stiffness.tolerance, down);
             }
         }
     }
 
-    /// Mean roughness of the pairs at a node at the last update of the bonds, in units of what the stiffness expects.
+    /// Mean roughness of a node's pairs at the last update of the bonds, relative to what the prior expects.
     pub(crate) fn roughness(&self, node: usize) -> f32 {
         let columns = self.grid.columns;
         let bonds = [
@@ -116,30 +117,30 @@ impl Bonds {
         }
     }
 
-    /// `y += K x` with the stiffness of all bonds.
+    /// `y += K x` with the stiffness matrix `K` of all pairs.
     #[simd]
-    pub(crate) fn pull<S: Simd>(&mut self, simd: S, x: &Planes, y: &mut Planes) {
+    pub(crate) fn add_product<S: Simd>(&mut self, simd: S, x: &Planes, y: &mut Planes) {
         let _ = simd;
         for component in [0, 3] {
             for j in 0..self.grid.rows {
-                self.pull_across(component, j, x, y);
+                self.add_product_of_row(component, j, x, y);
                 if j + 1 < self.grid.rows {
-                    self.pull_down(component, j, x, y);
+                    self.add_product_with_row_below(component, j, x, y);
                 }
             }
         }
     }
 
     #[inline(always)]
-    fn pull_across(&mut self, component: usize, j: usize, x: &Planes, y: &mut Planes) {
+    fn add_product_of_row(&mut self, component: usize, j: usize, x: &Planes, y: &mut Planes) {
         let columns = self.grid.columns;
         let start = j * columns;
         let near = row(x, component, start, columns - 1);
         let far = row(x, component, start + 1, columns - 1);
         let [mismatch, slope_x, slope_y] = &mut self.forces;
         let inner = [&mut mismatch[1..columns], &mut slope_x[1..columns], &mut slope_y[1..columns]];
-        exert(self.stiffness, &self.right[start..][..columns - 1], near, far, near[1], far[1], inner);
-        // The last pair has no partner.
+        differentiate_energy(self.stiffness, &self.right[start..][..columns - 1], near, far, near[1], far[1], inner);
+        // The last node has no right neighbour.
         for force in &mut self.forces {
             force[columns] = 0.0;
         }
@@ -154,14 +155,14 @@ impl Bonds {
     }
 
     #[inline(always)]
-    fn pull_down(&mut self, component: usize, j: usize, x: &Planes, y: &mut Planes) {
+    fn add_product_with_row_below(&mut self, component: usize, j: usize, x: &Planes, y: &mut Planes) {
         let columns = self.grid.columns;
         let start = j * columns;
         let near = row(x, component, start, columns);
         let far = row(x, component, start + columns, columns);
         let [mismatch, slope_x, slope_y] = self.forces.each_mut().map(|force| &mut force[1..=columns]);
         let inner = [&mut *mismatch, &mut *slope_x, &mut *slope_y];
-        exert(self.stiffness, &self.below[start..][..columns], near, far, near[2], far[2], inner);
+        differentiate_energy(self.stiffness, &self.below[start..][..columns], near, far, near[2], far[2], inner);
         for (first, sign) in [(start, 1.0), (start + columns, -1.0)] {
             let [value, beside, along] = rows_mut(y, component, first, columns);
             for i in 0..columns {
@@ -184,7 +185,8 @@ fn rows_mut(planes: &mut Planes, component: usize, start: usize, len: usize) -> 
     rows.each_mut().map(|plane| &mut plane[start..][..len])
 }
 
-/// Adds the roughness of pairs in units of what the stiffness expects. `near_slope` and `far_slope` lie along the pair.
+/// Adds the roughness of pairs, relative to what the prior expects. `near_slope` and `far_slope` are the slopes along
+/// the pair.
 #[inline(always)]
 fn add_roughness(
     stiffness: Stiffness,
@@ -205,17 +207,17 @@ fn add_roughness(
     }
 }
 
-/// Converts roughness to the weight of the bond.
+/// Converts roughness to bonds.
 #[inline(always)]
-fn soften(tolerance: f32, roughness: &mut [f32]) {
+fn to_bonds(tolerance: f32, roughness: &mut [f32]) {
     for roughness in roughness {
         *roughness = tolerance / (tolerance + *roughness);
     }
 }
 
-/// Derivatives of a pair's energy by its mismatch and by both slopes.
+/// Derivatives of the energy of pairs by the mismatch and by both slopes.
 #[inline(always)]
-fn exert(
+fn differentiate_energy(
     stiffness: Stiffness,
     bonds: &[f32],
     near: Row<'_>,
@@ -229,10 +231,10 @@ fn exert(
     let (near_slope, far_slope) = (&near_slope[..n], &far_slope[..n]);
     let (mismatch, slope_x, slope_y) = (&mut mismatch[..n], &mut slope_x[..n], &mut slope_y[..n]);
     for i in 0..n {
-        let bent = bonds[i] * stiffness.curvature;
+        let bending = bonds[i] * stiffness.curvature;
         mismatch[i] = bonds[i] * stiffness.continuity * (near[0][i] - far[0][i] + 0.5 * (near_slope[i] + far_slope[i]));
-        slope_x[i] = bent * (near[1][i] - far[1][i]);
-        slope_y[i] = bent * (near[2][i] - far[2][i]);
+        slope_x[i] = bending * (near[1][i] - far[1][i]);
+        slope_y[i] = bending * (near[2][i] - far[2][i]);
     }
 }
 
@@ -261,9 +263,9 @@ mod tests {
                     let ends = f64::from(x[c + slope][node]) + f64::from(x[c + slope][other]);
                     let mismatch = d(0) + 0.5 * ends;
                     let Stiffness { continuity, curvature, .. } = bonds.stiffness;
-                    let bent = d(1) * d(1) + d(2) * d(2);
-                    sum +=
-                        f64::from(bond) * (f64::from(continuity) * mismatch * mismatch + f64::from(curvature) * bent);
+                    let bending = d(1) * d(1) + d(2) * d(2);
+                    sum += f64::from(bond)
+                        * (f64::from(continuity) * mismatch * mismatch + f64::from(curvature) * bending);
                 }
             }
         }
@@ -271,16 +273,16 @@ mod tests {
     }
 
     #[test]
-    fn the_pull_is_the_gradient_of_the_energy() {
+    fn the_product_is_half_the_gradient_of_the_energy() {
         let grid = PatchGrid::over(50, 37);
         let stiffness = Stiffness { continuity: 3.0, curvature: 2.0, tolerance: 4.0 };
         let mut bonds = Bonds::new(grid, stiffness);
         let mut seed = 7;
         let x: Planes = std::array::from_fn(|_| (0..grid.plane_len()).map(|_| noise(&mut seed)).collect());
-        dispatch!(Level::new(), simd => bonds.weigh(simd, &x));
+        dispatch!(Level::new(), simd => bonds.update(simd, &x));
         let mut y: Planes = std::array::from_fn(|_| vec![0.0; grid.plane_len()]);
-        dispatch!(Level::new(), simd => bonds.pull(simd, &x, &mut y));
-        // A quadratic form equals half its gradient times its argument, and so does each of its directions.
+        dispatch!(Level::new(), simd => bonds.add_product(simd, &x, &mut y));
+        // A quadratic form equals half its gradient times its argument.
         let product: f64 = x.iter().zip(&y).flat_map(|(x, y)| x.iter().zip(y)).map(|(x, y)| f64::from(x * y)).sum();
         let expected = energy(&bonds, &x);
         assert!((product - expected).abs() < 1e-4 * expected, "{product} against {expected}");
@@ -296,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quadratic_field_costs_nothing_but_its_curvature() {
+    fn a_quadratic_field_has_no_mismatch() {
         let grid = PatchGrid::over(48, 40);
         let mut bonds = Bonds::new(grid, Stiffness { continuity: 1.0, curvature: 0.0, tolerance: 1e9 });
         let mut x: Planes = std::array::from_fn(|_| vec![0.0; grid.plane_len()]);
@@ -307,7 +309,7 @@ mod tests {
             x[2][node] = -0.4 * j;
         }
         let mut y: Planes = std::array::from_fn(|_| vec![0.0; grid.plane_len()]);
-        dispatch!(Level::new(), simd => bonds.pull(simd, &x, &mut y));
+        dispatch!(Level::new(), simd => bonds.add_product(simd, &x, &mut y));
         assert!(y.iter().flatten().all(|force| force.abs() < 1e-5));
     }
 }

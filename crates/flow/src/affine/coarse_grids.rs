@@ -1,14 +1,14 @@
-//! Corrections on coarser grids, with which the coupled system converges in a few steps.
+//! Corrections on coarser grids, so that the coupled system converges in a few steps.
 //!
-//! The coupling between neighbours is far stiffer than a patch's own texture. With only the nodes' own blocks as
-//! preconditioner, a smooth motion takes many conjugate-gradient steps, since each step propagates it by one node.
-//! Coarser grids correct it at once. Every `spacing`-th node has a coarse node with a value and two slopes for each
-//! component; the fine field is their Hermite interpolant, which represents any affine motion exactly and bends little
-//! between nodes. The residual is restricted to the coarse nodes, each coarse node is solved alone, and the corrections
-//! of all grids are added: the multilevel preconditioner of [Bramble1990].
+//! The coupling between neighbours is much stiffer than a patch's own equations. If the preconditioner consists only of
+//! the nodes' own blocks, a smooth motion needs many conjugate-gradient steps, because each step propagates it by one
+//! node. Coarser grids correct it in one step. Every `spacing`-th node has a coarse node with a value and two slopes
+//! for each component. The fine field is their Hermite interpolant, which represents any affine motion exactly. The
+//! residual is restricted to the coarse nodes, each coarse node is solved separately, and the corrections of all grids
+//! are added: the multilevel preconditioner of [Bramble1990].
 //!
 //! With `t` the distance from a coarse node in spacings, `g₀, g₁` the Hermite functions of value and slope and `d₀, d₁`
-//! their derivatives by fine nodes, a coarse node `(A, Aₓ, A_y)` gives at a fine one
+//! their derivatives per fine node, a coarse node `(A, Aₓ, A_y)` gives at a fine one
 //!
 //! ```text
 //! a   = g₀(x) g₀(y) A + g₁(x) g₀(y) Aₓ + g₀(x) g₁(y) A_y
@@ -24,7 +24,7 @@ use super::symmetric::{PACKED, packed};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
-/// Spacings of the coarse nodes in fine nodes, on the grids that are used.
+/// Distance between the coarse nodes of each grid, in fine nodes.
 const SPACINGS: [usize; 2] = [4, 16];
 
 /// Inverse blocks of the coarse nodes, packed, for each grid.
@@ -51,7 +51,7 @@ struct CoarseGrid {
     nodes: Vec<[f32; UNKNOWNS]>,
 }
 
-/// Hermite functions of value and slope at an offset, and their derivatives by fine nodes.
+/// Hermite functions of value and slope at an offset, and their derivatives per fine node.
 #[derive(Debug, Clone, Copy)]
 struct Basis {
     g0: f32,
@@ -61,7 +61,7 @@ struct Basis {
 }
 
 impl Basis {
-    /// At fine node `index` of `0..=2·spacing`, the coarse node being in the middle.
+    /// At fine node `index` of `0..=2·spacing`; the coarse node is in the middle.
     fn at(index: usize, spacing: usize) -> Self {
         let s = spacing as f32;
         let signed = index as f32 / s - 1.0;
@@ -91,7 +91,7 @@ impl CoarseGrids {
         Self { grids: SPACINGS.into_iter().filter(fits).map(|spacing| CoarseGrid::new(fine, spacing)).collect() }
     }
 
-    /// The inverse blocks of patches with these normal equations, in units of the noise, all of them valid.
+    /// The inverse blocks for patches with these normal equations, if all patches are valid.
     pub(crate) fn blocks(&self, normal: &[Vec<f32>; PACKED], scale: f32, stiffness: Stiffness) -> CoarseBlocks {
         self.grids.iter().map(|grid| grid.blocks(normal, scale, stiffness)).collect()
     }
@@ -144,14 +144,14 @@ impl CoarseGrid {
         (centre + 1).saturating_sub(self.spacing)..(centre + self.spacing).min(count)
     }
 
-    /// The two coarse nodes on both sides of a fine one; twice the same if it coincides with one.
+    /// The coarse nodes on both sides of a fine one; only one if the fine node coincides with it.
     #[inline(always)]
     fn beside(&self, fine: usize) -> std::ops::RangeInclusive<usize> {
         fine / self.spacing..=fine.div_ceil(self.spacing)
     }
 
     fn blocks(&self, normal: &[Vec<f32>; PACKED], scale: f32, stiffness: Stiffness) -> Vec<[f32; PACKED]> {
-        let bent = self.bond_energy(stiffness);
+        let bonds = self.bond_energy(stiffness);
         let nodes = (0..self.rows).flat_map(|row| (0..self.columns).map(move |column| (column, row)));
         nodes
             .map(|(column, row)| {
@@ -164,9 +164,9 @@ impl CoarseGrid {
                 }
                 for (i, row) in block.iter_mut().enumerate() {
                     for (j, entry) in row.iter_mut().enumerate().filter(|(j, _)| i / 3 == j / 3) {
-                        *entry += bent[i % 3][j % 3];
+                        *entry += bonds[i % 3][j % 3];
                     }
-                    // A coarse node without texture and bonds stays invertible.
+                    // Keeps the block of a coarse node without texture and bonds invertible.
                     row[i] += 1e-6;
                 }
                 let inverse = invert(block);
@@ -181,10 +181,10 @@ impl CoarseGrid {
             .collect()
     }
 
-    /// The energy of bonds of weight 1 in the field of one coarse node, for one component.
+    /// The energy of all pairs with bond 1 in the field of one coarse node, for one component.
     fn bond_energy(&self, stiffness: Stiffness) -> [[f64; 3]; 3] {
         let (continuity, curvature) = (f64::from(stiffness.continuity), f64::from(stiffness.curvature));
-        // One node beyond its range the field is zero.
+        // One node outside its range the field is zero.
         let at = |x: usize, y: usize| match (self.basis.get(x), self.basis.get(y)) {
             (Some(&x), Some(&y)) => shape(x, y),
             _ => [[0.0; 3]; 3],

@@ -8,11 +8,11 @@
 //!
 //! with the patches' normal equations `A, b` in units of the image noise, `m` 1 where a patch is valid and 0 where it
 //! failed. For neighbours `i, j` the mismatch `c_ij` is the difference of their affine predictions half-way, which
-//! vanishes on any quadratic field, and `∇` are their gradients in px per stride. Where texture is rich the data
-//! determine the flow; where it is poor the neighbours do. The system is solved by a fixed number of conjugate-gradient
-//! steps. Their preconditioner consists of the nodes' own 6×6 blocks, with the current bonds, and those of two coarser
-//! grids ([`super::coarse_grids`]). This is the regularised digital image correlation of [Hild2012] on patches instead of
-//! elements.
+//! vanishes on any quadratic field, and `∇` are their gradients in px per stride. Where texture is rich the image
+//! determines the flow, where it is poor the neighbours do. The system is solved by a fixed number of
+//! conjugate-gradient steps. Their preconditioner consists of the nodes' own 6×6 blocks, with the current bonds, and
+//! those of two coarser grids ([`super::coarse_grids`]). This is the regularised digital image correlation of
+//! [Hild2012] on patches instead of elements.
 
 use super::bonds::{Bonds, Stiffness};
 use super::coarse_grids::{CoarseBlocks, CoarseGrids};
@@ -22,8 +22,8 @@ use super::symmetric::{PACKED, packed};
 use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
-/// Least pivot of a node's block, per px².
-const TRACE: f32 = 1e-3;
+/// Least pivot of a node's block, also added to its diagonal, per px².
+const LEAST_PIVOT: f32 = 1e-3;
 
 /// The solver and its scratch memory.
 #[derive(Debug, Clone)]
@@ -31,7 +31,7 @@ pub(crate) struct Coupling {
     grid: PatchGrid,
     bonds: Bonds,
     /// Sums of every node's bonds along rows and along columns.
-    bound: [Vec<f32>; 2],
+    bond_sums: [Vec<f32>; 2],
     /// Factors of every node's own block, packed.
     factors: [Vec<f32>; PACKED],
     coarse: CoarseGrids,
@@ -48,7 +48,7 @@ impl Coupling {
         Self {
             grid,
             bonds: Bonds::new(grid, stiffness),
-            bound: [plane(), plane()],
+            bond_sums: [plane(), plane()],
             factors: std::array::from_fn(|_| plane()),
             coarse: CoarseGrids::new(grid),
             residual: planes(),
@@ -63,7 +63,7 @@ impl Coupling {
         self.bonds.stiffness()
     }
 
-    /// Mean roughness of the field at a node; see [`Bonds::roughness`].
+    /// Mean roughness of the field at a node: see [`Bonds::roughness`].
     pub(crate) fn roughness(&self, node: usize) -> f32 {
         self.bonds.roughness(node)
     }
@@ -76,7 +76,7 @@ impl Coupling {
     /// Factors every node's own block, patch and bonds, into `L D Lᵀ`: `L` below the diagonal, `1/D` on it.
     #[simd]
     fn factor<S: Simd>(&mut self, simd: S, system: &System<'_>) {
-        let [beside, above] = &mut self.bound;
+        let [beside, above] = &mut self.bond_sums;
         self.bonds.sum_into(beside, above);
         let Stiffness { continuity, curvature, .. } = self.bonds.stiffness();
         for start in (0..self.grid.plane_len()).step_by(LANES) {
@@ -84,9 +84,9 @@ impl Coupling {
             let weight = load(system.trust) * system.scale;
             let mut block: [_; PACKED] = std::array::from_fn(|k| load(&system.normal[k]) * weight);
             let (beside, above) = (load(beside), load(above));
-            // A single patch has no neighbour; a small diagonal keeps its block invertible.
-            let all = (beside + above) * continuity + TRACE;
-            let slopes = (beside + above) * curvature + TRACE;
+            // A single patch has no neighbour: the small diagonal keeps its block invertible.
+            let all = (beside + above) * continuity + LEAST_PIVOT;
+            let slopes = (beside + above) * curvature + LEAST_PIVOT;
             let along = [all, beside.mul_add(0.25 * continuity, slopes), above.mul_add(0.25 * continuity, slopes)];
             for i in 0..UNKNOWNS {
                 block[packed(i, i)] = block[packed(i, i)] + along[i % 3];
@@ -103,7 +103,7 @@ impl Coupling {
                     block[packed(i, i)] = block[packed(i, i)] - block[packed(i, j)] * scaled;
                     block[packed(i, j)] = scaled;
                 }
-                block[packed(i, i)] = 1.0 / block[packed(i, i)].max(TRACE);
+                block[packed(i, i)] = 1.0 / block[packed(i, i)].max(LEAST_PIVOT);
             }
             for (plane, block) in self.factors.iter_mut().zip(block) {
                 block.store_slice(&mut plane[start..][..LANES]);
@@ -123,10 +123,10 @@ impl Coupling {
         increment: &mut NodeField,
         iterations: usize,
     ) {
-        self.bonds.weigh(simd, &field.planes);
+        self.bonds.update(simd, &field.planes);
         self.factor(simd, system);
         clear(&mut self.image);
-        self.bonds.pull(simd, &field.planes, &mut self.image);
+        self.bonds.add_product(simd, &field.planes, &mut self.image);
         for (residual, (right, image)) in self.residual.iter_mut().zip(system.right.iter().zip(&self.image)) {
             let terms = right.iter().zip(image).zip(system.trust);
             for (residual, ((right, image), trust)) in residual.iter_mut().zip(terms) {
@@ -144,10 +144,10 @@ impl Coupling {
             previous = product;
             advance(simd, &mut self.direction, &self.preconditioned, momentum);
             system.apply(simd, &self.direction, &mut self.image);
-            self.bonds.pull(simd, &self.direction, &mut self.image);
+            self.bonds.add_product(simd, &self.direction, &mut self.image);
             let curvature = dot(simd, &self.direction, &self.image);
             if curvature <= f32::MIN_POSITIVE || product <= f32::MIN_POSITIVE {
-                return; // converged to the last bit: nothing left to correct
+                return; // converged to rounding
             }
             let step = product / curvature;
             accumulate(simd, &mut increment.planes, &self.direction, step);

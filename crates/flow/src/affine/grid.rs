@@ -64,7 +64,7 @@ impl PatchGrid {
     }
 }
 
-/// The nodes of a grid of so many columns and rows at most `distance` of both away from a node, itself included.
+/// The nodes of a grid at most `distance` columns and rows away from a node, itself included.
 pub(crate) fn around((columns, rows): (usize, usize), node: usize, distance: usize) -> impl Iterator<Item = usize> {
     let (i, j) = (node % columns, node / columns);
     let span = |place: usize, count: usize| place.saturating_sub(distance)..(place + distance + 1).min(count);

@@ -1,10 +1,10 @@
-//! Validity and uncertainty: which patches failed, and the deviation of the flow at every pixel.
+//! Validity and deviation: which patches failed, and the expected error of the flow at every pixel.
 //!
-//! A patch's own uncertainty is that of its displacement when its slopes are known to the accuracy of the prior and the
-//! change of light is unknown: the trace of the inverse normal matrix times the noise variance, a Cramér–Rao bound
-//! ([Kay1993] §3). Where a patch has little texture, its neighbours determine it through the coupling, and its deviation
-//! grows with the distance to them. Both are scaled by the residual where that exceeds the noise, and grow where the
-//! field is rougher than patches can represent.
+//! A patch's own variance is that of its displacement from its own pixels. The prior limits its slopes; the change of
+//! light is unknown. The variance follows from the inverse normal matrix and the noise variance: a Cramér–Rao bound
+//! ([Kay1993] §3). A patch with little texture is determined by its neighbours, through the coupling; its variance
+//! grows with the distance to them. The variance is increased where the residual exceeds the noise, and where the field
+//! is rougher than patches can represent.
 
 use super::grid::{PatchGrid, STRIDE};
 use super::nodes::{NodeField, UNKNOWNS};
@@ -18,17 +18,18 @@ use fearless_simd_macros::simd;
 /// Systematic error that averaging does not remove, px²: sampling and interpolation, measured on noise-free images.
 pub(super) const FLOOR_VARIANCE: f32 = 0.003 * 0.003;
 
-/// Part of the roughness between neighbours, squared, that becomes a patch's own error: measured on simulated presses.
+/// Variance that a patch gets from rough flow, relative to the squared roughness; measured on simulated presses.
 const ROUGH_PATCH: f32 = 0.06;
-/// The same for a patch that is determined by its neighbours only.
+/// The same for a patch that only its neighbours determine.
 const ROUGH_STEP: f32 = 0.2;
 
-/// A patch that a step moves by less has converged, px.
-const SETTLED_PX: f32 = 0.1;
-/// Least part of the template's contrast in a patch: with less, the picture does not show the template.
+/// A patch has converged if its step is shorter than this, px.
+const CONVERGED_PX: f32 = 0.1;
+/// Least contrast of a patch relative to the template's. With less, the picture does not show the template there.
 pub(super) const LEAST_CONTRAST: f32 = 0.4;
 
-/// Lowers each node's variance to that of a neighbour plus the cost of the distance from it: two passes over the grid.
+/// Limits the variance of each node to that of a neighbour plus `steps`, the increase from node to node. Makes two
+/// passes over the grid.
 pub(crate) fn spread_variance(grid: PatchGrid, steps: &[f32], variance: &mut [f32]) {
     let columns = grid.columns;
     let mut lower = |node: usize, from: Option<usize>| {
@@ -48,8 +49,8 @@ pub(crate) fn spread_variance(grid: PatchGrid, steps: &[f32], variance: &mut [f3
 }
 
 impl Refinement {
-    /// Turns the measured energy into the residual energy after the step and the change of light, at the template's
-    /// contrast: `(Σ r² − l·D⁻¹l) / γ² − 2 b·δ + δ·Aδ` with `b` over γ already, exact for the linear model.
+    /// Converts the measured energy to that of the residual after the step and the change of light, at the template's
+    /// contrast: `(Σ r² − l·D⁻¹l) / γ² − 2 b·δ + δ·Aδ`, where `b` is already divided by γ. Exact for the linear model.
     fn predict_energy(&mut self, template: &Template) {
         let unscale = 1.0 / self.scale();
         let [gain, offset] = &self.light;
@@ -70,16 +71,17 @@ impl Refinement {
         }
     }
 
-    /// Forgets which patches failed.
+    /// Marks all patches as valid.
     pub(crate) fn trust_all(&mut self) {
         self.trust.fill(1.0);
     }
 
-    /// Whether the last step still moved more than a hundredth of the valid patches by more than [`SETTLED_PX`].
+    /// Whether the last step moved more than 1 % of the patches by more than [`CONVERGED_PX`]; failed ones are not
+    /// counted.
     pub(crate) fn is_moving(&self) -> bool {
         let [u, _, _, v, ..] = &self.increment.planes;
         let nodes = u.iter().zip(v).zip(&self.trust).take(self.grid.nodes());
-        let moving = nodes.filter(|((u, v), trust)| **trust > 0.0 && *u * *u + *v * *v > SETTLED_PX * SETTLED_PX);
+        let moving = nodes.filter(|((u, v), trust)| **trust > 0.0 && *u * *u + *v * *v > CONVERGED_PX * CONVERGED_PX);
         100 * moving.count() > self.grid.nodes()
     }
 
@@ -88,8 +90,8 @@ impl Refinement {
         &self.trust
     }
 
-    /// Decides which patches failed: those whose residual the noise does not explain, nor the template's own contrast,
-    /// and those whose centre has left the image.
+    /// Decides which patches failed: those whose residual is larger than the noise and the template's variance allow,
+    /// those with too little contrast, and those whose centre is outside the image.
     pub(crate) fn judge(&mut self, template: &Template, field: &NodeField, rules: &ValidityParams) {
         self.predict_energy(template);
         let floor = rules.noise_floor.powi(2) * self.noise_variance;
@@ -103,9 +105,9 @@ impl Refinement {
         }
     }
 
-    /// The patches' own variance, scaled by the residual where that exceeds the noise; infinite for failed patches. Added
-    /// is the error of a patch where the field is rough. `steps` takes the cost of the distance between neighbouring
-    /// nodes, given that cost in a smooth field.
+    /// Writes the variance of every patch: its own, scaled by the residual where that exceeds the noise, plus the part
+    /// from rough flow; the largest number for failed patches. Writes to `steps` the increase of the variance from node
+    /// to node; `smooth_step` is that in a smooth field.
     pub(crate) fn scale_variance(&self, own: &[f32], smooth_step: f32, variance: &mut [f32], steps: &mut [f32]) {
         for node in 0..self.grid.nodes() {
             let rough = self.coupling.roughness(node) * smooth_step;
@@ -116,17 +118,17 @@ impl Refinement {
         }
     }
 
-    /// Adds the correction that is still missing, which neighbours do not reduce.
-    pub(crate) fn add_unfinished(&self, variance: &mut [f32]) {
-        for (variance, unfinished) in variance.iter_mut().zip(&self.unfinished) {
-            *variance += unfinished;
+    /// Adds the error that further steps would correct. Neighbours do not reduce it.
+    pub(crate) fn add_remaining_error(&self, variance: &mut [f32]) {
+        for (variance, remaining_error) in variance.iter_mut().zip(&self.remaining_error) {
+            *variance += remaining_error;
         }
     }
 
     /// How well the patches with a variance up to `textured` match; `ranks` is scratch memory.
     ///
     /// Patches that left the image do not count, unless they are the majority: then the flow has diverged.
-    pub(crate) fn summarise(&self, template: &Template, textured: f32, ranks: &mut Vec<f32>) -> Match {
+    pub(crate) fn summarise(&self, template: &Template, textured: f32, ranks: &mut Vec<f32>) -> MatchSummary {
         let (mut all, mut inside, mut good, mut energy) = (0.0_f32, 0.0, 0.0, 0.0);
         ranks.clear();
         for (node, own) in template.own_variance[..self.grid.nodes()].iter().enumerate() {
@@ -141,29 +143,29 @@ impl Refinement {
             }
         }
         if good <= 0.0 {
-            return Match { part: 0.0, residual_levels: f32::NAN, unexplained: 1.0 };
+            return MatchSummary { part: 0.0, residual_levels: f32::NAN, unexplained: 1.0 };
         }
         let middle = ranks.len() / 2;
         let unexplained = *ranks.select_nth_unstable_by(middle, f32::total_cmp).1;
-        Match { part: good / inside.max(0.5 * all), residual_levels: (energy / good).sqrt(), unexplained }
+        MatchSummary { part: good / inside.max(0.5 * all), residual_levels: (energy / good).sqrt(), unexplained }
     }
 }
 
 /// How well the textured patches of a picture match.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Match {
-    /// The part of them that is valid, 0 to 1.
+pub(crate) struct MatchSummary {
+    /// The part of these patches that is valid, 0 to 1.
     pub(crate) part: f32,
-    /// Their residual, root mean square, grey levels; not a number where there are none.
+    /// Root mean square residual of the valid ones, grey levels; NaN if there are none.
     pub(crate) residual_levels: f32,
-    /// The median over all patches of the unexplained part of the variance, 0 to 1.
+    /// The residual's variance over the template's variance, 0 to 1: the median over these patches in the image.
     pub(crate) unexplained: f32,
 }
 
 /// Writes deviation and validity of every pixel of an estimate whose flow is known.
 ///
-/// A pixel takes the values of the node it is nearest to, and is invalid where that patch failed or where it has left
-/// the current image.
+/// A pixel takes the values of the nearest node. It is not valid if that patch failed, or if the pixel has left the
+/// current image.
 #[simd]
 pub(crate) fn mark_pixels<S: Simd>(
     simd: S,
@@ -183,17 +185,18 @@ pub(crate) fn mark_pixels<S: Simd>(
             cell.fill(if trust[node] > 0.0 { of_node } else { f32::INFINITY });
         }
         let size = (grid.width as f32 - 1.0, grid.height as f32 - 1.0);
-        hide_outside((out.flow.u.row(y), out.flow.v.row(y)), y as f32, size, deviation);
+        mark_outside((out.flow.u.row(y), out.flow.v.row(y)), y as f32, size, deviation);
         for (valid, deviation) in out.valid.row_mut(y).iter_mut().zip(out.deviation.row(y)) {
             *valid = u8::from(*deviation <= max_deviation);
         }
     }
 }
 
-/// Makes the deviation infinite where a row's points have left an image with the given last column and row.
+/// Sets the deviation of a row's points to infinity where they have left the image, whose last column and row are
+/// given.
 #[inline(always)]
 #[expect(clippy::needless_bitwise_bool, reason = "without branches the loop is vectorised")]
-fn hide_outside((u, v): (&[f32], &[f32]), y: f32, (right, bottom): (f32, f32), deviation: &mut [f32]) {
+fn mark_outside((u, v): (&[f32], &[f32]), y: f32, (right, bottom): (f32, f32), deviation: &mut [f32]) {
     let n = deviation.len();
     let (u, v) = (&u[..n], &v[..n]);
     for x in 0..n {
@@ -208,7 +211,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn variance_grows_with_the_way_to_the_next_texture() {
+    fn variance_grows_with_the_distance_to_the_nearest_texture() {
         let grid = PatchGrid::over(40, 24);
         let mut variance = vec![f32::MAX; grid.plane_len()];
         variance[6] = 1.0;

@@ -1,12 +1,13 @@
 //! Weighted sums over every patch's window.
 //!
-//! A window is separable, so its rows are summed first, for all columns at once, and the columns of each patch after.
+//! The window is separable. So the rows are summed first, for all columns at once, then the columns of each patch.
 
 use super::grid::{LANES, STRIDE, WINDOW, offset, window_weights};
 use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
-/// Rows of one quantity under a row of patches: the upper and the lower half, of which every `step`-th row counts.
+/// The rows of one quantity that a row of patches covers: the upper and the lower half. Only every `step`-th row is
+/// used.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Band<'a> {
     pub(crate) halves: [&'a [f32]; 2],
@@ -28,13 +29,13 @@ impl Window {
         Self { powers: [power(0), power(1), power(2)], area: weights.iter().sum::<f32>().powi(2) }
     }
 
-    /// How many patches' worth of weight falls on a pixel, dimensionless.
+    /// Sum of the weights of all patches at a pixel, on average, dimensionless.
     pub(crate) fn overlap(&self) -> f32 {
         self.area / (STRIDE * STRIDE) as f32
     }
 }
 
-/// Writes `Σ w(η) η^power · band` over the rows that count, for every padded column.
+/// Writes `Σ w(η) η^power · band` over the rows that are used, for every padded column.
 #[simd]
 pub(crate) fn sum_rows<S: Simd>(simd: S, window: &Window, power: usize, band: Band<'_>, sums: &mut [f32]) {
     let width = sums.len();
@@ -50,7 +51,7 @@ pub(crate) fn sum_rows<S: Simd>(simd: S, window: &Window, power: usize, band: Ba
     }
 }
 
-/// Writes `Σ w(η) · band` and `Σ w(η) η · band` over the rows that count, for every padded column.
+/// Writes `Σ w(η) · band` and `Σ w(η) η · band` over the rows that are used, for every padded column.
 #[simd]
 pub(crate) fn sum_rows_twice<S: Simd>(simd: S, window: &Window, band: Band<'_>, sums: [&mut [f32]; 2]) {
     let [plain, first] = sums;

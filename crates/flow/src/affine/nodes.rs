@@ -1,6 +1,6 @@
-//! The flow as affine models at the nodes of the patch grid, and its expansion to pixels.
+//! The flow as affine models at the nodes of the patch grid, and its interpolation at pixels.
 //!
-//! Every node holds the displacement and its gradient in strides: `(u, ∂u/∂x, ∂u/∂y, v, ∂v/∂x, ∂v/∂y)`, six planes in
+//! Every node has the displacement and its gradient per stride: `(u, ∂u/∂x, ∂u/∂y, v, ∂v/∂x, ∂v/∂y)`, six planes in
 //! total. Between nodes the field is the bicubic Hermite interpolant, which is continuous with its gradient and
 //! represents any quadratic without error; beyond the outermost nodes it is extrapolated linearly.
 
@@ -23,7 +23,7 @@ pub(crate) struct NodeField {
 }
 
 impl NodeField {
-    /// The field at rest.
+    /// Zero displacement.
     pub(crate) fn zero(grid: PatchGrid) -> Self {
         Self { grid, planes: std::array::from_fn(|_| vec![0.0; grid.plane_len()]) }
     }
@@ -34,11 +34,12 @@ impl NodeField {
         let (x, y) = (PatchGrid::centre(i) + self.planes[0][node], PatchGrid::centre(j) + self.planes[3][node]);
         let (right, bottom) = (self.grid.width as f32 - 1.0, self.grid.height as f32 - 1.0);
         // The outermost centres lie up to half a stride outside the image even at rest.
-        let slack = MARGIN as f32;
-        x >= -slack && y >= -slack && x <= right + slack && y <= bottom + slack
+        let margin = MARGIN as f32;
+        x >= -margin && y >= -margin && x <= right + margin && y <= bottom + margin
     }
 
-    /// Adds an increment measured in the template's frame: `u ← u + (I + ∇u) δ`, to first order in `δ`.
+    /// Composes the field with an increment `δ` in the coordinates of the template: `u ← u + (I + ∇u) δ`, to first
+    /// order.
     pub(crate) fn compose(&mut self, increment: &Self) {
         let d = &increment.planes;
         for first in [0, 3] {
@@ -53,7 +54,7 @@ impl NodeField {
     }
 
     /// Sets the motion at a node.
-    pub(crate) fn place(&mut self, node: usize, CellMotion { displacement, gradient }: CellMotion) {
+    pub(crate) fn set_motion(&mut self, node: usize, CellMotion { displacement, gradient }: CellMotion) {
         for component in 0..2 {
             self.planes[3 * component][node] = displacement[component];
             for (k, slope) in gradient[component].into_iter().enumerate() {
@@ -62,7 +63,7 @@ impl NodeField {
         }
     }
 
-    /// Takes the field of the next finer level: means of 2×2 nodes, half as long.
+    /// Sets the field from that of the next finer level: means of 2×2 nodes, displacements halved.
     pub(crate) fn coarsen(&mut self, fine: &Self) {
         let (columns, rows) = (fine.grid.columns, fine.grid.rows);
         for (p, (plane, fine)) in self.planes.iter_mut().zip(&fine.planes).enumerate() {
@@ -81,9 +82,9 @@ impl NodeField {
 
     /// Adds `change`, an increment found on the next coarser level.
     ///
-    /// A level distinguishes motion from its own error only if the motion is a fair part of its pixel: smaller changes
-    /// are damped by `m⁴/(m⁴ + z⁴)` with their length `m`, `z` a tenth of a coarse pixel, and are left to the finer
-    /// levels.
+    /// A coarse level cannot distinguish a change that is small relative to its pixels from its own error. Such changes
+    /// are damped by `m⁴/(m⁴ + z⁴)`, with the length `m` of the change and `z` a tenth of a coarse pixel. The finer
+    /// levels then find them.
     pub(crate) fn add_change(&mut self, change: &Self) {
         const FADE: f32 = 1e-4;
         let columns = change.grid.columns;
@@ -109,9 +110,9 @@ impl NodeField {
         }
     }
 
-    /// Gives every failed node the value that its neighbours suggest: the mean of their affine predictions, from the
-    /// valid nodes outwards ring by ring. `rings` is scratch memory of a plane's length.
-    pub(crate) fn heal(&mut self, trust: &[f32], rings: &mut [usize]) {
+    /// Sets every failed node to the mean of its neighbours' affine predictions, ring by ring outwards from the valid
+    /// nodes. `rings` is scratch memory of a plane's length.
+    pub(crate) fn fill_failed(&mut self, trust: &[f32], rings: &mut [usize]) {
         let (columns, nodes) = (self.grid.columns, self.grid.nodes());
         for (ring, trust) in rings.iter_mut().zip(trust) {
             *ring = if *trust > 0.0 { 0 } else { usize::MAX };
@@ -133,10 +134,10 @@ impl NodeField {
                 ];
                 let mut sums = [0.0; UNKNOWNS];
                 let mut count = 0.0;
-                for (from, slope, way) in neighbours.into_iter().flatten().filter(|&(from, ..)| rings[from] < ring) {
+                for (from, slope, sign) in neighbours.into_iter().flatten().filter(|&(from, ..)| rings[from] < ring) {
                     count += 1.0;
                     for (p, sum) in sums.iter_mut().enumerate() {
-                        let step = if p % 3 == 0 { way * self.planes[p + slope][from] } else { 0.0 };
+                        let step = if p % 3 == 0 { sign * self.planes[p + slope][from] } else { 0.0 };
                         *sum += self.planes[p][from] + step;
                     }
                 }
@@ -151,8 +152,8 @@ impl NodeField {
         }
     }
 
-    /// Takes `new − old`.
-    pub(crate) fn take_difference(&mut self, new: &Self, old: &Self) {
+    /// Sets the field to `new − old`.
+    pub(crate) fn set_difference(&mut self, new: &Self, old: &Self) {
         for (plane, (new, old)) in self.planes.iter_mut().zip(new.planes.iter().zip(&old.planes)) {
             for (value, (new, old)) in plane.iter_mut().zip(new.iter().zip(old)) {
                 *value = new - old;
@@ -160,7 +161,7 @@ impl NodeField {
         }
     }
 
-    /// Takes the values and central differences of a dense field at the nodes.
+    /// Sets the field to values and central differences of a dense flow at the nodes.
     pub(crate) fn sample(&mut self, flow: &FlowField) {
         let (width, height) = flow.size();
         let at =
@@ -208,7 +209,7 @@ impl HermiteBasis {
     }
 }
 
-/// Expands node fields to rows of pixels.
+/// Interpolates node fields at rows of pixels.
 #[derive(Debug, Clone)]
 pub(crate) struct Expander {
     grid: PatchGrid,
@@ -342,7 +343,7 @@ mod tests {
     }
 
     #[test]
-    fn untrusted_nodes_are_healed_to_the_field_around_them() {
+    fn failed_nodes_are_filled_from_the_field_around_them() {
         let grid = PatchGrid::over(80, 64);
         let affine = |node: usize| {
             let (i, j) = ((node % grid.columns) as f32, (node / grid.columns) as f32);
@@ -358,7 +359,7 @@ mod tests {
                 plane[node] = if is_known { value } else { 99.0 };
             }
         }
-        field.heal(&trust, &mut vec![0; grid.plane_len()]);
+        field.fill_failed(&trust, &mut vec![0; grid.plane_len()]);
         for node in 0..grid.nodes() {
             for (plane, value) in field.planes.iter().zip(affine(node)) {
                 assert!((plane[node] - value).abs() < 1e-4, "node {node}: {} against {value}", plane[node]);
@@ -367,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn an_affine_field_is_sampled_and_goes_on_beyond_the_border() {
+    fn an_affine_field_is_sampled_and_extrapolated_beyond_the_border() {
         let (width, height) = (50, 37);
         let v = |x: f32, y: f32| 1.0 - 0.05 * x + 0.04 * y;
         let flow = FlowField {

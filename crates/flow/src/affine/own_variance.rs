@@ -1,10 +1,11 @@
-//! How uncertain a patch is on its own.
+//! The variance of a patch's displacement from its own pixels alone, without its neighbours.
 
 use super::grid::PatchGrid;
 use super::nodes::UNKNOWNS;
 use super::symmetric::{PACKED, invert, packed};
 
-/// Variance of both components of every node's displacement from its own patch, px², for noise of the given scale.
+/// Sum of the variances of both components of every node's displacement, from its own patch alone, px². `scale` is one
+/// over the noise variance and the overlap of the patches.
 pub(crate) fn own_variances(
     grid: PatchGrid,
     normal: &[Vec<f32>; PACKED],
@@ -17,7 +18,7 @@ pub(crate) fn own_variances(
     }
 }
 
-/// The same of one patch with this packed normal matrix.
+/// The same for one patch with this packed normal matrix.
 pub(crate) fn own_variance(normal: impl Fn(usize) -> f32, scale: f32, slope_stiffness: f32) -> f32 {
     let mut block = [[0.0; UNKNOWNS]; UNKNOWNS];
     for (i, row) in block.iter_mut().enumerate() {

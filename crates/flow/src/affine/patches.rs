@@ -15,9 +15,9 @@ use fearless_simd::{Level, dispatch};
 /// The reference on every level.
 #[derive(Debug, Clone)]
 pub(crate) struct AffineReference {
-    /// Level 0 to the coarsest, grey: for the coarse levels and, on every other row, a first step at full size.
+    /// Grey, level 0 to the coarsest. Level 0 has every other row, for the first step at full size.
     grey: Vec<Template>,
-    /// Level 0 as used by the last steps: in colour where the pictures have colour.
+    /// Level 0 for all other steps: in colour if the pictures have colour.
     full: Template,
     fine: FineTemplate,
     /// Part of the patches that have texture, 0 to 1.
@@ -27,8 +27,8 @@ pub(crate) struct AffineReference {
 }
 
 impl AffineReference {
-    /// The gain that brings the mean of a picture to the reference's. The patches eliminate further changes of light, but
-    /// their steps have the full length only where gains are equal.
+    /// The gain that makes the mean of a picture equal to the reference's. The patches eliminate any other change of
+    /// light, but their steps have the full length only if the gains are equal.
     fn gain(&self, current: &Picture) -> f32 {
         (self.mean_level.max(1.0) / current.mean_level().max(1.0)).clamp(0.1, 10.0)
     }
@@ -56,10 +56,10 @@ struct LevelState {
     change: NodeField,
 }
 
-/// Most additional steps at full size of a frame.
+/// Largest number of additional steps at full size.
 const MORE_STEPS: usize = 4;
 
-/// Predicted deviation of a patch from which it is refined, px: in smooth flow it is a tenth of that.
+/// Finer patches replace a patch whose predicted deviation is above this, px; in smooth flow it is a tenth of this.
 const ROUGH_PX: f32 = 0.1;
 
 /// Least width and height of a level that holds patches, px.
@@ -111,7 +111,7 @@ impl AffinePatches {
         }
     }
 
-    /// Takes a new reference.
+    /// Prepares a new reference.
     pub(crate) fn prepare(&self, picture: &Picture, reference: &mut AffineReference) {
         for (level, (state, template)) in self.levels.iter().zip(&mut reference.grey).enumerate() {
             state.refinement.prepare(picture.grey.level(level), template);
@@ -133,10 +133,10 @@ impl AffinePatches {
         self.levels[0].field.sample(flow);
     }
 
-    /// Follows the motion since the start from level `coarsest` down to full size, with `steps` steps there.
+    /// Finds the motion since the start, from level `coarsest` to full size, with `steps` steps at full size.
     ///
-    /// The first of several such steps is taken in grey on every other row, at a fraction of the cost; patches that fail
-    /// in it get the value that their neighbours suggest.
+    /// If there are several such steps, the first one uses grey on every other row, at a fraction of the cost. Patches
+    /// that fail in it are set to the prediction of their neighbours.
     pub(crate) fn follow(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize, steps: usize) {
         let coarsest = coarsest.min(self.levels.len() - 1);
         let gain = reference.gain(current);
@@ -151,19 +151,19 @@ impl AffinePatches {
             let (fine, coarse) = self.levels.split_at_mut(level);
             let (fine, coarse) = (&mut fine[level - 1].field, &mut coarse[0]);
             coarse.before.coarsen(fine);
-            coarse.change.take_difference(&coarse.field, &coarse.before);
+            coarse.change.set_difference(&coarse.field, &coarse.before);
             fine.add_change(&coarse.change);
         }
         self.levels[0].refinement.trust_all();
         let first_steps = usize::from(steps > 1);
-        self.finish(&reference.grey[0], Current { image: current.grey.level(0), gain }, first_steps);
-        self.heal();
-        self.finish_full(reference, current, steps - first_steps);
+        self.take_steps(&reference.grey[0], Current { image: current.grey.level(0), gain }, first_steps);
+        self.fill_failed();
+        self.take_full_steps(reference, current, steps - first_steps);
     }
 
-    /// Refines a field found by a search: steps at full size, between which failed patches get the value that their
-    /// neighbours suggest, and are tried again.
-    pub(crate) fn settle(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
+    /// Refines a field found by a search, by steps at full size. Between two steps, failed patches are set to the
+    /// prediction of their neighbours and are tried again.
+    pub(crate) fn refine(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
         self.follow(reference, current, 1, 1);
         for _ in 1..steps {
             self.retry(reference, current);
@@ -178,8 +178,8 @@ impl AffinePatches {
         move |node| own[node] <= limit && refinement.is_inside[node] && refinement.trust()[node] <= 0.0
     }
 
-    /// Moves patches to where they were found, and takes a step at full size with all patches.
-    pub(crate) fn resettle(
+    /// Sets patches to the motions that a search found, and takes a step at full size with all patches.
+    pub(crate) fn refine_found(
         &mut self,
         reference: &AffineReference,
         current: &Picture,
@@ -187,36 +187,36 @@ impl AffinePatches {
     ) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         for (node, motion) in found {
-            field.place(node, motion);
+            field.set_motion(node, motion);
         }
         refinement.trust_all();
-        self.finish_full(reference, current, 1);
+        self.take_full_steps(reference, current, 1);
     }
 
-    /// Gives failed patches the value that their neighbours suggest, and tries all once more.
+    /// Sets failed patches to the prediction of their neighbours, and takes a step at full size with all patches.
     pub(crate) fn retry(&mut self, reference: &AffineReference, current: &Picture) {
-        self.heal();
+        self.fill_failed();
         self.levels[0].refinement.trust_all();
-        self.finish_full(reference, current, 1);
+        self.take_full_steps(reference, current, 1);
     }
 
-    /// Gives failed patches the value that their neighbours suggest.
-    fn heal(&mut self) {
+    /// Sets failed patches to the prediction of their neighbours.
+    fn fill_failed(&mut self) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
-        field.heal(refinement.trust(), &mut self.rings);
+        field.fill_failed(refinement.trust(), &mut self.rings);
     }
 
-    fn finish_full(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
+    fn take_full_steps(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
         let gain = reference.gain(current);
         match &current.colour {
-            Some(image) => self.finish(&reference.full, Current { image, gain }, steps),
-            None => self.finish(&reference.full, Current { image: current.grey.level(0), gain }, steps),
+            Some(image) => self.take_steps(&reference.full, Current { image, gain }, steps),
+            None => self.take_steps(&reference.full, Current { image: current.grey.level(0), gain }, steps),
         }
     }
 
     /// Steps at full size, with additional ones while patches still move. Patches that fail in one step have no weight in
     /// the next.
-    fn finish<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, steps: usize) {
+    fn take_steps<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, steps: usize) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         for step in 0..steps + MORE_STEPS {
             if step >= steps && !refinement.is_moving() {
@@ -227,7 +227,7 @@ impl AffinePatches {
         }
     }
 
-    /// Finds which patches match at the current flow, without moving them.
+    /// Finds which patches match with the current flow, without changing it.
     pub(crate) fn inspect(&mut self, reference: &AffineReference, current: &Picture) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         let template = &reference.full;
@@ -239,7 +239,7 @@ impl AffinePatches {
         refinement.judge(template, field, &self.params.validity);
     }
 
-    /// Counts detail in the given flow that is finer than the patches as error; `smooth` is scratch memory.
+    /// Adds detail of the flow that the patches cannot represent to their error; `smooth` is scratch memory.
     pub(crate) fn add_fine_error(&mut self, flow: &FlowField, smooth: &mut FlowField) {
         self.expand(smooth);
         self.levels[0].refinement.add_fine_error(flow, smooth);
@@ -280,7 +280,7 @@ impl AffinePatches {
         let step_variance = affine.continuity_px.powi(2) + affine.curvature_px.powi(2);
         refinement.scale_variance(own, step_variance, &mut self.variance, &mut self.steps);
         spread_variance(field.grid, &self.steps, &mut self.variance);
-        refinement.add_unfinished(&mut self.variance);
+        refinement.add_remaining_error(&mut self.variance);
         let textured = self.params.validity.max_deviation_px.powi(2);
         let found = refinement.summarise(&reference.full, textured, &mut self.ranks);
         (out.matched, out.residual_levels, out.unexplained) = (found.part, found.residual_levels, found.unexplained);

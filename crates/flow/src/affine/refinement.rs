@@ -24,17 +24,20 @@ pub(crate) struct Current<'a, T> {
     pub(crate) gain: f32,
 }
 
-/// Products under a row of patches: two gradient sums, two light sums, energy.
+/// Number of products that are summed over every patch: two for the gradient, two for light, one for the energy.
 const PRODUCTS: usize = 5;
 
-/// Range of a patch's contrast by which its step is divided: far below, the patch is misplaced, and its step unreliable.
+/// A patch's step is divided by its contrast, limited to this range. If the contrast is much lower, the patch has a
+/// wrong position and its step is unreliable.
 pub(super) const CONTRASTS: (f32, f32) = (0.4, 1.5);
 
-/// Part of the last step's square that remains to be corrected after it: steps shrink by a factor of three to ten.
-pub(super) const UNFINISHED: f32 = 0.05;
+/// Square of the error that remains after the last step, relative to the square of this step. Each step is three to ten
+/// times shorter than the one before.
+pub(super) const REMAINING_ERROR: f32 = 0.05;
 
-/// Square of the error of a flow found by a search, over that of the step that the patches would take from it.
-const UNCORRECTED: f32 = 2.0;
+/// Square of the error of a flow found by the search alone, relative to the square of the step that the patches would
+/// take from it.
+const SEARCH_ERROR: f32 = 2.0;
 
 /// State of the refinement for one picture size.
 #[derive(Debug, Clone)]
@@ -50,13 +53,13 @@ pub(crate) struct Refinement {
     row_sums: [Vec<f32>; 2],
     pub(super) gradient: [Vec<f32>; UNKNOWNS],
     pub(super) light: [Vec<f32>; 2],
-    /// Part of the template's contrast in each patch: 1 if light changed only for the picture as a whole.
+    /// Contrast of each patch relative to the template's: 1 if only the light of the whole picture changed.
     pub(super) contrast: Vec<f32>,
     pub(super) energy: Vec<f32>,
     /// Residual per sample, grey levels².
     pub(super) mean_energy: Vec<f32>,
-    /// Square of the step that remains at the end of the measurement, px².
-    pub(super) unfinished: Vec<f32>,
+    /// Square of the error that further steps would correct, px².
+    pub(super) remaining_error: Vec<f32>,
     /// Whether the patch's centre lies in the current image.
     pub(super) is_inside: Vec<bool>,
     pub(super) trust: Vec<f32>,
@@ -72,7 +75,7 @@ impl Refinement {
             grid,
             level,
             window: Window::new(),
-            // Both pictures carry noise.
+            // Both pictures have noise.
             noise_variance: 2.0 * noise * noise,
             expander: Expander::new(grid),
             coupling: Coupling::new(grid, stiffness),
@@ -84,18 +87,19 @@ impl Refinement {
             contrast: vec![1.0; grid.plane_len()],
             energy: plane(),
             mean_energy: plane(),
-            unfinished: plane(),
+            remaining_error: plane(),
             is_inside: vec![true; grid.plane_len()],
             trust: vec![1.0; grid.plane_len()],
             increment: NodeField::zero(grid),
         }
     }
 
+    /// Factor on the normal equations: one over the noise variance and the overlap of the patches.
     pub(super) fn scale(&self) -> f32 {
         1.0 / (self.noise_variance * self.window.overlap())
     }
 
-    /// Takes a new reference.
+    /// Prepares a new reference.
     pub(crate) fn prepare<T: Texel>(&self, picture: &Image<T>, template: &mut Template) {
         template.prepare(self.level, picture);
         let scale = self.scale();
@@ -114,11 +118,11 @@ impl Refinement {
     ) {
         let level = self.level;
         dispatch!(level, simd => self.solve(simd, template, current, field, iterations));
-        self.leave(UNFINISHED);
+        self.set_remaining_error(REMAINING_ERROR);
         field.compose(&self.increment);
     }
 
-    /// Measures the residual at `field` without moving it. The correction by a further step counts as error.
+    /// Measures the residual at `field` without changing it. The step that the patches would take counts as its error.
     pub(crate) fn inspect<T: Texel>(
         &mut self,
         template: &Template,
@@ -129,7 +133,7 @@ impl Refinement {
         let level = self.level;
         self.trust_all();
         dispatch!(level, simd => self.solve(simd, template, current, field, iterations));
-        self.leave(UNCORRECTED);
+        self.set_remaining_error(SEARCH_ERROR);
         for plane in &mut self.increment.planes {
             plane.fill(0.0);
         }
@@ -158,8 +162,8 @@ impl Refinement {
         self.coupling.solve(simd, &system, field, &mut self.increment, iterations);
     }
 
-    /// Counts detail of a flow that is finer than the patches, whose own field is `smooth`, as error: no patch can
-    /// represent it.
+    /// Adds the difference between a flow and the patches' own field `smooth` to the error: it is detail that patches
+    /// cannot represent.
     pub(crate) fn add_fine_error(&mut self, flow: &FlowField, smooth: &FlowField) {
         let PatchGrid { width, height, columns, .. } = self.grid;
         for y in 0..height {
@@ -168,20 +172,20 @@ impl Refinement {
             for x in 0..width {
                 let [u, v, smooth_u, smooth_v] = rows.map(|row| row[x]);
                 let square = (u - smooth_u).powi(2) + (v - smooth_v).powi(2);
-                self.unfinished[node + x / STRIDE] += square / (STRIDE * STRIDE) as f32;
+                self.remaining_error[node + x / STRIDE] += square / (STRIDE * STRIDE) as f32;
             }
         }
     }
 
-    /// Sets a part of the increment's square as the remaining correction.
-    fn leave(&mut self, part: f32) {
+    /// Sets the square of the remaining error to a part of the increment's square.
+    fn set_remaining_error(&mut self, part: f32) {
         let [u, _, _, v, ..] = &self.increment.planes;
-        for (unfinished, (u, v)) in self.unfinished.iter_mut().zip(u.iter().zip(v)) {
-            *unfinished = part * (u * u + v * v);
+        for (remaining_error, (u, v)) in self.remaining_error.iter_mut().zip(u.iter().zip(v)) {
+            *remaining_error = part * (u * u + v * v);
         }
     }
 
-    /// The patches' sums over the residual.
+    /// Sums the products of residual and template over every patch.
     #[inline(always)]
     fn measure<S: Simd, T: Texel>(&mut self, simd: S, template: &Template, current: Current<'_, T>, field: &NodeField) {
         self.fill_band(simd, template, current, field, 0);
@@ -239,9 +243,10 @@ impl Refinement {
 
     /// Eliminates the change of light from the gradient sums and scales them by the noise.
     ///
-    /// A patch with a part `γ` of the template's contrast, `I(x + u) = γ T(x − δ)`, has sums that give `γ δ`: they are
-    /// divided by γ, the regression of the picture on the template. In a patch that is misplaced by δ, γ is the texture's
-    /// autocorrelation at δ, and dividing by it corrects the step for the curvature of the texture.
+    /// If a patch has γ times the contrast of the template, `I(x + u) = γ T(x − δ)`, its sums give the step `γ δ`. So
+    /// they are divided by γ, which is the regression coefficient of the picture on the template. If the position of a
+    /// patch is wrong by δ, γ is the autocorrelation of the texture at δ, and the division corrects the step for the
+    /// curvature of the texture.
     fn form_right(&mut self, template: &Template) {
         let scale = self.scale();
         let [gain, offset] = &self.light;
@@ -277,7 +282,8 @@ impl Refinement {
     }
 }
 
-/// Converts displacements along padded row `row` to places in the current picture; far outside beyond the image.
+/// Converts displacements along padded row `row` to positions in the current picture. Padding gets a position outside
+/// it.
 #[inline(always)]
 fn to_positions(grid: PatchGrid, row: usize, xs: &mut [f32], ys: &mut [f32]) {
     let y = row as f32 - MARGIN as f32;
@@ -314,7 +320,7 @@ fn multiply_row<S: Simd, T: Texel>(
     }
 }
 
-/// Taps and weights for sixteen places, and 1 where the place and its taps lie in a picture of this size, else 0.
+/// Taps and weights for sixteen positions, and 1 where a position and its taps lie in a picture of this size, else 0.
 #[inline(always)]
 pub(super) fn locate<S: Simd>(
     simd: S,
@@ -322,7 +328,7 @@ pub(super) fn locate<S: Simd>(
     y: f32x16<S>,
     (width, height): (usize, usize),
 ) -> (Taps<S>, f32x16<S>) {
-    // A NaN clamps to the lower bound and then differs from itself: outside.
+    // NaN is clamped to the lower bound. Its distance from there is NaN, so it counts as outside.
     let clamp = |place: f32x16<S>, size: usize| place.max_precise(1.0).min(size as f32 - 2.0 - 1.0 / 64.0);
     let (clamped_x, clamped_y) = (clamp(x, width), clamp(y, height));
     let (left, top) = (clamped_x.floor(), clamped_y.floor());

@@ -17,9 +17,9 @@ pub(crate) struct Template {
     channels: usize,
     /// Every `row_step`-th row is matched, counted from the padded top: 1, 2, 4 or 8.
     pub(crate) row_step: usize,
-    /// The spline-filtered values at whole pixels, their x and their y gradient, for one channel after the other and row
-    /// by row: values that a kernel reads together are adjacent. Padded by the grid's margin; outside the image all is
-    /// zero.
+    /// Values filtered by the spline at whole pixels, their x gradient and their y gradient, row by row and in a row
+    /// channel by channel: values that a kernel reads together are adjacent. Padded by the grid's margin; zero outside
+    /// the image.
     lines: Vec<f32>,
     /// `Σ w J Jᵀ` of every node with the change of light eliminated, packed, in grey levels² per px².
     pub(crate) normal: [Vec<f32>; PACKED],
@@ -29,7 +29,7 @@ pub(crate) struct Template {
     pub(crate) light_gain: [[Vec<f32>; 2]; UNKNOWNS],
     /// Inverse of the light block: entries `(0,0)`, `(0,1)`, `(1,1)`.
     pub(crate) light_inverse: [Vec<f32>; 3],
-    /// Weight of the pixels that lie in the image times their channels.
+    /// Sum of the weights of the pixels in the image, times the number of channels.
     pub(crate) samples: Vec<f32>,
     /// Variance of the texels in the window, grey levels².
     pub(crate) variance: Vec<f32>,
@@ -75,7 +75,7 @@ impl Template {
         3 * (row * self.channels + channel) * self.grid.padded_width()
     }
 
-    /// Takes a new reference of the grid's size.
+    /// Prepares a new reference of the grid's size.
     pub(crate) fn prepare<T: Texel>(&mut self, level: Level, picture: &Image<T>) {
         self.smooth(picture);
         let mut sums = PatchSums::new(self.grid);
@@ -157,10 +157,10 @@ impl PatchEquations {
             *cross = [at(LIGHT + 6 * (i / 3) + i % 3), at(LIGHT + 6 * (i / 3) + 3 + i % 3)];
         }
         let (tt, t1, n) = (at(LIGHT + 12), at(LIGHT + 13), at(LIGHT + 14));
-        // One grey level² of ridge keeps a uniform window invertible.
-        let (tt, n_ridged) = (tt + n + 1.0, n + 1.0);
-        let determinant = tt * n_ridged - t1 * t1;
-        let inverse = [n_ridged / determinant, -t1 / determinant, tt / determinant];
+        // Regularisation by one grey level² keeps the matrix of a uniform window invertible.
+        let (tt, n_regularised) = (tt + n + 1.0, n + 1.0);
+        let determinant = tt * n_regularised - t1 * t1;
+        let inverse = [n_regularised / determinant, -t1 / determinant, tt / determinant];
         let mut equations = Self { light_inverse: inverse.map(|value| value as f32), ..Self::default() };
         for i in 0..UNKNOWNS {
             let gain = [
@@ -194,10 +194,10 @@ fn weigh(texels: &[[[f32; 4]; 3]; 3], across: [f32; 3], down: [f32; 3]) -> [f32;
     sum
 }
 
-/// Moments of the template alone that a patch's equations need, over its window.
+/// Number of moments of the template, over its window, in a patch's equations.
 ///
 /// Six moments (1, ξ, η, ξ², ξη, η²) of each of `gx gx`, `gx gy`, `gy gy`; then (1, ξ, η) of `gx t`, `gx`, `gy t`,
-/// `gy`; then the sums of `t²`, `t` and 1, where `t` is the texel less [`MID_LEVEL`].
+/// `gy`; then the sums of `t²`, `t` and 1, where `t` is the texel minus [`MID_LEVEL`].
 pub(crate) const MOMENTS: usize = LIGHT + 15;
 /// The first moment that describes the change of light.
 const LIGHT: usize = 18;
@@ -207,7 +207,7 @@ struct PatchSums {
     grid: PatchGrid,
     window: Window,
     planes: [Vec<f32>; MOMENTS],
-    /// The ten products under a row of patches: upper and lower half.
+    /// The ten products in the rows that a row of patches covers: upper and lower half.
     bands: [[Vec<f32>; 10]; 2],
     row_sums: Vec<f32>,
 }

@@ -28,7 +28,7 @@ pub(crate) struct Products<S: Simd> {
 /// Grey level subtracted from template values, so that gain and offset decouple.
 pub(crate) const MID_LEVEL: f32 = 128.0;
 
-/// Where sixteen pixels are sampled: index of the upper left of 4×4 taps, and the taps' weights.
+/// The sampling of sixteen pixels: index of the upper left of 4×4 taps, and the weights of the taps.
 pub(crate) struct Taps<S: Simd> {
     pub(crate) base: [u32; LANES],
     pub(crate) weights_x: [f32x16<S>; 4],

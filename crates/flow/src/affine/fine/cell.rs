@@ -8,23 +8,24 @@ use crate::affine::texel::{MID_LEVEL, TemplateBlock, Texel, products};
 use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
-/// Sums of the residual: six of the gradient, two of light, the energy.
+/// Number of sums over the residual: six for the gradient, two for light, one for the energy.
 pub(super) const RESIDUALS: usize = 9;
 
-/// Plane and power of the weights of each: of both gradients `1, ξ, η`, of gain, offset and energy `1`.
+/// For each sum, the index of its product and of its weights: `1, ξ, η` for both gradients, `1` for gain, offset and
+/// energy.
 const SUMS: [(usize, usize); RESIDUALS] = [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (1, 2), (2, 0), (3, 0), (4, 0)];
 
 /// Values, x and y gradients of up to three channels of a cell of the template.
-struct Patch {
+struct CellTemplate {
     channels: [[[f32; CELL]; 3]; 3],
 }
 
-impl Patch {
+impl CellTemplate {
     /// The pixels of the cell whose upper left one is `(x, y)`.
     #[inline(always)]
     fn of(template: &Template, channels: usize, (x, y): (usize, usize)) -> Self {
-        let mut patch = Self { channels: [[[0.0; CELL]; 3]; 3] };
-        for (channel, planes) in patch.channels.iter_mut().enumerate().take(channels) {
+        let mut cell = Self { channels: [[[0.0; CELL]; 3]; 3] };
+        for (channel, planes) in cell.channels.iter_mut().enumerate().take(channels) {
             for row in 0..STRIDE {
                 let block = template.block(channel, x + MARGIN, y + row + MARGIN);
                 let lines = [block.values, block.gradient_x, block.gradient_y];
@@ -33,7 +34,7 @@ impl Patch {
                 }
             }
         }
-        patch
+        cell
     }
 
     #[inline(always)]
@@ -43,7 +44,7 @@ impl Patch {
     }
 }
 
-/// The moments of the template alone for each corner, in the order of [`MOMENTS`].
+/// The moments of the template over the cell for each corner, in the order of [`MOMENTS`].
 #[simd]
 pub(super) fn template_moments<S: Simd>(
     simd: S,
@@ -52,11 +53,11 @@ pub(super) fn template_moments<S: Simd>(
     weights: &CornerWeights<6>,
     upper_left: (usize, usize),
 ) -> [[f32; MOMENTS]; CORNERS] {
-    let patch = Patch::of(template, channels, upper_left);
+    let cell = CellTemplate::of(template, channels, upper_left);
     let zero = f32x16::splat(simd, 0.0);
     let mut sums = [zero; 10];
     let one = f32x16::splat(simd, 1.0);
-    for [values, gradient_x, gradient_y] in &patch.channels[..channels] {
+    for [values, gradient_x, gradient_y] in &cell.channels[..channels] {
         let t = f32x16::load_array_ref(simd, values) - MID_LEVEL;
         let (gx, gy) = (f32x16::load_array_ref(simd, gradient_x), f32x16::load_array_ref(simd, gradient_y));
         for (sum, product) in sums.iter_mut().zip([gx * gx, gx * gy, gy * gy, gx * t, gx, gy * t, gy, t * t, t, one]) {
@@ -88,7 +89,7 @@ pub(super) fn residuals<S: Simd, T: Texel>(
     (left, top): (usize, usize),
     flow: [[f32; CELL]; 2],
 ) -> [[f32; RESIDUALS]; CORNERS] {
-    let patch = Patch::of(template, T::CHANNELS, (left, top));
+    let cell = CellTemplate::of(template, T::CHANNELS, (left, top));
     let (mut columns, mut rows) = ([0.0; CELL], [0.0; CELL]);
     for (k, (column, row)) in columns.iter_mut().zip(&mut rows).enumerate() {
         (*column, *row) = ((left + k % STRIDE) as f32, (top + k / STRIDE) as f32);
@@ -96,12 +97,12 @@ pub(super) fn residuals<S: Simd, T: Texel>(
     let (column, row) = (f32x16::load_array(simd, columns), f32x16::load_array(simd, rows));
     let (u, v) = (f32x16::load_array(simd, flow[0]), f32x16::load_array(simd, flow[1]));
     let (taps, inside) = locate(simd, column + u, row + v, current.image.size());
-    let found = products(simd, current.image, current.gain, &taps, |channel| patch.block(channel));
+    let found = products(simd, current.image, current.gain, &taps, |channel| cell.block(channel));
     let (gx, gy) = (found.gradient[0] * inside, found.gradient[1] * inside);
     let (gain, offset, energy) = (found.light[0] * inside, found.light[1] * inside, found.energy * inside);
     let planes = [gx, gy, gain, offset, energy];
     let mut sums = [[0.0; RESIDUALS]; CORNERS];
-    // Loops instead of closures, which the compiler leaves without the instruction set.
+    // Loops, because the compiler does not use the instruction set in closures.
     for (sums, weights) in sums.iter_mut().zip(weights) {
         for (place, &(plane, power)) in SUMS.iter().enumerate() {
             sums[place] = (planes[plane] * f32x16::load_array_ref(simd, &weights[power])).reduce_sum();

@@ -1,4 +1,4 @@
-//! The flow at the fine nodes near refined ones.
+//! The flow at the refined fine nodes and at their neighbours.
 
 use super::cell::interpolate;
 use super::grid::{CELL, CORNERS, CornerWeights, FineGrid, STRIDE, hermite_basis};
@@ -8,19 +8,20 @@ use crate::affine::grid::around;
 use fearless_simd::Simd;
 use fingervision_image::Image;
 
-/// Nodes around a refined one that its cells depend on: their corners' twists are differences between neighbours.
+/// Distance in nodes up to which the cells of a refined node depend on other nodes: the twist at a corner is a
+/// difference between the corner's neighbours.
 const NEAR: usize = 2;
 
-/// Most difference of a patch's displacement, px, and of its slopes, px per stride, from the coarse field: farther away it
-/// would match by chance.
-const REACH_PX: f32 = STRIDE as f32;
+/// Largest difference between a patch and the coarse field, in displacement, px, and in slopes, px per stride. Beyond
+/// it, a patch would match by chance.
+const MOST_CHANGE_PX: f32 = STRIDE as f32;
 
 /// Displacement and slopes at the nodes near refined ones; between them the field is their bicubic Hermite interpolant.
 #[derive(Debug, Clone)]
 pub(super) struct FineField {
     grid: FineGrid,
     basis: Box<CornerWeights<4>>,
-    /// Of every node `(u, ∂u/∂x, ∂u/∂y, v, ∂v/∂x, ∂v/∂y)`, slopes in px per stride.
+    /// For every node `(u, ∂u/∂x, ∂u/∂y, v, ∂v/∂x, ∂v/∂y)`, slopes in px per stride.
     motions: Vec<Motion>,
     /// Mixed second derivative of u and v, per stride².
     twists: Vec<[f32; 2]>,
@@ -43,7 +44,7 @@ impl FineField {
         &self.motions
     }
 
-    /// Takes values and slopes of a flow near refined nodes, which start from them.
+    /// Sets the field near refined nodes to values and slopes of a flow. The refined nodes start from these values.
     pub(super) fn sample(&mut self, flow: &FlowField, nodes: &mut [FineNode]) {
         let Self { grid, motions, is_sampled, .. } = self;
         is_sampled.fill(false);
@@ -62,7 +63,8 @@ impl FineField {
         }
     }
 
-    /// Adds the nodes' steps: `u ← u + (I + ∇u) δ`. A patch that would leave the reach of its start fails and returns there.
+    /// Adds the nodes' steps: `u ← u + (I + ∇u) δ`. A patch that would move too far from its start fails and returns to
+    /// the start.
     pub(super) fn compose(&mut self, nodes: &mut [FineNode]) {
         for FineNode { place, start, step, is_trusted, .. } in nodes {
             let motion = &mut self.motions[*place];
@@ -72,7 +74,7 @@ impl FineField {
                     motion[first + k] += step[first + k] + gx * step[k] + gy * step[3 + k];
                 }
             }
-            let is_near = motion.iter().zip(&*start).all(|(value, start)| (value - start).abs() <= REACH_PX);
+            let is_near = motion.iter().zip(&*start).all(|(value, start)| (value - start).abs() <= MOST_CHANGE_PX);
             if !is_near {
                 (*motion, *is_trusted) = (*start, false);
             }
@@ -115,7 +117,7 @@ impl FineField {
     }
 }
 
-/// Value half a pixel after `(x, y)` along both axes, and slopes in strides.
+/// Value half a pixel after `(x, y)` along both axes, and slopes per stride.
 fn sample(plane: &Image<f32>, x: usize, y: usize) -> [f32; 3] {
     const HALF: usize = STRIDE / 2;
     let (width, height) = plane.size();

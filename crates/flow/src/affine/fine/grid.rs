@@ -1,8 +1,8 @@
 //! The positions of the fine patches, and the weights of their windows.
 //!
-//! Fine patches are [`WINDOW`] px wide and lie every [`STRIDE`] px. Node `(i, j)` lies at image column `STRIDE·i + 1½`, so two
-//! by two of them lie in the square around a node of the coarse grid. Four nodes surround a *cell* of `STRIDE`×`STRIDE` px,
-//! which is a quarter of the window of each: sixteen pixels, one register.
+//! Fine patches are [`WINDOW`] px wide and lie every [`STRIDE`] px. Node `(i, j)` lies at image column `STRIDE·i + 1½`,
+//! so 2×2 of them lie in the square around a node of the coarse grid. Four nodes surround a *cell* of `STRIDE`×`STRIDE`
+//! px, which is a quarter of the window of each of them. A cell has sixteen pixels, which fit in one register.
 
 use crate::affine::grid;
 use std::f32::consts::PI;
@@ -58,7 +58,8 @@ impl FineGrid {
         (of(cell % self.columns), of(cell / self.columns))
     }
 
-    /// The four fine nodes in the square around node `(i, j)` of the coarse grid, as far as their windows lie in the image.
+    /// Those of the four fine nodes in the square around node `(i, j)` of the coarse grid whose windows lie in the
+    /// image.
     pub(crate) fn within(self, i: usize, j: usize) -> impl Iterator<Item = usize> {
         let places = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(di, dj)| (2 * i + di, 2 * j + dj));
         let inner = places.into_iter().filter(move |&(i, j)| self.is_inner(i, j));
@@ -78,7 +79,7 @@ pub(crate) fn window_weights() -> CornerWeights<6> {
     })
 }
 
-/// Sum of a window's weights, in cells: how many patches' worth of weight falls on a pixel.
+/// Sum of the weights of all patches at a pixel, on average, dimensionless.
 pub(crate) fn overlap() -> f32 {
     window_weights().iter().map(|[weights, ..]| weights.iter().sum::<f32>()).sum::<f32>() / CELL as f32
 }

@@ -1,9 +1,9 @@
 //! Finer patches where the flow is rough.
 //!
-//! Around a contact's border the flow bends within a few pixels, and a window of 16 px sees two motions. There, patches with
-//! windows of 8 px lie every 4 px: they start from the coarse flow, take Gauss–Newton steps together, and replace its
-//! displacement, deviation and validity. Their parameters and equations are those of the coarse patches. The effort grows with
-//! the number of fine patches, not with the picture.
+//! Around the border of a contact the flow changes within a few pixels, and a window of 16 px contains two motions.
+//! There, patches with windows of 8 px every 4 px replace the coarse ones. They start from the coarse flow, take
+//! Gauss–Newton steps together, and give displacement, deviation and validity. Their unknowns and equations are those
+//! of the coarse patches. The computing time grows with the number of fine patches, not with the size of the picture.
 
 mod cell;
 mod field;
@@ -22,7 +22,7 @@ use self::relax::{NONE, Relaxation};
 use super::bonds::Stiffness;
 use super::grid::PatchGrid;
 use super::judge::FLOOR_VARIANCE;
-use super::refinement::{Current, UNFINISHED};
+use super::refinement::{Current, REMAINING_ERROR};
 use super::template::Template;
 use super::texel::Texel;
 use crate::{Estimate, ValidityParams};
@@ -31,12 +31,12 @@ use fearless_simd::{Level, Simd, dispatch};
 /// Gauss–Seidel sweeps of a step.
 const SWEEPS: usize = 6;
 
-/// Part of the roughness between neighbours, squared, that becomes a patch's own error: measured on simulated presses.
+/// Variance that a patch gets from rough flow, relative to the squared roughness; measured on simulated presses.
 const ROUGH_PATCH: f32 = 0.03;
 
-/// Part of the coarse patches that are refined at most, which bounds the time of a frame: where more are uncertain, blur or
-/// noise is the reason, not a rim.
-const MOST: f32 = 0.3;
+/// Largest part of the coarse patches that is refined. It limits the computing time of a frame. If more patches have a
+/// large deviation, the cause is blur or noise, not a rim.
+const MOST_REFINED: f32 = 0.3;
 
 /// The fine patches of a picture and their scratch memory.
 #[derive(Debug, Clone)]
@@ -50,9 +50,9 @@ pub(crate) struct FinePatches {
     /// Factor on the patches' equations: one over the noise variance and their overlap.
     scale: f32,
     field: FineField,
-    /// Variance and number of the coarse patches that may be refined.
+    /// Variance and index of the coarse patches that may be refined.
     rough: Vec<(f32, usize)>,
-    /// Of every node of the grid its index in `nodes`, or [`NONE`].
+    /// For every node of the grid, its index in `nodes`, or [`NONE`].
     index: Vec<u32>,
     nodes: Vec<FineNode>,
     has_cell: Vec<bool>,
@@ -82,13 +82,13 @@ impl FinePatches {
         }
     }
 
-    /// Takes a new reference, whose texels `template` holds.
+    /// Prepares a new reference, whose texels are in `template`.
     pub(crate) fn prepare(&self, template: &Template, channels: usize, fine: &mut FineTemplate) {
         fine.prepare(self.level, template, channels, self.scale, self.stiffness.curvature);
     }
 
-    /// Refines the flow in `out` by a number of steps. `variance` gives the variance of a coarse patch that shall be refined,
-    /// px², and nothing for the others.
+    /// Refines the flow in `out` by a number of steps. `variance` returns the variance of a coarse patch that should be
+    /// refined, px², and `None` for the others.
     pub(crate) fn refine<T: Texel>(
         &mut self,
         (template, fine): (&Template, &FineTemplate),
@@ -121,7 +121,7 @@ impl FinePatches {
         let Self { grid, coarse, rough, index, has_cell, nodes, cells, .. } = self;
         rough.clear();
         rough.extend((0..coarse.nodes()).filter_map(|node| Some((variance(node)?, node))));
-        let most = (MOST * coarse.nodes() as f32) as usize;
+        let most = (MOST_REFINED * coarse.nodes() as f32) as usize;
         if rough.len() > most {
             rough.select_nth_unstable_by(most, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
             rough.truncate(most);
@@ -164,7 +164,7 @@ impl FinePatches {
         }
     }
 
-    /// Solves for the nodes' steps, judges the patches and moves them.
+    /// Solves for the steps of the nodes, decides which patches failed, and adds the steps.
     fn step(&mut self, fine: &FineTemplate, rules: &ValidityParams) {
         let Self { grid, stiffness, scale, noise_variance, field, index, nodes, .. } = self;
         for node in nodes.iter_mut() {
@@ -198,7 +198,7 @@ impl FinePatches {
         }
     }
 
-    /// Writes deviation and validity: a pixel takes those of the fine node it is nearest to.
+    /// Writes deviation and validity: a pixel takes those of the nearest fine node.
     fn write_deviation(&self, fine: &FineTemplate, rules: &ValidityParams, out: &mut Estimate) {
         let expected = self.stiffness.continuity.recip() + self.stiffness.curvature.recip();
         let (right, bottom) = ((self.grid.width - 1) as f32, (self.grid.height - 1) as f32);
@@ -207,7 +207,7 @@ impl FinePatches {
             let excess = (node.mean_energy / self.noise_variance).max(1.0);
             let rough = ROUGH_PATCH * expected * node.roughness;
             let variance =
-                fine.own_variance[node.place] * excess + rough + UNFINISHED * (u * u + v * v) + FLOOR_VARIANCE;
+                fine.own_variance[node.place] * excess + rough + REMAINING_ERROR * (u * u + v * v) + FLOOR_VARIANCE;
             let deviation = if node.is_trusted { variance.sqrt() } else { f32::INFINITY };
             let (left, top) = (STRIDE * (node.place % self.grid.columns), STRIDE * (node.place / self.grid.columns));
             for y in top..top + STRIDE {

@@ -14,10 +14,10 @@ const LEAST_PIVOT: f32 = 1e-3;
 /// The six unknowns of a node.
 pub(super) type Motion = [f32; UNKNOWNS];
 
-/// A fine patch: its equations, and what its last step showed.
+/// A fine patch: its sums and its step, and the results of the last step.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct FineNode {
-    /// Its number in the grid.
+    /// Its index in the grid.
     pub(super) place: usize,
     /// The coarse field at the node.
     pub(super) start: Motion,
@@ -31,7 +31,7 @@ pub(super) struct FineNode {
     pub(super) is_trusted: bool,
     /// Residual per sample, grey levels².
     pub(super) mean_energy: f32,
-    /// Mean roughness of the field around the node, in units of what the coupling expects.
+    /// Mean roughness of the field around the node, relative to what the prior expects.
     pub(super) roughness: f32,
     /// Weights of the coupling with the neighbours.
     pub(super) bonds: [f32; 4],
@@ -40,12 +40,12 @@ pub(super) struct FineNode {
 }
 
 impl FineNode {
-    /// The node with this number in the grid.
+    /// The node with this index in the grid.
     pub(super) fn at(place: usize) -> Self {
         Self { place, is_trusted: true, ..Self::default() }
     }
 
-    /// Forms the right-hand side: light eliminated, divided by the contrast. See the step of the coarse patches.
+    /// Forms the right-hand side as for the coarse patches: eliminates the change of light and divides by the contrast.
     pub(super) fn form_right(&mut self, equations: &PatchEquations, scale: f32) {
         let PatchEquations { light_gain, light_inverse: [d00, d01, _], .. } = equations;
         let [gain, offset] = [self.sums[UNKNOWNS], self.sums[UNKNOWNS + 1]];
@@ -65,7 +65,7 @@ impl FineNode {
         gradient
     }
 
-    /// Decides whether the patch failed, from the residual that is left after its step.
+    /// Decides from the residual after its step whether the patch failed.
     pub(super) fn judge(
         &mut self,
         equations: &PatchEquations,

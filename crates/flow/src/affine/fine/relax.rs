@@ -1,7 +1,8 @@
 //! Couples fine patches with their neighbours and solves for their steps.
 //!
-//! The energy is that of the coarse patches ([`crate::affine::coupling`]), on half the stride. Nodes that are not refined keep
-//! the coarse field. The refined ones lie along rims, a few side by side, so Gauss–Seidel sweeps converge quickly.
+//! The energy is that of the coarse patches ([`crate::affine::coupling`]), with half the stride. Nodes that are not
+//! refined keep the coarse field. The refined nodes lie in narrow bands along rims, so Gauss–Seidel sweeps converge
+//! quickly.
 
 use super::grid::FineGrid;
 use super::node::{FineNode, Motion, factor, substitute};
@@ -13,12 +14,13 @@ use crate::affine::template::PatchEquations;
 /// Index of a node that is not refined.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// A neighbour: offset of its place, the slope along the pair, and 1 where it comes after the node or −1 before.
+/// A neighbour: offset of its index, which slope is the one along the pair, and 1 if it comes after the node, −1 if
+/// before.
 type Side = (isize, usize, f32);
 
 /// The coupled system of the refined nodes.
 pub(super) struct Relaxation<'a> {
-    /// Of every node of the grid.
+    /// The equations of every node of the grid.
     pub(super) equations: &'a [PatchEquations],
     pub(super) grid: FineGrid,
     pub(super) stiffness: Stiffness,
@@ -34,7 +36,7 @@ impl Relaxation<'_> {
     /// Sweeps over all nodes, forwards and backwards.
     pub(super) fn run(&self, nodes: &mut [FineNode], sweeps: usize) {
         for node in nodes.iter_mut() {
-            self.bind(node);
+            self.prepare(node);
         }
         for sweep in 0..sweeps {
             for k in 0..nodes.len() {
@@ -44,8 +46,8 @@ impl Relaxation<'_> {
         }
     }
 
-    /// Sets the bonds of a node by the field, and factors its block.
-    fn bind(&self, node: &mut FineNode) {
+    /// Computes the bonds of a node from the field, and factors its block.
+    fn prepare(&self, node: &mut FineNode) {
         node.step = [0.0; UNKNOWNS];
         let tolerance = self.stiffness.tolerance;
         let roughness = self.sides().map(|side| self.roughness(node.place, side));
@@ -111,15 +113,15 @@ impl Relaxation<'_> {
         }
     }
 
-    /// Energy of a pair before the step, in units of what the stiffness expects.
+    /// Roughness of a pair before the step, relative to what the prior expects.
     fn roughness(&self, place: usize, (offset, slope, sign): Side) -> f32 {
         let (here, there) = (self.field[place], self.field[place.wrapping_add_signed(offset)]);
         let mut sum = 0.0;
         for first in [0, 3] {
             let along = first + slope;
             let mismatch = sign * (here[first] - there[first]) + 0.5 * (here[along] + there[along]);
-            let bent = (here[first + 1] - there[first + 1]).powi(2) + (here[first + 2] - there[first + 2]).powi(2);
-            sum += self.stiffness.continuity * mismatch * mismatch + self.stiffness.curvature * bent;
+            let bending = (here[first + 1] - there[first + 1]).powi(2) + (here[first + 2] - there[first + 2]).powi(2);
+            sum += self.stiffness.continuity * mismatch * mismatch + self.stiffness.curvature * bending;
         }
         sum
     }
@@ -158,8 +160,9 @@ mod tests {
                     / (stiffness.tolerance + relaxation.roughness(place, (offset.cast_signed(), slope, 1.0)));
                 for first in [0, 3] {
                     let mismatch = near[first] - far[first] + 0.5 * (near[first + slope] + far[first + slope]);
-                    let bent: f32 = [1, 2].map(|k| (near[first + k] - far[first + k]).powi(2)).iter().sum();
-                    sum += f64::from(bond * (stiffness.continuity * mismatch * mismatch + stiffness.curvature * bent));
+                    let bending: f32 = [1, 2].map(|k| (near[first + k] - far[first + k]).powi(2)).iter().sum();
+                    sum +=
+                        f64::from(bond * (stiffness.continuity * mismatch * mismatch + stiffness.curvature * bending));
                 }
             }
         }

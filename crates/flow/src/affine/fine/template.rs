@@ -1,4 +1,4 @@
-//! What fine patches need of a reference.
+//! The equations of the fine patches of a reference.
 
 use super::cell::template_moments;
 use super::grid::{CornerWeights, FineGrid, window_weights};
@@ -10,7 +10,7 @@ use fearless_simd::{Level, Simd, dispatch};
 #[derive(Debug, Clone)]
 pub(crate) struct FineTemplate {
     pub(super) grid: FineGrid,
-    /// Of every node; zero where the window reaches beyond the image.
+    /// For every node; zero if its window reaches beyond the image.
     pub(super) equations: Vec<PatchEquations>,
     /// Variance of the displacement from the patch alone, px².
     pub(super) own_variance: Vec<f32>,
@@ -27,8 +27,8 @@ impl FineTemplate {
         }
     }
 
-    /// Takes a new reference, whose texels `template` holds. `scale` is one over the noise variance and the overlap,
-    /// `slope_stiffness` is that of a bond of weight 1.
+    /// Prepares a new reference, whose texels are in `template`. `scale` is one over the noise variance and the
+    /// overlap, `slope_stiffness` the curvature stiffness of a pair with bond 1.
     pub(crate) fn prepare(
         &mut self,
         level: Level,
