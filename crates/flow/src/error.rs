@@ -2,7 +2,7 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FlowError {
     /// A parameter is outside its range.
-    #[error("flow.{name} = {value} is out of range: it takes {range}")]
+    #[error("flow.{name} = {value} is out of range: {range}")]
     Parameter {
         /// Path of the parameter below `flow`.
         name: &'static str,
@@ -12,7 +12,7 @@ pub enum FlowError {
         range: &'static str,
     },
     /// The picture is too small to hold patches.
-    #[error("a picture of {width}x{height} px is too small: flow needs {least} px either way")]
+    #[error("a picture of {width}x{height} px is too small: width and height must be at least {least} px")]
     TooSmall {
         /// Columns, px.
         width: usize,
@@ -22,7 +22,7 @@ pub enum FlowError {
         least: usize,
     },
     /// The picture has more pixels than the kernels can address.
-    #[error("a picture of {width}x{height} px is too large: flow takes {most} px in all")]
+    #[error("a picture of {width}x{height} px is too large: it may have at most {most} px in total")]
     TooLarge {
         /// Columns, px.
         width: usize,

@@ -1,4 +1,4 @@
-//! What a match gives.
+//! The result of matching a picture with a reference.
 
 use crate::FlowField;
 use fingervision_image::Image;
@@ -13,21 +13,22 @@ pub struct Estimate {
     pub deviation: Image<f32>,
     /// 1 where the flow is a valid measurement, else 0.
     pub valid: Image<u8>,
-    /// Part of the textured patches that match, 0 to 1; 0 where no patch has texture. Patches that left the image do not
-    /// count unless they are the majority.
+    /// Part of the textured patches that match, 0 to 1; 0 if no patch has texture. Patches outside the current image
+    /// are not counted, unless they are the majority.
     pub matched: f32,
-    /// Root mean square residual of the matching patches, grey levels per channel; not a number if none matches.
+    /// Root mean square residual of the matching patches, grey levels per channel; NaN if none matches.
     pub residual_levels: f32,
-    /// The median over the textured patches of the unexplained part of the variance, 0 to 1: caused by noise, blur or
-    /// another picture over most of the image. What a contact occludes does not count.
+    /// The residual's variance over the template's variance, 0 to 1: the median over the textured patches. Noise, blur
+    /// or another picture over most of the image increase it. Because it is a median, a small occluded area hardly
+    /// changes it.
     pub unexplained: f32,
-    /// Area that was lost and not found again, px²: that of the patches with texture that fail together with their
-    /// neighbours. Along a rim, where patches fail one by one, it is 0.
+    /// Area that was lost and not found again, px²: that of the textured patches that failed together with their
+    /// neighbours. It is 0 if only single patches failed, as along a rim.
     pub lost_px2: f32,
 }
 
 impl Estimate {
-    /// An estimate at rest over pictures of this size, nowhere valid.
+    /// An estimate for pictures of this size: the flow is zero, and valid nowhere.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         Self {
@@ -41,7 +42,7 @@ impl Estimate {
         }
     }
 
-    /// Takes the values of `other`, without allocating where the sizes agree.
+    /// Copies the values of `other`; allocates nothing if the sizes are equal.
     pub fn copy_from(&mut self, other: &Self) {
         self.flow.copy_from(&other.flow);
         self.deviation.copy_from(&other.deviation);

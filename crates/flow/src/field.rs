@@ -13,7 +13,7 @@ pub struct FlowField {
 }
 
 impl FlowField {
-    /// The field of an image that does not move.
+    /// Zero displacement everywhere.
     #[must_use]
     pub fn zero(width: usize, height: usize) -> Self {
         Self { u: Image::filled(width, height, 0.0), v: Image::filled(width, height, 0.0) }
@@ -31,7 +31,7 @@ impl FlowField {
         self.v.values_mut().fill(value);
     }
 
-    /// Takes the values of `other`, without allocating where the sizes agree.
+    /// Copies the values of `other`; allocates nothing if the sizes are equal.
     pub fn copy_from(&mut self, other: &Self) {
         self.u.copy_from(&other.u);
         self.v.copy_from(&other.v);

@@ -1,30 +1,31 @@
-//! Dense optical flow between two images of a textured surface, to a hundredth of a pixel.
+//! Dense optical flow between two images of a textured surface, accurate to about a hundredth of a pixel.
 //!
-//! The flow at reference pixel `x` is the displacement of that point: `x + flow(x)` is its place in the current image,
-//! px. There are two methods, both with templates that are made once per reference:
+//! The flow at reference pixel `x` is the displacement of that point: `x + flow(x)` is its position in the current
+//! image, px. There are two methods; both compute their templates once per reference:
 //!
-//! - **Dense inverse search** ([Kroeger2016]) with variational refinement ([Brox2004]): patches moved without a start,
-//!   from coarse to fine. The known presets are [`SearchParams::ultrafast`], [`SearchParams::fast`] and
-//!   [`SearchParams::medium`].
-//! - **Coupled affine patches**, the default: 16×16 patches at full size, each with a displacement, its gradient and a
-//!   change of light, moved by Gauss–Newton steps that are solved for all patches together. Neighbours are coupled as
-//!   far as the image noise requires, so the flow is sharp on rich texture and interpolated across poor texture.
+//! - **Dense inverse search** ([Kroeger2016]) with variational refinement ([Brox2004]): finds the displacement of
+//!   patches without an initial flow, from coarse to fine. Its presets are [`SearchParams::ultrafast`],
+//!   [`SearchParams::fast`] and [`SearchParams::medium`].
+//! - **Coupled affine patches**, the default: patches of 16×16 px at full size. The unknowns of a patch are its
+//!   displacement, the gradient of the displacement and a change of light. Each Gauss–Newton step is solved for all
+//!   patches together. Neighbours are coupled; the image noise scales the coupling. So the flow follows the image where
+//!   texture is rich, and is interpolated where it is poor.
 //!
-//! An [`Estimate`] gives the accuracy at every pixel: a predicted standard deviation in px and a validity. Patches that
-//! fail have no weight and are marked.
+//! An [`Estimate`] contains the flow at every pixel, its predicted standard deviation in px, and whether it is valid. A
+//! patch that fails has no weight, and its pixels are marked as not valid.
 //!
 //! ```
 //! use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Start};
 //! use fingervision_image::{Image, Pixels, Rect};
 //!
-//! let shot = |shift: usize| Pixels::Grey8(Image::from_fn(96, 64, |x, y| {
+//! let pattern = |shift: usize| Pixels::Grey8(Image::from_fn(96, 64, |x, y| {
 //!     let (x, y) = (((x + 8 - shift) / 3) as u32, (y / 3) as u32);
 //!     ((x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663)).wrapping_mul(2_654_435_761) >> 24) as u8
 //! }));
 //! let mut estimator = FlowEstimator::new(96, 64, &FlowParams::default())?;
 //! let (mut rest, mut pressed) = (estimator.picture(), estimator.picture());
-//! rest.load(&shot(0), Rect::whole(96, 64))?;
-//! pressed.load(&shot(2), Rect::whole(96, 64))?;
+//! rest.load(&pattern(0), Rect::whole(96, 64))?;
+//! pressed.load(&pattern(2), Rect::whole(96, 64))?;
 //!
 //! let mut reference = estimator.reference();
 //! estimator.prepare(&rest, &mut reference);

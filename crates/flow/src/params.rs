@@ -7,13 +7,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// Only dense inverse search, least work: finest level 2, no refinement.
+    /// Dense inverse search alone, the fastest: finest level 2, no variational refinement.
     Ultrafast,
-    /// Only dense inverse search, refined: finest level 2.
+    /// Dense inverse search alone: finest level 2, with variational refinement.
     Fast,
-    /// Only dense inverse search, denser patches, refined: finest level 1.
+    /// Dense inverse search alone: finest level 1, denser patches, with variational refinement.
     Medium,
-    /// Coupled affine patches at full size; dense inverse search only finds their start if there is none.
+    /// Coupled affine patches at full size. Dense inverse search only finds the initial flow of a cold start, and lost
+    /// areas.
     #[default]
     Affine,
 }
@@ -26,7 +27,7 @@ impl Preset {
             Self::Ultrafast => SearchParams::ultrafast(),
             Self::Fast => SearchParams::fast(),
             Self::Medium => SearchParams::medium(),
-            // The affine patches start from the search only where no better start is known, so it can be thorough.
+            // The affine patches need the search only for a cold start and for lost areas, so it may take more time.
             Self::Affine => SearchParams { finest_level: 0, coarse_reach: 10, ..SearchParams::medium() },
         }
     }
@@ -51,7 +52,7 @@ pub struct FlowParams {
     pub search: Option<SearchParams>,
     /// The affine patches.
     pub affine: AffineParams,
-    /// What counts as a valid measurement.
+    /// Limits for a valid measurement.
     pub validity: ValidityParams,
 }
 
@@ -77,11 +78,11 @@ impl FlowParams {
         SearchParams { finest_level: self.finest_level.unwrap_or(search.finest_level), ..search }
     }
 
-    /// Checks that every value makes sense.
+    /// Checks that every value is in its range.
     ///
     /// # Errors
     ///
-    /// [`FlowError::Parameter`] naming the first value that does not.
+    /// [`FlowError::Parameter`] naming the first value that is not.
     pub fn validate(&self) -> Result<(), FlowError> {
         let noise = f64::from(self.noise_levels);
         FlowError::check((0.01..=64.0).contains(&noise), "noise_levels", noise, "0.01 to 64 grey levels")?;
@@ -105,15 +106,17 @@ pub struct AffineParams {
     pub search_steps: usize,
     /// Gauss–Newton steps of the finer patches where the flow is rough; 0: no finer patches.
     pub fine_steps: usize,
-    /// In colour, one of this many rows is matched, 1, 2, 4 or 8; the three channels compensate for the rows left out.
+    /// With colour, every n-th row is matched: 1, 2, 4 or 8. The three channels compensate for the rows that are left
+    /// out.
     pub colour_row_step: usize,
     /// Conjugate-gradient iterations of every step.
     pub iterations: usize,
-    /// Expected mismatch of two neighbouring patches half-way between them, px.
+    /// Expected difference between the displacements that two neighbouring patches predict half-way between them, px.
     pub continuity_px: f32,
     /// Expected change of the flow's gradient from a patch to its neighbour, px per patch distance.
     pub curvature_px: f32,
-    /// How often these expectations must be exceeded, squared, for the coupling to halve, dimensionless.
+    /// Roughness at which the coupling of two neighbours is halved, dimensionless. The roughness is the sum of the
+    /// squares of the two quantities above, each relative to its expected value.
     pub bond_tolerance: f32,
 }
 
@@ -158,18 +161,18 @@ impl AffineParams {
     }
 }
 
-/// What counts as a valid measurement.
+/// Limits for a valid measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ValidityParams {
-    /// A patch fails if a larger part of its variance remains unexplained, dimensionless.
+    /// A patch fails if the mean square of its residual exceeds this part of the template's variance, dimensionless.
     pub max_unexplained: f32,
-    /// A patch never fails while its residual is below this many standard deviations of the noise, dimensionless.
+    /// A residual below this many standard deviations of the noise never makes a patch fail, dimensionless.
     pub noise_floor: f32,
-    /// A pixel is valid while its predicted standard deviation is at most this, px.
+    /// A pixel is valid if its predicted standard deviation is at most this, px.
     pub max_deviation_px: f32,
-    /// A pixel is valid if forward and backward flow together lead at most this far from where they began, px. Absent:
-    /// not checked. The check matches every frame a second time, backwards, with its own reference.
+    /// A pixel is valid if forward and backward flow together end at most this far from it, px. Absent: not checked.
+    /// The check computes a second flow for every frame, from the frame back to the reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_round_trip_px: Option<f32>,
 }

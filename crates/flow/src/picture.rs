@@ -19,7 +19,7 @@ impl Picture {
         }
     }
 
-    /// Takes a region of a frame. The region has the picture's size.
+    /// Loads a region of a frame. The region must have the picture's size.
     ///
     /// # Errors
     ///
@@ -33,7 +33,7 @@ impl Picture {
         Ok(())
     }
 
-    /// Takes the pixels of a picture of the same kind, without allocating where the sizes agree.
+    /// Copies the pixels of a picture; allocates nothing if size and channels are equal.
     pub fn copy_from(&mut self, other: &Self) {
         self.grey.copy_from(&other.grey);
         match (&mut self.colour, &other.colour) {
@@ -42,7 +42,7 @@ impl Picture {
         }
     }
 
-    /// Takes a grey image of the picture's size. A picture with colours keeps the ones it has.
+    /// Loads a grey image of the picture's size. The colours, if any, do not change.
     pub fn load_grey(&mut self, grey: &Image<f32>) {
         self.grey.base_mut().copy_from(grey);
         self.grey.build();
@@ -61,9 +61,10 @@ impl Picture {
         coarsest.iter().sum::<f32>() / coarsest.len() as f32
     }
 
-    /// Sharpness of the picture, dimensionless: the mean squared difference of neighbours in a row at full size over that
-    /// at a quarter of it. Light and contrast do not change it, blur lowers it: edges that are twice as blurred halve it.
-    /// It also depends on the pattern, so it is only comparable between pictures of one sensor. 0 where nothing differs.
+    /// Sharpness of the picture, dimensionless: the mean squared difference between neighbours in a row at full size,
+    /// divided by the same at a quarter of the size. It does not depend on light and contrast. Blur lowers it: twice
+    /// the blur halves it. It also depends on the pattern, so compare only pictures of one sensor. 0 for a uniform
+    /// picture.
     #[must_use]
     pub fn sharpness(&self) -> f32 {
         let coarse = roughness(self.grey.level(2.min(self.grey.levels() - 1)), 1);
@@ -77,7 +78,7 @@ impl Picture {
     }
 }
 
-/// Mean squared difference of neighbours in every `step`-th row, grey levels².
+/// Mean squared difference between neighbours in every `step`-th row, grey levels².
 fn roughness(image: &Image<f32>, step: usize) -> f32 {
     let rows = image.rows().step_by(step);
     let (sum, count) = rows.fold((0.0, 0), |(sum, count), row| {

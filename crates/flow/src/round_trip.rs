@@ -5,7 +5,7 @@ use fingervision_image::{Between, Image};
 
 /// Writes the inverse of `flow`: `inverse(y) = −flow(y + inverse(y))`, by this many fixed-point iterations.
 ///
-/// It converges wherever neighbouring points do not fold over each other. Beyond the image the border's value is used.
+/// It converges where the flow's gradient is below 1. Outside the image, the value at the border is used.
 pub fn invert_into(flow: &FlowField, passes: usize, inverse: &mut FlowField) {
     let (width, height) = flow.size();
     inverse.copy_from(flow);
@@ -54,12 +54,12 @@ mod tests {
     }
 
     #[test]
-    fn a_squeeze_is_undone_by_its_inverse() {
-        let (squeeze, mut inverse) = (stretch(-0.2), FlowField::zero(60, 50));
-        invert_into(&squeeze, 20, &mut inverse);
+    fn a_compression_and_its_inverse_close_the_round_trip() {
+        let (compression, mut inverse) = (stretch(-0.2), FlowField::zero(60, 50));
+        invert_into(&compression, 20, &mut inverse);
         let mut error = Image::filled(60, 50, f32::NAN);
-        round_trip_error_into(&squeeze, &inverse, &mut error);
-        // Along the border the backward flow is read between points that come from outside the image.
+        round_trip_error_into(&compression, &inverse, &mut error);
+        // Near the border the inverse depends on flow from outside the image.
         let inner = error.rows().skip(4).take(42).flat_map(|row| &row[4..56]);
         let largest = inner.copied().reduce(f32::max).unwrap();
         assert!(largest < 1e-3, "the round trip is off by {largest} px");
@@ -67,11 +67,11 @@ mod tests {
     }
 
     #[test]
-    fn a_wrong_way_back_shows() {
+    fn a_wrong_backward_flow_has_its_error() {
         let mut error = Image::filled(60, 50, 0.0);
-        let away = FlowField { u: Image::filled(60, 50, 3.0), v: Image::filled(60, 50, 0.0) };
-        let back = FlowField { u: Image::filled(60, 50, -2.5), v: Image::filled(60, 50, 0.0) };
-        round_trip_error_into(&away, &back, &mut error);
+        let forward = FlowField { u: Image::filled(60, 50, 3.0), v: Image::filled(60, 50, 0.0) };
+        let backward = FlowField { u: Image::filled(60, 50, -2.5), v: Image::filled(60, 50, 0.0) };
+        round_trip_error_into(&forward, &backward, &mut error);
         assert!(error.values().iter().all(|error| (error - 0.5).abs() < 1e-6));
     }
 }

@@ -1,5 +1,5 @@
-//! Pictures less sharp than the reference, and what the estimate says of them.
-#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+//! Flow, deviation and validity if the picture is less sharp than the reference.
+#![expect(clippy::unwrap_used, reason = "a failed step ends the test")]
 
 use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowParams, Picture, Preset, Start};
 use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
@@ -7,7 +7,7 @@ use fingervision_image::{Image, Pixels, Rect};
 
 const SIZE: (usize, usize) = (240, 180);
 
-/// An image blurred by a Gaussian of `blur_px` in all.
+/// An image blurred by a Gaussian with a standard deviation of `blur_px`.
 fn render(motion: &Motion, blur_px: f64, seed: u64) -> Image<[u8; 3]> {
     let sheet = Sheet { width: SIZE.0, height: SIZE.1, blur_px, ..Sheet::default() };
     SheetRenderer::new(&sheet).unwrap().render(motion, Light::EVEN, seed).unwrap()
@@ -19,7 +19,7 @@ fn load(estimator: &FlowEstimator, image: Image<[u8; 3]>) -> Picture {
     picture
 }
 
-/// The flow from a sharp picture at rest, started from rest.
+/// The flow from a sharp picture at rest, starting from zero flow.
 fn follow(preset: Preset, current: Image<[u8; 3]>) -> Estimate {
     let params = FlowParams { preset, ..FlowParams::default() };
     let mut estimator = FlowEstimator::new(SIZE.0, SIZE.1, &params).unwrap();
@@ -53,7 +53,7 @@ fn judge(estimate: &Estimate, motion: &Motion, least_valid: f32) -> (f32, f32) {
 }
 
 #[test]
-fn a_blurred_picture_is_followed_as_far_as_its_deviation_says() {
+fn errors_on_a_blurred_picture_agree_with_its_deviation() {
     for motion in [Motion::shift(0.8), Motion::radial_bump([119.5, 89.5], 1.5)] {
         let estimate = follow(Preset::Affine, render(&motion, SHARP_PX.hypot(1.0), 2));
         let (error, covered) = judge(&estimate, &motion, 23_000.0);
@@ -64,7 +64,7 @@ fn a_blurred_picture_is_followed_as_far_as_its_deviation_says() {
 }
 
 #[test]
-fn blur_makes_a_picture_less_sharp_whatever_its_cells() {
+fn blur_lowers_sharpness_for_every_cell_size() {
     for cell_px in [3.0, 6.0, 12.0] {
         let sharpness = |blur_px: f64| {
             let sheet = Sheet { width: SIZE.0, height: SIZE.1, blur_px, cell_size_px: cell_px, ..Sheet::default() };

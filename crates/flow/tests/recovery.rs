@@ -1,5 +1,5 @@
-//! Parts of the picture that move too far for a step from the flow before.
-#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+//! Areas that move too far for a warm start are found by a search.
+#![expect(clippy::unwrap_used, reason = "a failed step ends the test")]
 
 use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowParams, Start};
 use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
@@ -7,10 +7,10 @@ use fingervision_image::{Image, Pixels, Rect};
 
 const SIZE: (usize, usize) = (320, 240);
 
-/// The area that moves, before it does.
+/// The area that moves, before it moves.
 const AREA: Rect = Rect { x: 100, y: 72, width: 112, height: 96 };
 
-/// Distance from the area's edge, px, up to which patches and their neighbours see both motions.
+/// Distance from the area's edge, px, up to which a patch or its neighbours contain both motions.
 const EDGE: usize = 28;
 
 fn render(motion: &Motion, pattern_seed: u64, seed: u64) -> Image<[u8; 3]> {
@@ -18,7 +18,7 @@ fn render(motion: &Motion, pattern_seed: u64, seed: u64) -> Image<[u8; 3]> {
     SheetRenderer::new(&sheet).unwrap().render(motion, Light::EVEN, seed).unwrap()
 }
 
-/// The sheet at rest, but for [`AREA`], which shows `other` displaced to the right by whole pixels.
+/// The sheet at rest; [`AREA`] of `other` is drawn into it, displaced to the right by whole pixels.
 fn displaced(other: &Image<[u8; 3]>, right: usize) -> Image<[u8; 3]> {
     let mut image = render(&Motion::STILL, 1, 2);
     for y in AREA.y..AREA.y + AREA.height {
@@ -28,7 +28,7 @@ fn displaced(other: &Image<[u8; 3]>, right: usize) -> Image<[u8; 3]> {
     image
 }
 
-/// Follows images from rest, each from the flow of the one before.
+/// Tracks images; the first starts from zero flow, every other one from the flow of the previous image.
 fn follow(images: &[Image<[u8; 3]>]) -> Estimate {
     let mut estimator = FlowEstimator::new(SIZE.0, SIZE.1, &FlowParams::default()).unwrap();
     let (mut picture, mut reference) = (estimator.picture(), estimator.reference());
@@ -57,7 +57,7 @@ fn judge(estimate: &Estimate, right: f32, area: Rect) -> (f32, f32) {
     (error / count, valid / count)
 }
 
-/// A rectangle less a margin.
+/// A rectangle without its margin.
 fn inside(area: Rect, margin: usize) -> Rect {
     let Rect { x, y, width, height } = area;
     Rect { x: x + margin, y: y + margin, width: width - 2 * margin, height: height - 2 * margin }

@@ -1,5 +1,5 @@
-//! What an estimate says about itself, on rendered patterns with exact truth.
-#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+//! Validity and deviation of an estimate, on rendered patterns with exact truth.
+#![expect(clippy::unwrap_used, reason = "a failed step ends the test")]
 
 use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowParams, Start, ValidityParams};
 use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
@@ -44,7 +44,7 @@ fn cover(image: &mut Image<[u8; 3]>, area: Rect) {
 }
 
 #[test]
-fn patches_that_show_something_else_are_marked_and_do_not_bend_their_neighbours() {
+fn occluded_patches_are_not_valid_and_do_not_affect_their_neighbours() {
     let motion = Motion::shift(2.0);
     let mut current = render(&motion, 2);
     let covered = Rect { x: 80, y: 60, width: 64, height: 48 };
@@ -80,7 +80,7 @@ fn the_predicted_deviation_bounds_the_error() {
 }
 
 #[test]
-fn an_even_image_is_nowhere_valid() {
+fn a_uniform_image_is_nowhere_valid() {
     let grey = Image::filled(SIZE.0, SIZE.1, [120u8; 3]);
     let estimate = estimate(&FlowParams::default(), grey.clone(), grey);
     assert!(estimate.valid.values().iter().all(|&valid| valid == 0));
@@ -89,7 +89,7 @@ fn an_even_image_is_nowhere_valid() {
 }
 
 #[test]
-fn an_image_of_something_else_does_not_match() {
+fn another_pattern_does_not_match() {
     let mut other = render(&Motion::STILL, 1);
     cover(&mut other, Rect::whole(SIZE.0, SIZE.1));
     let estimate = estimate(&FlowParams::default(), render(&Motion::STILL, 1), other);
@@ -97,7 +97,7 @@ fn an_image_of_something_else_does_not_match() {
 }
 
 #[test]
-fn the_round_trip_is_checked_where_asked() {
+fn the_round_trip_check_rejects_only_occluded_pixels() {
     let params = FlowParams {
         validity: ValidityParams { max_round_trip_px: Some(0.1), ..ValidityParams::default() },
         ..FlowParams::default()
@@ -107,13 +107,13 @@ fn the_round_trip_is_checked_where_asked() {
     cover(&mut current, Rect { x: 150, y: 20, width: 64, height: 48 });
     let estimate = estimate(&params, render(&Motion::STILL, 1), current);
     let still = Rect { x: 24, y: 100, width: 100, height: 56 };
-    assert!(valid_part(&estimate, still) > 0.99, "{} of the round trips close", valid_part(&estimate, still));
+    assert!(valid_part(&estimate, still) > 0.99, "{} of the part at rest is valid", valid_part(&estimate, still));
     let covered = Rect { x: 162, y: 32, width: 40, height: 24 };
     assert!(valid_part(&estimate, covered) < 0.05, "{} of the covered part is valid", valid_part(&estimate, covered));
 }
 
 #[test]
-fn a_start_from_the_flow_equals_a_start_from_nowhere() {
+fn warm_and_cold_start_give_the_same_flow() {
     let params = FlowParams::default();
     let motion = Motion::radial_bump(sheet().centre_px(), 8.0);
     let mut estimator = FlowEstimator::new(SIZE.0, SIZE.1, &params).unwrap();
@@ -167,7 +167,7 @@ fn at_border(motion: &Motion, estimate: &Estimate, half_side: f64) -> (f64, f64)
 }
 
 #[test]
-fn finer_patches_follow_a_kink() {
+fn finer_patches_resolve_a_sharp_border() {
     let half_side = 45.0;
     let motion =
         Motion::ScaledSquare { centre_px: sheet().centre_px(), half_side_px: half_side, decay_px: 8.0, scale: 1.12 };
@@ -182,7 +182,7 @@ fn finer_patches_follow_a_kink() {
 }
 
 #[test]
-fn many_fine_steps_do_not_drive_patches_away() {
+fn many_fine_steps_do_not_diverge() {
     let motion = Motion::radial_bump(sheet().centre_px(), 8.0);
     let mut current = render(&motion, 2);
     cover(&mut current, Rect { x: 80, y: 60, width: 40, height: 40 });
