@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_trusted_mistake_shows() {
+    fn a_large_error_with_a_small_deviation_is_counted() {
         let truth = FlowField::zero(4, 1);
         let mut estimate = Estimate::new(4, 1);
         estimate.flow.u.values_mut().copy_from_slice(&[0.1, 0.2, 2.0, 3.0]);

@@ -21,7 +21,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// Depth and validity in the last frame of a case; none if there is no such folder.
+    /// Depth and validity in the last frame of a case. `None` if the folder has no depth for this case.
     pub(super) fn read(&self, case: &Case) -> Result<Option<[LastFrame; 2]>, ExperimentError> {
         let folder = self.folder.join(&case.name);
         let size = (case.scene.render.width, case.scene.render.height);

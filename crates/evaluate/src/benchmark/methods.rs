@@ -75,8 +75,8 @@ impl Method {
         if self == Self::Dots { Following::Dots } else { Following::Dense }
     }
 
-    /// Depth from a feature by the calibrated law; none if there is no such law, or if the method does not use the
-    /// feature.
+    /// Depth from a feature by the calibrated law. `None` if the law is not available, or if the method does not use
+    /// the feature.
     pub(super) fn depth(self, feature: &Image<f32>, fit: &DepthFit, recording: &Recording) -> Option<Image<f32>> {
         let method = match self {
             Self::Elastic => return None,

@@ -50,10 +50,10 @@ impl BenchmarkReport {
             table.row(name, [Cell::text(known.map_or("another program's depth.npy", Method::about))]);
         }
         section.table(table);
-        if !self.told.is_empty() {
+        if !self.assignments.is_empty() {
             let mut table =
                 HtmlTable::new("Values of the tracker that differ from the simulated sensor", ["key", "value"]);
-            self.told.iter().for_each(|(key, value)| table.row(key.as_str(), [Cell::text(value.as_str())]));
+            self.assignments.iter().for_each(|(key, value)| table.row(key.as_str(), [Cell::text(value.as_str())]));
             section.table(table);
         }
         if !self.unsolved.is_empty() {

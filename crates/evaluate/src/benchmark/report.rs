@@ -103,13 +103,18 @@ pub struct BenchmarkReport {
     /// Every case.
     pub cases: Vec<CaseReport>,
     /// Values of the tracker that differ from the simulated sensor: keys of the profile with their values.
-    pub told: Vec<(String, String)>,
+    #[serde(rename = "told")]
+    pub assignments: Vec<(String, String)>,
     /// Cases that were not solved to their end, and why.
     pub unsolved: Vec<String>,
 }
 
 impl BenchmarkReport {
-    pub(super) fn new(extent: Extent, told: &[(String, String)], outcomes: Vec<Result<CaseReport, String>>) -> Self {
+    pub(super) fn new(
+        extent: Extent,
+        assignments: &[(String, String)],
+        outcomes: Vec<Result<CaseReport, String>>,
+    ) -> Self {
         let (mut cases, mut unsolved) = (Vec::new(), Vec::new());
         for outcome in outcomes {
             match outcome {
@@ -131,8 +136,8 @@ impl BenchmarkReport {
         let means = variations
             .iter()
             .flat_map(|variation| methods.iter().filter_map(|method| MethodMeans::of(method, variation.name, &cases)));
-        let told = told.to_vec();
-        Self { extent, means: means.collect(), variations, cases, told, unsolved }
+        let assignments = assignments.to_vec();
+        Self { extent, means: means.collect(), variations, cases, assignments, unsolved }
     }
 
     /// The names of the methods, in the tables' order.
@@ -195,7 +200,7 @@ pub(super) fn percent(part: Option<f64>) -> String {
 /// The means, one table per variation.
 impl fmt::Display for BenchmarkReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (key, value) in &self.told {
+        for (key, value) in &self.assignments {
             writeln!(f, "changed {key} = {value}")?;
         }
         for why in &self.unsolved {
@@ -263,9 +268,9 @@ mod tests {
                 .collect(),
         };
         let cases = [case("a".into(), Some(0.5)), case("b".into(), Some(1.5)), case("c".into(), None)];
-        let told = [("elastic.network".into(), "false".into())];
+        let assignments = [("elastic.network".into(), "false".into())];
         let outcomes = cases.into_iter().map(Ok).chain([Err("d: frame 3 did not converge".into())]);
-        let report = BenchmarkReport::new(Extent::Quick, &told, outcomes.collect());
+        let report = BenchmarkReport::new(Extent::Quick, &assignments, outcomes.collect());
         let text = report.to_string();
         assert!(text.contains("changed elastic.network = false") && text.contains("not solved: d: frame 3"), "{text}");
         assert_eq!(report.methods(), ["nothing", "mine"]);

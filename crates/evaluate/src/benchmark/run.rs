@@ -33,7 +33,7 @@ type Fits = BTreeMap<(&'static str, bool), DepthFit>;
 
 impl Benchmark<'_> {
     fn record(&self, scene: &Scene) -> Result<Recording, ExperimentError> {
-        Recording::told(scene, self.assignments, self.cache)
+        Recording::with_assignments(scene, self.assignments, self.cache)
     }
 }
 

@@ -112,7 +112,8 @@ impl Region {
     }
 }
 
-/// The centroid of a dot's darkness; none if there is no background beside it.
+/// The centroid of a dot's pixels, each weighted by how much darker it is than the background. `None` if no background
+/// is visible around the dot.
 fn centre(grey: &Image<f32>, labels: &Image<u32>, region: &Region, label: u32) -> Option<[f64; 2]> {
     let [left, top, right, bottom] = region.bounds;
     let columns = left.saturating_sub(MARGIN)..=(right + MARGIN).min(grey.width() - 1);

@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nodes_carry_the_spline_itself() {
+    fn the_spline_is_exact_at_the_nodes() {
         let bump = |[x, y]: [f64; 2]| {
             let far = ((x - 70.0).powi(2) + (y - 60.0).powi(2)) / 1800.0;
             [(x - 70.0) * 0.2 * (-far).exp(), (y - 60.0) * 0.2 * (-far).exp()]
@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn points_in_a_row_carry_no_field() {
+    fn points_on_a_line_give_no_field() {
         let in_use: Vec<bool> = (0..30).map(|point| point < 6).collect();
         assert!(interpolate(&[[0.0; 2]; 30], &in_use).is_none());
     }

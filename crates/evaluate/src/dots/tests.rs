@@ -7,7 +7,7 @@ use fingervision_touch::DensityParams;
 
 use super::*;
 
-/// A scene of dots that is solved in no time.
+/// A scene of dots that is solved quickly.
 fn scene(motion: &str) -> Simulation {
     let text = format!(
         "[pattern]\nkind = 'dots'\n[indenter]\nshape = 'sphere'\nradius_mm = 8.0\n[mesh]\ncells = [12, 12, 3]\n\

@@ -1,4 +1,4 @@
-//! A scene, solved and drawn.
+//! A simulated press: a scene that is solved and rendered.
 
 use fingervision_gel::{PressCache, Scene, Simulation, Truth};
 use fingervision_image::{Frame, Pixels};
@@ -17,7 +17,7 @@ const FRAMES_PER_SECOND: f64 = 90.0;
 pub struct Recording {
     /// The scene's name.
     pub name: String,
-    /// The tracker's profile: the scene's camera and gel, unless [changed](Self::told).
+    /// The tracker's profile: the scene's camera and gel, unless [changed](Self::with_assignments).
     pub profile: Profile,
     /// Depth of the indenter in every frame, mm.
     pub depths_mm: Vec<f64>,
@@ -39,15 +39,19 @@ impl Recording {
     /// [`ExperimentError::Scene`] if the scene is impossible, [`ExperimentError::EndedEarly`] if it was not solved to
     /// its end.
     pub fn of(scene: &Scene, cache: &PressCache) -> Result<Self, ExperimentError> {
-        Self::told(scene, &[], cache)
+        Self::with_assignments(scene, &[], cache)
     }
 
-    /// The same with some values of the tracker's profile changed, given as keys with their values.
+    /// As [`Recording::of`], with some values of the tracker's profile changed: keys of the profile with their values.
     ///
     /// # Errors
     ///
     /// [`ExperimentError::Profile`] naming the key, before anything is solved; and as [`Recording::of`].
-    pub fn told(scene: &Scene, assignments: &[(String, String)], cache: &PressCache) -> Result<Self, ExperimentError> {
+    pub fn with_assignments(
+        scene: &Scene,
+        assignments: &[(String, String)],
+        cache: &PressCache,
+    ) -> Result<Self, ExperimentError> {
         let mut profile = simulated_profile(scene);
         profile.set_all(assignments.iter().map(|(key, value)| (key.as_str(), value.as_str())))?;
         // All methods for depth are compared, so a value has no effect only if none of them uses it.

@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_are_told_apart_by_their_distance_from_the_border() {
+    fn pixels_are_sorted_by_their_distance_from_the_border() {
         // 10 px to a mm.
         let camera = CameraParams {
             focal_length_px: [250.0; 2],

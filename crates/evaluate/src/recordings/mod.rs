@@ -6,8 +6,8 @@
 //! - *`RubberWhale`* of the Middlebury benchmark, with dense truth;
 //! - a press on a Punyo sensor: an air-filled membrane with a dense speckle, seen from inside, with a depth camera's
 //!   image and the force of the robot's wrist beside every frame. It has no dense truth. Instead, three properties are
-//!   measured: there is no flow at rest, the flow to a frame and back to the reference adds up to zero, and the flow
-//!   grows with the force.
+//!   checked: the flow of the membrane at rest is zero, the flow to a frame and back to the reference adds up to zero,
+//!   and the flow grows with the force.
 
 mod files;
 mod pairs;
@@ -30,8 +30,8 @@ pub struct Recordings {
 pub const FOLDER_VARIABLE: &str = "FINGERVISION_DATA";
 
 impl Recordings {
-    /// The recordings in the folder that [`FOLDER_VARIABLE`] names, or else in `../shared/data` beside the workspace;
-    /// none if there is no such folder.
+    /// The recordings in the folder that [`FOLDER_VARIABLE`] names, or else in `../shared/data` beside the workspace.
+    /// `None` if this folder does not exist.
     #[must_use]
     pub fn find(workspace: &Path) -> Option<Self> {
         let named = std::env::var_os(FOLDER_VARIABLE).map(PathBuf::from);

@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_are_told_by_component_and_against_the_peak() {
+    fn errors_are_reported_by_component_and_relative_to_the_peak() {
         let truth = vec![[Some(0.0); 4], [Some(3.0), Some(0.0), Some(4.0), Some(-2.0)], [Some(30.0); 4]];
         let peak = peak_n(&truth, 2);
         assert!((peak - 5.0).abs() < 1e-12, "{peak} N: the third frame is not compared");

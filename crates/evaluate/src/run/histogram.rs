@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_counted_quantile_is_as_exact_as_it_says() {
+    fn a_quantile_is_as_exact_as_documented() {
         let mut values: Vec<f32> = (0..10_000).map(|i| 1e-4 * 1.001_f32.powi(i * 7919 % 10_000)).collect();
         let mut histogram = Histogram::new();
         for &value in &values {

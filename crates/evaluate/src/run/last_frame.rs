@@ -15,7 +15,7 @@ pub(crate) struct LastFrame {
 }
 
 impl LastFrame {
-    /// Reads it; none if there is no such file.
+    /// Reads it. `None` if the file does not exist.
     ///
     /// # Errors
     ///

@@ -37,14 +37,14 @@ mod tests {
     }
 
     #[test]
-    fn a_part_is_told_by_its_numbers() {
+    fn a_part_is_recognised_by_its_sequence_numbers() {
         assert_eq!(part_of("sequence,x\n3,a\n5,b\n", 6), Some(vec![3, 5]));
         assert_eq!(part_of("x,sequence\n0,0\n0,2\n", 6), Some(vec![0, 2]));
         assert_eq!(steps(&[3, 5, 6]), [4, 2, 1]);
     }
 
     #[test]
-    fn whatever_is_no_part_counts_from_the_first_frame() {
+    fn other_tables_are_compared_from_the_first_frame() {
         for table in ["", "x\n1\n", "sequence\n0\n1\n2\n", "sequence\n3\n9\n", "sequence\n5\n3\n", "sequence\na\n"] {
             assert_eq!(part_of(table, 6), None, "{table:?}");
         }

@@ -10,10 +10,10 @@ use fingervision_touch::{FORCE_COLUMNS, TORQUE_COLUMN};
 use super::RunError;
 
 /// The force on the gel in every frame, `(x, y, z)`, N, and the torque about z, N mm; absent if a cell is empty or not
-/// finite, or if there is no such column.
+/// finite, or if the column is missing.
 pub(super) type Forces = Vec<[Option<f64>; 4]>;
 
-/// The forces in the rows of a table; none if there is no such file.
+/// The forces in the rows of a table. `None` if the file does not exist.
 pub(super) fn read_forces(path: &Path) -> Result<Option<Forces>, RunError> {
     let text = match fs::read_to_string(path) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
