@@ -153,9 +153,9 @@ fn near_match(noun: &str, key: &str, known: &[String]) -> String {
     let joint = if table.is_empty() { "" } else { "." };
     match nearest(name, known) {
         Some(best) => did_you_mean(&format!("{table}{joint}{best}")),
-        None if known.is_empty() => format!("{table} takes no keys"),
-        None if table.is_empty() => format!("a {noun} knows {}", known.join(", ")),
-        None => format!("{table} knows {}", known.join(", ")),
+        None if known.is_empty() => format!("{table} has no keys"),
+        None if table.is_empty() => format!("a {noun} has the keys {}", known.join(", ")),
+        None => format!("{table} has the keys {}", known.join(", ")),
     }
 }
 

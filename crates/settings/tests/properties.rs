@@ -1,4 +1,4 @@
-//! What holds for all settings, for some drawn at random.
+//! Properties of all settings, tested on random ones.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 

@@ -69,8 +69,8 @@ pub struct SimulationFolder {
 impl SimulationFolder {
     /// Prepares a folder for a scene, and writes the scene and the sensor's profile.
     ///
-    /// A folder that holds a previous simulation is refused, or with `overwrite` its files are removed first. A folder
-    /// that holds anything else is always refused. Without `has_frames` no images are to be written.
+    /// A folder that contains a previous simulation is refused, or with `overwrite` its files are removed first. A
+    /// folder that holds anything else is always refused. Without `has_frames` no images are to be written.
     ///
     /// # Errors
     ///

@@ -1,6 +1,6 @@
-//! The folder and the picture of a simulated press, by a board that slides: there is nothing to solve.
+//! The folder and the picture of a simulation. The tests use a sliding board, which needs no solver.
 
-#![expect(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![expect(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -21,7 +21,7 @@ fn board(width: usize, height: usize, colour: bool) -> Simulation {
     simulation
 }
 
-/// Hands every frame to `take`; made-up forces grow with them.
+/// Calls `take` with every frame; the artificial forces grow from frame to frame.
 fn each_frame(simulation: &mut Simulation, has_images: bool, mut take: impl FnMut(&SimulatedFrame)) {
     for frame in 0..simulation.states().len() {
         let pixels: Option<Pixels> = has_images.then(|| simulation.frame(frame).unwrap().clone());
@@ -75,7 +75,7 @@ fn a_folder_that_holds_anything_else_is_never_touched() {
     let simulation = board(32, 24, true);
     fs::write(folder.path().join("run.toml"), "a run").unwrap();
     let error = SimulationFolder::create(folder.path(), simulation.scene(), true, true).unwrap_err();
-    assert!(error.to_string().ends_with("holds files that are not a simulation"), "{error}");
+    assert!(error.to_string().ends_with("contains files that are not a simulation"), "{error}");
 
     let folder = tempfile::tempdir().unwrap();
     SimulationFolder::create(folder.path(), simulation.scene(), true, false).unwrap();

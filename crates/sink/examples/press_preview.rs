@@ -1,4 +1,4 @@
-//! How do I draw a preview? A made-up press, drawn to the file that is named.
+//! Draws the preview of an artificial press to the given file.
 //!
 //! `cargo run -p fingervision-sink --example press_preview -- preview.png`
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum SinkError {
     /// The folder contains the output of an earlier command and overwriting was not requested.
-    #[error("folder {} holds a previous {noun}", .path.display())]
+    #[error("folder {} contains a previous {noun}", .path.display())]
     Previous {
         /// The folder.
         path: PathBuf,
@@ -14,7 +14,7 @@ pub enum SinkError {
         noun: &'static str,
     },
     /// The folder contains something else, so nothing in it may be replaced.
-    #[error("folder {} holds files that are not a {noun}", .path.display())]
+    #[error("folder {} contains files that are not a {noun}", .path.display())]
     FolderNotEmpty {
         /// The folder.
         path: PathBuf,

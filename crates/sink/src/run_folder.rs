@@ -64,7 +64,7 @@ pub struct RunFolder {
 impl RunFolder {
     /// Prepares a folder for a run and writes `run_toml`, which describes how the run is made.
     ///
-    /// A folder that holds a previous run is refused, or with [`RunOptions::overwrite`] its files are removed first.
+    /// A folder that contains a previous run is refused, or with [`RunOptions::overwrite`] its files are removed first.
     /// A folder that holds anything else is always refused.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! The video of a run, read back by the reader of recordings' own rules: chunks of JPEG pictures in AVI.
 
-#![expect(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![expect(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 mod synthetic;
 

@@ -1,6 +1,6 @@
 //! The picture of a run.
 
-#![expect(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![expect(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 mod synthetic;
 
@@ -65,7 +65,7 @@ fn contact_is_outlined_and_the_force_read_out() {
 
 #[test]
 fn depth_and_force_are_drawn_over_time_where_they_are_known() {
-    /// Whether a column of plots below the legends holds a colour.
+    /// Whether a column of plots below the legends contains a colour.
     fn holds(picture: &Image<[u8; 3]>, column: usize, colour: [u8; 3]) -> bool {
         let lowest = picture.height() - 230;
         (lowest..picture.height()).any(|y| (column * 533..(column + 1) * 533).any(|x| picture.at(x, y) == colour))

@@ -1,6 +1,6 @@
 //! The folder of a run, written and read back.
 
-#![expect(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![expect(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 mod synthetic;
 
@@ -199,11 +199,11 @@ fn writing_a_reading_allocates_nothing() {
     assert_eq!(allocations.count_total, 0, "{allocations:?}");
 }
 
-/// A file system of 64 KiB, taken away again when dropped.
+/// A file system of 64 KiB, unmounted when dropped.
 struct SmallDisk<'a>(&'a Path);
 
 impl<'a> SmallDisk<'a> {
-    /// Mounting needs rights that not every machine gives.
+    /// `None` without the rights to mount it.
     fn mount(path: &'a Path) -> Option<Self> {
         let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"]).arg(path).output();
         mounted.is_ok_and(|output| output.status.success()).then_some(Self(path))

@@ -1,4 +1,4 @@
-//! A camera from a sliding board, and recordings that give none.
+//! `calibrate camera`: fits to a sliding board, and recordings that are refused.
 
 use std::fmt::Write;
 use std::fs;
@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::workbench::{Workbench, save};
 
-/// A board of few pixels that slides by 0.5 mm, or by more and turns, as the keyframe says.
+/// A board in small images. The keyframe gives its motion: a slide in steps of 0.5 mm, or larger steps and a rotation.
 fn scene(keyframe: &str) -> String {
     format!(
         "[camera]\nfocal_length_px = [133.0, 133.0]\nrotation_rad = [0.06, -0.04, 0.02]\n\
@@ -76,7 +76,7 @@ fn a_board_gives_the_camera_and_the_profile_keeps_the_rest() {
 }
 
 #[test]
-fn the_report_says_what_a_slide_does_not_tell() {
+fn the_report_names_what_a_slide_does_not_determine() {
     let bench = board(ALONG_X);
     let ended = bench.run("calibrate camera board/frames --step-mm 0.5 --profile new.toml --start published");
     let ended = ended.expect_done();
@@ -129,7 +129,7 @@ fn a_recording_in_the_wrong_order_is_named() {
 }
 
 #[test]
-fn a_slide_that_is_not_the_one_that_is_told_is_named() {
+fn a_slide_that_differs_from_the_given_one_is_refused() {
     let bench = board(ALONG_X);
     refused(&bench, "--direction y", "moves towards 1° in the image, not towards 90°", "--direction x, y or degrees");
     let known = "--prior distance_mm=25±0.5 --prior focal_length_px=133±2";

@@ -1,4 +1,4 @@
-//! Presses of known depth, and what `calibrate depth` makes of them.
+//! `calibrate depth` with presses of known depth.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -146,7 +146,7 @@ fn a_press_that_is_none_is_named_and_the_profile_stays_as_it_was() {
 }
 
 #[test]
-fn a_recording_that_begins_pressed_is_told_by_its_images() {
+fn a_recording_that_begins_pressed_is_recognised_from_its_images() {
     let bench = bench();
     let folder = bench.folder("released");
     for frame in 0..FRAMES {

@@ -1,4 +1,4 @@
-//! Presses of known depth and force, and what `calibrate gel` makes of them.
+//! `calibrate gel` with presses of known depth and force.
 
 use std::fs;
 

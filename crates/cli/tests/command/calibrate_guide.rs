@@ -1,4 +1,4 @@
-//! `calibrate` alone: a person is led from an empty folder to a profile.
+//! `calibrate` without a subcommand: guides the user from an empty folder to a profile.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::workbench::{Ended, Workbench, save};
 
-/// A camera of few pixels before whatever moves.
+/// A scene with a small image; `rest` is the other part of the scene.
 fn scene(rest: &str) -> String {
     format!(
         "[camera]\nfocal_length_px = [133.0, 133.0]\nrotation_rad = [0.03, -0.02, 0.01]\n\

@@ -1,4 +1,4 @@
-//! Recordings and folders that are not well: one clear line with a hint, and what was written stays readable.
+//! Damaged recordings and folders: one clear error line with a hint, and files that were written remain readable.
 
 use std::fs;
 use std::path::Path;
@@ -136,7 +136,7 @@ fn a_folder_that_cannot_be_written_is_named() {
     bench.press(2);
     bench.write("taken", "a file");
     bench.run("track press --out taken/run").expect_failure("taken/run", "choose another");
-    bench.run("track press --out press").expect_failure("press holds files that are not a run", "choose a new");
+    bench.run("track press --out press").expect_failure("press contains files that are not a run", "choose a new");
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn a_previous_run_is_replaced_only_when_asked() {
     let bench = Workbench::new();
     bench.press(3);
     bench.run("track press --out run").expect_done();
-    bench.run("track press --out run").expect_failure("run holds a previous run", "--overwrite");
+    bench.run("track press --out run").expect_failure("run contains a previous run", "--overwrite");
     fs::remove_file(bench.path("press/0002.png")).unwrap();
     bench.run("track press --out run --overwrite").expect_done();
     bench.expect_run_of(2);

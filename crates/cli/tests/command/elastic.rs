@@ -1,4 +1,4 @@
-//! Tracking with a profile that knows camera and gel: depth is elastic, with contact, displacement and force.
+//! Tracking with a profile of camera and gel: depth from elasticity, with contact, displacement and force.
 
 use std::fs;
 
@@ -9,7 +9,7 @@ use crate::workbench::Workbench;
 const SENSOR: &str = "[camera]\nfocal_length_px = [128.0, 128.0]\nprincipal_point_px = [63.5, 47.5]\n\
                       translation_mm = [0.0, 0.0, 25.0]\n\
                       [gel]\nsize_mm = [30.0, 30.0]\nthickness_mm = 10.0\npoissons_ratio = 0.48\n";
-/// A press that is solved in a second, seen by few pixels.
+/// A press that is solved in a second, in small images.
 const PRESS: &str = "[indenter]\nshape = 'sphere'\nradius_mm = 8.0\n\
     [motion]\nframes = 4\nkeyframes = [{ at = 3, depth_mm = 1.5 }]\n\
     [mesh]\nresolution = 'draft'\n\

@@ -1,4 +1,4 @@
-//! A tracked press against its truth, and what cannot be compared.
+//! A tracked press compared with its truth, and comparisons that are refused.
 
 use std::fs;
 

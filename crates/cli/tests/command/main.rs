@@ -1,6 +1,6 @@
-//! The real command in a fresh folder: what it writes, what it says, and how it fails.
+//! Runs the real command in a new folder and checks its files, messages and errors.
 
-#![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![allow(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 mod calibrate_camera;
 mod calibrate_depth;

@@ -40,7 +40,7 @@ fn the_demo_replaces_only_its_own_folder() {
     let bench = Workbench::new();
     bench.run("simulate board --frames 2 --truth-only --out mine/simulation").expect_done();
     let refused = bench.run("demo --out mine");
-    refused.expect_failure("mine/simulation holds a previous simulation", "choose a new folder");
+    refused.expect_failure("mine/simulation contains a previous simulation", "choose a new folder");
 }
 
 #[test]

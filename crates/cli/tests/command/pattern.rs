@@ -1,4 +1,4 @@
-//! Patterns from the command line: what is written, what is said, and what is refused.
+//! Patterns from the command line: files, messages and errors.
 
 use std::fs;
 

@@ -16,7 +16,7 @@ fn json(ended: &Ended) -> Value {
 }
 
 #[test]
-fn a_new_profile_holds_what_is_known_and_says_what_is_not() {
+fn a_new_profile_contains_the_known_values_and_explains_the_others() {
     let bench = Workbench::new();
     let ended = bench.run(&format!("profile new --out sensor.toml {KNOWN}")).expect_done();
     assert!(ended.errors.contains("note: no gel.youngs_modulus_mpa: no force"), "{}", ended.errors);
@@ -30,7 +30,7 @@ fn a_new_profile_holds_what_is_known_and_says_what_is_not() {
 }
 
 #[test]
-fn a_new_profile_replaces_none_unless_told() {
+fn a_new_profile_replaces_a_file_only_on_request() {
     let bench = Workbench::new();
     bench.run("profile new --out sensor.toml").expect_done();
     let ended = bench.run("profile new --out sensor.toml --thickness-mm 8 --gel-size-mm 20,20");
@@ -55,7 +55,7 @@ fn a_new_profile_that_cannot_be_is_not_written() {
 }
 
 #[test]
-fn what_is_shown_says_what_is_switched_on() {
+fn show_lists_the_quantities_that_a_profile_enables() {
     let bench = Workbench::new();
     bench.run(&format!("profile new --out sensor.toml {KNOWN}")).expect_done();
     let text = bench.run("profile show sensor.toml").expect_done().out;

@@ -1,4 +1,4 @@
-//! What a command refuses before it works: settings without effect, files that are there, folders that are in use.
+//! What a command refuses before it starts: settings without effect, existing files, folders in use.
 
 use std::fs::{self, File};
 
@@ -76,11 +76,13 @@ fn a_report_is_replaced_only_when_asked() {
     let bench = Workbench::new();
     bench.folder("report");
     bench.write("report/mine.txt", "mine");
-    bench.run("reproduce --quick --out report").expect_failure("holds files that are not a report", "an empty folder");
+    bench
+        .run("reproduce --quick --out report")
+        .expect_failure("contains files that are not a report", "an empty folder");
     bench.folder("earlier");
     bench.write("earlier/report.html", "an earlier one");
     let ended = bench.run("evaluate --benchmark --quick --out earlier");
-    ended.expect_failure("holds a previous report", "--overwrite");
+    ended.expect_failure("contains a previous report", "--overwrite");
 }
 
 #[test]

@@ -78,9 +78,9 @@ fn an_entry_without_results_is_refused_before_anything_is_solved() {
 }
 
 #[test]
-fn what_the_tracker_is_told_is_checked_before_anything_is_solved() {
+fn settings_of_the_tracker_are_checked_before_anything_is_solved() {
     let bench = Workbench::new();
-    let told = |key: &str| bench.run(&format!("evaluate --benchmark --quick --out bench --overwrite --set {key}"));
-    told("elastic.netwrok=false").expect_failure("elastic.netwrok", "elastic.network");
-    told("gel.thickness_mm=-1").expect_failure("gel.thickness_mm = -1", "mm");
+    let set = |key: &str| bench.run(&format!("evaluate --benchmark --quick --out bench --overwrite --set {key}"));
+    set("elastic.netwrok=false").expect_failure("elastic.netwrok", "elastic.network");
+    set("gel.thickness_mm=-1").expect_failure("gel.thickness_mm = -1", "mm");
 }

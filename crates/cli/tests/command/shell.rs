@@ -16,7 +16,7 @@ fn every_shell_gets_completions() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let text = bench.run(&format!("completions {shell}")).expect_done().out;
         for word in ["calibrate", "overwrite", "skip-bad-frames"] {
-            assert!(text.contains(word), "{shell} is not told of {word}");
+            assert!(text.contains(word), "the completions for {shell} do not contain {word}");
         }
         if !["bash", "zsh", "fish"].contains(&shell) {
             continue;

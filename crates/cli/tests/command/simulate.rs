@@ -1,4 +1,4 @@
-//! Scenes into folders, and scenes that are tracked as they are simulated.
+//! Scenes that are simulated into folders, and scenes that are tracked while they are simulated.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use crate::workbench::{Ended, Workbench};
 
-/// A press that is solved in no time, seen by few pixels.
+/// A press that is solved quickly, in small images.
 const PRESS: &str = "[indenter]\nshape = 'sphere'\nradius_mm = 8.0\n\
     [motion]\nframes = 4\nkeyframes = [{ at = 3, depth_mm = 1.5 }]\n\
     [mesh]\ncells = [12, 12, 3]\n\
@@ -52,7 +52,7 @@ fn force(bench: &Workbench, frame: usize) -> [f64; 3] {
 }
 
 #[test]
-fn the_folder_is_laid_out_as_it_is_told() {
+fn the_folder_has_the_documented_files() {
     let bench = pressed("");
     let expected = [
         "frames/000000.png",
@@ -112,7 +112,7 @@ fn a_scene_gives_the_same_bytes_again() {
 }
 
 #[test]
-fn a_press_is_solved_once_whatever_is_seen_of_it() {
+fn a_solved_press_is_taken_from_the_cache() {
     let bench = pressed("");
     let press = |options: &str| {
         let ended = bench.run(&format!("simulate press.toml --out sim --overwrite --json {options}")).expect_done();
@@ -265,7 +265,7 @@ fn what_cannot_be_is_named_before_anything_is_written() {
         ("circle --set gel.thickness_mm=0", "gel.thickness_mm = 0.0 is impossible", "above 0 mm"),
         ("circle --set indenter.radius_mm=16", "indenter.radius_mm = 16", "smaller indenter"),
         ("circle --set motion.keyframes=[{at=1,depth_mm=-1}]", "motion.keyframes[0].depth_mm = -1.0", "0 mm or more"),
-        ("circle --set motion.depth=2", "unknown key motion.depth", "motion knows"),
+        ("circle --set motion.depth=2", "unknown key motion.depth", "motion has the keys"),
         ("circle --frames 1", "motion.frames = 1 is impossible", "2 to 100000"),
     ] {
         bench.run(&format!("simulate {arguments} --out sim")).expect_failure(error, hint);
@@ -276,7 +276,7 @@ fn what_cannot_be_is_named_before_anything_is_written() {
 #[test]
 fn a_previous_simulation_is_replaced_only_when_asked() {
     let bench = pressed("--set motion.frames=5");
-    bench.run("simulate press.toml --out sim").expect_failure("sim holds a previous simulation", "--overwrite");
+    bench.run("simulate press.toml --out sim").expect_failure("sim contains a previous simulation", "--overwrite");
     bench.run("simulate press.toml --out sim --overwrite").expect_done();
     assert_eq!(fs::read_dir(bench.path("sim/frames")).unwrap().count(), 4, "no frame of the longer one is left");
     bench.folder("other");

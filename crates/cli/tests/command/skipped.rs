@@ -1,4 +1,4 @@
-//! Frames that cannot be read, left out.
+//! Frames that cannot be read are skipped.
 
 use std::fs;
 

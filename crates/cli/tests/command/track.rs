@@ -1,4 +1,4 @@
-//! What `track` writes for recordings that are well.
+//! The files that `track` writes for recordings without faults.
 
 use std::fs;
 
@@ -98,7 +98,7 @@ fn depth_asked_for_but_not_calibrated_is_an_error() {
 }
 
 #[test]
-fn elastic_depth_says_what_it_lacks() {
+fn elastic_depth_names_the_missing_values() {
     let bench = Workbench::new();
     bench.press(2);
     let ended = bench.run("track press --out run --set depth.method=elastic");
@@ -204,7 +204,7 @@ fn a_uniform_image_is_flagged() {
 }
 
 #[test]
-fn a_frame_that_shows_something_else_is_flagged_and_tracking_recovers() {
+fn a_frame_with_another_pattern_is_flagged_and_tracking_recovers() {
     let bench = Workbench::new();
     let folder = bench.folder("press");
     for frame in 0..10 {

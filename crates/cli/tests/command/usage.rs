@@ -1,4 +1,4 @@
-//! How the command explains itself, and what it makes of wrong usage.
+//! Help texts, and errors for wrong usage.
 
 use std::fs;
 use std::process::Stdio;

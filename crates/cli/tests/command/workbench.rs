@@ -1,4 +1,4 @@
-//! A fresh folder with recordings to make, the command to run in it, and its results to read.
+//! A new folder for a test: makes recordings in it, runs the command, and reads the results.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! What a run writes beside its arrays, and how large it is.
+//! The files of a run other than its arrays, and the size of a run.
 
 use std::fs;
 

@@ -65,7 +65,7 @@ fn every_table_is_read() {
 }
 
 #[test]
-fn what_is_left_out_is_the_default_sensors() {
+fn missing_values_are_those_of_the_default_sensor() {
     let scene = Scene::from_toml("").unwrap();
     assert_eq!(scene, Scene::default());
     let gel = GelBlock { size_mm: [30.0; 2], thickness_mm: 10.0, poissons_ratio: 0.48, youngs_modulus_mpa: Some(0.6) };
@@ -113,7 +113,7 @@ fn an_unknown_key_is_named_with_its_line_and_a_like_one() {
     );
     let (error, hint) = refusal("[lens]");
     assert_eq!(error, "line 1: unknown key lens");
-    assert!(hint.starts_with("a scene knows name, about, camera"), "{hint}");
+    assert!(hint.starts_with("a scene has the keys name, about, camera"), "{hint}");
     let (error, _) = refusal("[motion]\nkeyframes = [\n{ at = 1 },\n{ at = 2, dept_mm = 1 }]");
     assert_eq!(error, "line 4: unknown key motion.keyframes[1].dept_mm");
     let (error, hint) = refusal("[indenter]\nshape = 'circle'\nradius_mm = 3\nside_mm = 4");

@@ -111,9 +111,12 @@ fn an_unknown_key_is_named_with_its_line_and_a_like_one() {
     assert_eq!(hint, "did you mean flow.finest_level?");
     let (error, hint) = refusal("[contacts]");
     assert_eq!(error, "line 1: unknown key contacts");
-    assert_eq!(hint, "a profile knows name, image, camera, gel, depth, flow, references, density, elastic");
+    assert_eq!(hint, "a profile has the keys name, image, camera, gel, depth, flow, references, density, elastic");
     let (error, hint) = refusal("[depth]\nzzz = 1");
-    assert_eq!((error.as_str(), hint.as_str()), ("line 2: unknown key depth.zzz", "depth knows method, density"));
+    assert_eq!(
+        (error.as_str(), hint.as_str()),
+        ("line 2: unknown key depth.zzz", "depth has the keys method, density")
+    );
 }
 
 #[test]
@@ -244,7 +247,7 @@ fn values_that_belong_together_are_set_together() {
 }
 
 #[test]
-fn a_path_that_leads_nowhere_is_refused_and_changes_nothing() {
+fn an_unknown_path_is_refused_and_changes_nothing() {
     let mut profile = Profile::default();
     for (path, value, expected) in [
         ("flow.finest_levl", "1", "unknown key flow.finest_levl"),
