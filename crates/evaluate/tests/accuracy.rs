@@ -1,4 +1,4 @@
-//! The tracker is as accurate as it is asked to be: no figure of the accuracy tables is short.
+//! The tracker is as accurate as required: every figure of the accuracy tables meets its required value.
 
 use fingervision_evaluate::recordings::{Recordings, measure_pairs};
 use fingervision_evaluate::{Table, pairs, sequences};
@@ -35,7 +35,7 @@ fn recorded_pairs_meet_their_figures() {
 fn sequences_meet_their_figures_and_are_never_worse_than_a_single_reference() {
     let table = sequences::measure(&sequences::POLICIES[..2]).unwrap();
     assert_met(&table);
-    // The one sequence in which the two do not refer to the same image has a single one look at a pressed gel.
+    // In one sequence the two policies do not use the same reference: there `single` has a pressed gel as reference.
     for row in table.rows.iter().filter(|row| !row.name.starts_with("pressed at start")) {
         let [anchored, single] = row.values[..] else { panic!("{row:?}") };
         assert!(anchored <= single + 1e-4, "{}: {anchored} px anchored, {single} px single", row.name);

@@ -1,6 +1,6 @@
 //! The noise that a pattern's trackability predicts, against the noise of the flow that is measured on rendered frames.
 
-#![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![allow(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowParams, Start};
 use fingervision_gel::{Coupling, Light, Motif, Motion, Pattern, Sheet, SheetRenderer, View, trackability};
@@ -11,12 +11,12 @@ const BORDER_PX: usize = 16;
 const NOISE_LEVELS: f64 = 2.0;
 /// Frames of one motion, each with noise of its own.
 const REPEATS: u64 = 3;
-/// Estimates on top of each other, until their steps have died out.
+/// Number of estimates, each starting from the one before, until the steps have converged.
 const PASSES: usize = 4;
-/// Sides of the cells, px; a pixel sees 1 mm.
+/// Sides of the cells, px; a pixel is 1 mm wide on the gel.
 const CELLS_PX: [f64; 7] = [0.8, 1.2, 1.6, 2.4, 4.0, 7.0, 12.0];
 
-/// What a mean of red, green and blue has of their noise.
+/// Noise of the mean of red, green and blue, relative to the noise of one channel.
 fn noise_levels(colour: bool) -> f64 {
     let luma = [0.299_f64, 0.587, 0.114].map(|weight| weight * weight).iter().sum::<f64>().sqrt();
     if colour { NOISE_LEVELS } else { luma * NOISE_LEVELS }
@@ -70,7 +70,7 @@ impl Bench {
         estimate
     }
 
-    /// Standard deviation of the flow along either axis, px: how much frames of one motion differ.
+    /// Standard deviation of the flow along either axis, px: the differences between frames of one motion.
     fn measured(&mut self, motion: &Motion, first_seed: u64) -> f64 {
         let flows: Vec<_> = (0..REPEATS).map(|k| self.flow(motion, first_seed + k)).collect();
         let (mut sum, mut count) = (0.0, 0.0);
@@ -92,7 +92,7 @@ fn spread(flows: &[Estimate], component: impl Fn(&Estimate) -> &Image<f32>, x: u
     values().map(|value| (value - mean).powi(2)).sum::<f64>() / (flows.len() - 1) as f64
 }
 
-/// Places in the order of size.
+/// Ranks of the values.
 fn ranks(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| values.iter().filter(|other| *other < value).count() as f64).collect()
 }

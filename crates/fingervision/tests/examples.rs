@@ -1,4 +1,4 @@
-//! The examples run, as `cargo test` built them, and say what they promise.
+//! Runs the examples, as built by `cargo test`, and checks their output.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 

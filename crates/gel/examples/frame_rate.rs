@@ -1,4 +1,4 @@
-//! How fast are frames drawn? Prints the time a frame takes, 640×480 in colour with all effects, one thread.
+//! Prints the time to render a frame: 640×480 px in colour with all effects, one thread.
 //!
 //! `cargo run --release -p fingervision-gel --example frame_rate`
 

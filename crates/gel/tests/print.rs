@@ -1,6 +1,6 @@
-//! Printed patterns, read back: sizes, places and colours are those that were asked for.
+//! Printed patterns, read back: sizes, positions and colours are the requested ones.
 
-#![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![allow(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 use std::collections::HashMap;
 
@@ -22,7 +22,7 @@ fn colour(size_mm: [f64; 2]) -> Print {
     print(Motif::Colour { cell_mm: 0.1 }, size_mm)
 }
 
-/// The cells that a pattern has, from its texture.
+/// The cells of a pattern, from its texture.
 fn cells(motif: Motif, size_mm: [f64; 2]) -> Image<[u8; 3]> {
     let texture = pattern(motif).texture(size_mm).unwrap();
     let (columns, rows) = texture.cells().size();
@@ -85,7 +85,7 @@ fn a_pdf_shows_the_cells_at_their_size() {
         .map(|line| line.split_whitespace().map(|field| field.parse().unwrap()).collect())
         .collect();
     let [page, image] = &transforms[..] else { panic!("{transforms:?}") };
-    // Where a point of the image's unit square comes to lie on the page, mm from the upper left corner.
+    // Position on the page of a point of the image's unit square, mm from the upper left corner.
     let place = |x: f64, y: f64| {
         let (x, y) = (image[0] * x + image[4], image[3] * y + image[5]);
         let (x, y) = (page[0] * x + page[4], page[3] * y + page[5]);

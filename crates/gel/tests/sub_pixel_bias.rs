@@ -1,4 +1,4 @@
-//! A rendered shift, measured again from the images, is the shift that was asked for: no sub-pixel bias.
+//! The shift measured in rendered images is the requested one: no sub-pixel bias.
 
 mod lanczos;
 
@@ -6,7 +6,7 @@ use fingervision_gel::{Motion, Sheet, SheetRenderer};
 use fingervision_image::Image;
 use lanczos::{REACH, weights};
 
-/// Half the step of the difference quotient that stands for the gradient, px.
+/// Half the step of the difference quotient that is used as gradient, px.
 const HALF_STEP: f64 = 1e-3;
 
 type Colours = Image<[f32; 3]>;
@@ -70,7 +70,7 @@ fn a_shift_is_rendered_without_sub_pixel_bias() {
         let truth = <[f64; 2]>::from(motion.displacement(0.0, 0.0));
         let found = measured_shift(&reference, &current, truth.map(|shift| shift + 0.05), 14);
         let bias = [found[0] - truth[0], found[1] - truth[1]];
-        // What optics and pixel leave above the Nyquist frequency cannot be interpolated; 0.0004 px were found.
+        // The part of the image above the Nyquist frequency cannot be interpolated. Measured: 0.0004 px.
         assert!(bias.iter().all(|bias| bias.abs() < 0.001), "shift {truth:?} px, found {found:?} px");
     }
 }

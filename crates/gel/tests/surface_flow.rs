@@ -17,10 +17,10 @@ const SIZE: (usize, usize) = (200, 160);
 /// Pixels at the image's border that are left out: the interpolation's reach and the largest flow.
 const BORDER: usize = 30;
 
-/// Half the step of the difference quotient that stands for the gradient, px.
+/// Half the step of the difference quotient that is used as gradient, px.
 const HALF_STEP: f64 = 1e-3;
 
-/// The default sensor's camera, seeing less of the gel.
+/// The default sensor's camera, with a smaller field of view.
 fn camera(distortion: Distortion) -> Camera {
     let params = CameraParams {
         focal_length_px: [400.0; 2],
@@ -53,7 +53,7 @@ fn bump(x: f64, y: f64) -> [f64; 3] {
     [0.1 * x * height, 0.1 * y * height, height]
 }
 
-/// The same light everywhere, so that an image and another differ by the motion only.
+/// The same light everywhere, so that two images differ only by the motion.
 fn params() -> RenderParams {
     RenderParams { width: SIZE.0, height: SIZE.1, shading: 0.0, vignetting: 0.0, ..RenderParams::default() }
 }
@@ -79,7 +79,7 @@ fn sample(image: &Colours, place: [f64; 2]) -> [f64; 3] {
     total
 }
 
-/// Every pixel of the reference that the tests look at, and where its point now is.
+/// Every pixel of the reference that is tested, and the current position of its point.
 fn moved_pixels(truth: &Truth) -> impl Iterator<Item = ((usize, usize), [f64; 2])> {
     let inside = (BORDER..SIZE.1 - BORDER).flat_map(|y| (BORDER..SIZE.0 - BORDER).map(move |x| (x, y)));
     inside.filter(|&(x, y)| truth.visible.at(x, y) == 1).map(|(x, y)| {
@@ -88,8 +88,7 @@ fn moved_pixels(truth: &Truth) -> impl Iterator<Item = ((usize, usize), [f64; 2]
     })
 }
 
-/// By how much the motion between two images differs from the truth, px: one Gauss–Newton step of least squares, which
-/// starts where the answer should be.
+/// Difference between the motion in two images and the truth, px: one Gauss–Newton step, starting from the truth.
 fn bias((reference, current, truth): &(Colours, Colours, Truth)) -> [f64; 2] {
     let [mut xx, mut xy, mut yy, mut bx, mut by] = [0.0; 5];
     for ((x, y), [px, py]) in moved_pixels(truth) {
@@ -120,7 +119,7 @@ fn assert_unbiased(camera: &Camera, displacement_mm: [f64; 3]) {
 
 #[test]
 fn a_sliding_surface_is_rendered_without_sub_pixel_bias() {
-    // A pixel sees 0.0625 mm.
+    // A pixel is 0.0625 mm wide on the gel.
     for px in [0.1, 0.25, 0.5, 0.9, 2.3] {
         assert_unbiased(&camera(Distortion::default()), [0.0625 * px, -0.0625 * 0.7 * px, 0.0]);
     }
@@ -141,7 +140,7 @@ fn a_distorting_lens_leaves_no_sub_pixel_bias() {
     }
 }
 
-/// What remains between the reference and an image brought back by the truth: mean square in grey levels squared.
+/// Mean square of the difference between the reference and an image warped back with the truth, grey levels squared.
 fn residual(reference: &Colours, current: &Colours, truth: &Truth) -> f64 {
     let [mut sum, mut count] = [0.0; 2];
     for ((x, y), place) in moved_pixels(truth) {
@@ -152,8 +151,9 @@ fn residual(reference: &Colours, current: &Colours, truth: &Truth) -> f64 {
     sum / count
 }
 
-/// The press magnifies the pattern by up to 8 %, so the pressed image is sharper than the reference by as much. What
-/// remains without noise, 1.9 levels at cells of 1.6 px and 1.2 at cells of 4.8 px, is that; noise explains the rest.
+/// The press magnifies the pattern by up to 8 %, so the pressed image is sharper than the reference by the same factor.
+/// This causes the difference without noise: 1.9 levels for cells of 1.6 px, 1.2 for cells of 4.8 px. The rest is
+/// noise.
 #[test]
 fn the_truth_brings_a_pressed_image_back_to_the_reference() {
     let camera = camera(Distortion::default());
@@ -173,7 +173,7 @@ fn the_truth_brings_a_pressed_image_back_to_the_reference() {
             noisy.sqrt()
         );
         assert!(clean.sqrt() < sharper, "cells of {cell_mm} mm: {} levels remain", clean.sqrt());
-        // A deviation of 2 levels and rounding, less what the interpolation's low-pass takes of it.
+        // Noise of 2 levels and rounding, reduced by the low-pass of the interpolation.
         let noise = noisy - clean;
         assert!((3.5..4.2).contains(&noise), "cells of {cell_mm} mm: {noise} levels squared are of the noise");
     }

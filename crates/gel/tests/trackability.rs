@@ -1,6 +1,7 @@
-//! The trackability of patterns: the bound is what an ideal estimator reaches, and it says which pattern to print.
+//! The trackability of patterns: an ideal estimator reaches the predicted bound, and the bound shows which pattern to
+//! print.
 
-#![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![allow(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 use fingervision_gel::{
     Coupling, Light, Motif, Motion, Pattern, PatternError, Sheet, SheetRenderer, Trackability, View, trackability,
@@ -10,7 +11,7 @@ use fingervision_image::Image;
 const MM_PER_PX: f64 = 0.0625;
 const SIZE_PX: [usize; 2] = [240, 240];
 const PATCH_PX: usize = 16;
-/// Pairs of frames to find the deviation of: 900 patches tell it to 2.4 %.
+/// Number of pairs of frames for the deviation: with 900 patches it is accurate to 2.4 %.
 const PAIRS: u64 = 4;
 
 fn view() -> View {
@@ -72,8 +73,8 @@ impl Bench {
         [(yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant]
     }
 
-    /// Root mean square of what least squares finds between noisy frames at rest, patch by patch, px. The gradients have
-    /// no noise, so the noise of the difference is all there is.
+    /// Root mean square of the displacement that least squares finds between noisy frames at rest, patch by patch, px.
+    /// The gradients have no noise, so only the noise of the difference has an effect.
     fn deviation(&self) -> [f64; 2] {
         let (mut squares, mut count) = ([0.0; 2], 0.0);
         for pair in 0..PAIRS {
@@ -119,7 +120,7 @@ fn noise_and_contrast_scale_the_deviation() {
     let expected = ((36.0 + 1.0 / 12.0_f64) / (4.0 + 1.0 / 12.0)).sqrt();
     let ratio = noisy.deviation_px[1] / base.deviation_px[1];
     assert!((ratio / expected - 1.0).abs() < 1e-9, "{ratio}, expected {expected}");
-    // Three channels know at least √3 times as much as their weighted mean.
+    // The bound of three channels is at least √3 times lower than that of their weighted mean.
     let grey = trackability(&pattern, &View { colour: false, ..view() }).unwrap();
     assert!(grey.deviation_px[0] > 1.7 * base.deviation_px[0]);
 }
@@ -153,7 +154,7 @@ fn a_coupled_tracker_profits_where_texture_is_poor() {
 }
 
 #[test]
-fn a_camera_that_sees_no_gel_is_told_so() {
+fn a_camera_that_sees_no_gel_is_reported() {
     let error = trackability(&colour(0.2), &View { gel_mm: [1.0, 1.0], ..view() }).unwrap_err();
     assert_eq!(error, PatternError::NotSeen);
     assert!(View::straight_on(SIZE_PX, 0.0).is_err() && View::straight_on(SIZE_PX, f64::NAN).is_err());

@@ -94,7 +94,7 @@ impl Lens {
     }
 
     /// The direction whose distortion is `distorted`, by Newton's method with steps shortened until the residual falls;
-    /// none if there is no such direction in its range.
+    /// `None` if no direction in the lens's range has this distortion.
     pub(crate) fn undistort(&self, distorted: [f64; 2]) -> Option<[f64; 2]> {
         if self.is_pinhole {
             return distorted.iter().all(|value| value.is_finite()).then_some(distorted);

@@ -4,7 +4,7 @@ use fingervision_flow::FlowField;
 use fingervision_image::Image;
 use fingervision_plot::{Comparison, FramePlot, INVALID_COLOUR, Pair};
 
-/// A round press and what was made of it.
+/// A round press: truth and estimate.
 struct Press {
     truth: Image<f32>,
     estimate: Image<f32>,

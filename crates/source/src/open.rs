@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn content_is_told_by_the_first_bytes() {
+    fn content_is_recognised_by_the_first_bytes() {
         assert_eq!(content(b"\0\0\0\x20ftypisom"), Content::Mp4);
         assert_eq!(content(b"RIFF\x10\0\0\0AVI LIST"), Content::Avi);
         assert_eq!(content(b"\x89PNG\r\n\x1a\n"), Content::Image);

@@ -1,4 +1,5 @@
-//! Videos cut off and with flipped bytes, everywhere: an error or frames, never a panic, never a silent loss.
+//! Videos that are cut off or have flipped bytes, at every position: an error or frames, never a panic or a silent
+//! loss.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
@@ -77,7 +78,7 @@ fn a_cut_names_the_file_and_the_first_frame_that_is_missing() {
 }
 
 #[test]
-fn an_mp4_without_its_index_says_so() {
+fn an_mp4_without_its_index_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("clip.mp4");
     let whole = fs::read(clip("b_frames.mp4")).unwrap();

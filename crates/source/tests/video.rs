@@ -1,4 +1,4 @@
-//! Video files against `FFmpeg`'s own decoding of them, and what is not read.
+//! Video files compared with the output of `FFmpeg`, and files that are refused.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 

@@ -1,5 +1,5 @@
-//! What a tracker tells with elastic depth: which fields, of which size, and when none.
-#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+//! The fields of a reading with elastic depth: which are computed, their sizes, and when they are absent.
+#![expect(clippy::unwrap_used, reason = "a failed step ends the test")]
 
 use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Frame, Pixels};

@@ -1,5 +1,5 @@
 //! Depth, contact and force from elasticity, against presses whose truth is known.
-#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+#![expect(clippy::unwrap_used, reason = "a failed step ends the test")]
 
 use std::f32::consts::TAU;
 use std::ops::ControlFlow;
@@ -115,7 +115,7 @@ fn a_ball_that_slides_is_found_with_its_force() {
 #[test]
 fn a_face_that_slides_and_spreads_is_not_taken_for_one_that_sticks() {
     let mut press = stuck_circle();
-    // As gel does that spreads evenly under a face: it grows in the image by another tenth, as if it came closer.
+    // Like gel that spreads evenly under a face: in the image it grows by another tenth, as if it came closer.
     for y in 0..SIZE.1 {
         for x in (0..SIZE.0).filter(|&x| press.contact.at(x, y) == 1) {
             let away = [x, y].map(|at| at as f32 - 119.5);
@@ -129,7 +129,7 @@ fn a_face_that_slides_and_spreads_is_not_taken_for_one_that_sticks() {
 }
 
 #[test]
-fn shear_is_told_from_the_face_that_drags() {
+fn shear_force_is_found_from_a_face_that_is_dragged() {
     let motion = "keyframes = [{ at = 2, depth_mm = 1.0 }, { at = 4, shear_mm = [1.0, 0.0] }]";
     let press = Press::new("shape = 'rectangle'\nsize_mm = [6.0, 6.0]", "stick", motion);
     let mut inverse = press.inverse(ElasticMode::Exact);
@@ -148,7 +148,7 @@ fn a_ball_that_is_dragged_is_not_taken_for_a_deeper_one() {
     let mut exact = press.inverse(ElasticMode::Exact);
     let (error_mm, overlap) = press.judge(exact.solve(&press.flow, &press.deviation, &press.valid));
     assert!(error_mm < 0.018 && overlap > 0.7, "{error_mm} mm, {overlap}");
-    // Live mode knows of drag from the frame before, and without it is 0.021 mm off.
+    // Live mode takes the motion of contact from the previous frame. Without that its error is 0.021 mm.
     let mut live = press.inverse(ElasticMode::Live);
     for _ in 0..8 {
         live.solve(&press.flow, &press.deviation, &press.valid);
@@ -194,7 +194,7 @@ fn a_camera_too_far_for_perspective_takes_no_depth_from_it() {
         translation_mm: press.camera.params().translation_mm.map(|length| 1000.0 * length),
         ..*press.camera.params()
     };
-    // A face that grows in the image by perspective would have to come a thousand times closer to so far a camera.
+    // With so distant a camera, a face would have to come a thousand times closer to grow in the image by perspective.
     press.camera = Camera::new(&far).unwrap();
     let mut inverse = press.inverse(ElasticMode::Exact);
     let depths = &inverse.solve(&press.flow, &press.deviation, &press.valid).depth_mm;
@@ -234,7 +234,7 @@ fn an_untouched_gel_has_no_depth() {
 #[test]
 fn gel_that_has_left_the_view_invents_no_contact() {
     let mut press = stuck_circle();
-    // Nothing of the pattern is left there to follow.
+    // No pattern is left there to be tracked.
     for y in 0..SIZE.1 {
         press.flow.u.row_mut(y)[..12].fill(-14.0);
         press.flow.v.row_mut(y)[..12].fill(6.0);
@@ -267,7 +267,7 @@ fn a_motion_that_no_press_makes_is_a_misfit() {
     };
     let valid = Image::filled(SIZE.0, SIZE.1, 1);
     assert!(inverse.solve(&flow, &press.deviation, &valid).is_misfit);
-    // A flow as uncertain as that says nothing about the gel.
+    // Flow with such a deviation contains no information about the gel.
     let uncertain = Image::filled(SIZE.0, SIZE.1, 6.0);
     let mut inverse = press.inverse(ElasticMode::Exact);
     assert!(!inverse.solve(&flow, &uncertain, &valid).is_misfit);
@@ -293,7 +293,7 @@ fn without_the_network_and_without_a_face_nothing_is_known() {
     let press = stuck_circle();
     let params = ElasticParams { network: false, ..ElasticParams::default() };
     let mut inverse = ElasticDepth::new(&press.camera, &press.gel, SIZE, &params).unwrap();
-    // No face is drawn out along x and together along y.
+    // No face is stretched along x and compressed along y.
     let flow = FlowField {
         u: Image::from_fn(SIZE.0, SIZE.1, |x, _| 0.1 * (x as f32 - 119.5)),
         v: Image::from_fn(SIZE.0, SIZE.1, |_, y| -0.1 * (y as f32 - 119.5)),

@@ -1,5 +1,5 @@
 //! From images of simulated presses to depth, force and flags.
-#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+#![expect(clippy::unwrap_used, reason = "a failed step ends the test")]
 
 use std::ops::ControlFlow;
 
@@ -10,7 +10,7 @@ use fingervision_touch::{Fields, Flag, Profile, Reading, Tracker};
 
 const FIELDS: Fields = Fields { depth: true, traction: true, ..Fields::NONE };
 
-/// A press on the draft mesh, and a tracker that knows its gel and camera.
+/// A press on the draft mesh, and a tracker with the profile of its gel and camera.
 struct Press {
     simulation: Simulation,
     profile: Profile,
@@ -38,7 +38,7 @@ impl Press {
         Tracker::new(&self.profile, self.simulation.size(), true, FIELDS).unwrap()
     }
 
-    /// Has a pose of the press tracked.
+    /// Tracks a pose of the press.
     fn show<'a>(&mut self, pose: usize, tracker: &'a mut Tracker) -> &'a Reading {
         let pixels: Pixels = self.simulation.frame(pose).unwrap().clone();
         let (sequence, capture_time_s) = (self.sequence, self.sequence as f64 / 90.0);
@@ -46,7 +46,7 @@ impl Press {
         tracker.track(&Frame { sequence, capture_time_s, pixels }).unwrap()
     }
 
-    /// Has the whole press tracked.
+    /// Tracks the whole press.
     fn show_all<'a>(&mut self, tracker: &'a mut Tracker) -> &'a Reading {
         for pose in 0..8 {
             self.show(pose, tracker);
@@ -61,7 +61,7 @@ fn touched(reading: &Reading) -> usize {
 }
 
 #[test]
-fn a_press_is_told_from_its_images() {
+fn depth_and_force_of_a_press_are_found_from_its_images() {
     let mut press = Press::of_a_ball("", 1.6);
     let mut tracker = press.tracker();
     let reading = press.show_all(&mut tracker).clone();
@@ -136,7 +136,7 @@ fn a_press_beyond_a_quarter_of_the_thickness_is_flagged() {
 }
 
 #[test]
-fn contact_at_the_border_of_the_view_is_flagged_and_told_as_far_as_it_is_seen() {
+fn contact_at_the_border_of_the_view_is_flagged_and_its_visible_part_is_reported() {
     let mut press = Press::of_a_ball("", 1.6);
     let size = press.simulation.size();
     let mut whole = press.tracker();

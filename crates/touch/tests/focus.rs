@@ -1,5 +1,5 @@
-//! Images that the reference does not explain are flagged: lost focus, another pattern, a covered lens.
-#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+//! Images that do not match the reference are flagged: lost focus, another pattern, a covered lens.
+#![expect(clippy::unwrap_used, reason = "a failed step ends the test")]
 
 use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Frame, Image, Pixels};
@@ -14,7 +14,7 @@ fn render(sheet: &Sheet, motion: &Motion, seed: u64) -> Image<[u8; 3]> {
     SheetRenderer::new(sheet).unwrap().render(motion, Light::EVEN, seed).unwrap()
 }
 
-/// The flags of images in a row.
+/// The flags of consecutive images.
 fn flags(images: impl IntoIterator<Item = Image<[u8; 3]>>) -> Vec<Flags> {
     let mut tracker = Tracker::new(&Profile::default(), SIZE, true, Fields::NONE).unwrap();
     let frames = (0..).zip(images);
@@ -26,7 +26,7 @@ fn flags(images: impl IntoIterator<Item = Image<[u8; 3]>>) -> Vec<Flags> {
         .collect()
 }
 
-/// A press in eight frames, the later ones blurred by this much more.
+/// A press in eight frames; the last ones have this additional blur.
 fn press(sheet: &Sheet, more_px: f64) -> Vec<Flags> {
     let bump = Motion::radial_bump(sheet.centre_px(), 5.0);
     let frames = (0..8_u32).map(|step| {

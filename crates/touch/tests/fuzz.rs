@@ -41,7 +41,7 @@ fn a_mutated_value_is_set_or_refused() {
     Parser { name: "set", form: Form::Text, files, inputs: 3000, most_bytes: MOST_BYTES }.run(|bytes| {
         let Ok(text) = std::str::from_utf8(bytes) else { return false };
         let mut profile = Profile::default();
-        // Which value fits which path is not the point.
+        // It does not matter which value fits which path.
         for path in paths {
             drop(profile.set(path, text));
         }

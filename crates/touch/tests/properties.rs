@@ -1,4 +1,4 @@
-//! What holds for every profile and every motion of the gel, for some drawn at random.
+//! Properties of every profile and of every motion of the gel, tested on random ones.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
@@ -47,7 +47,7 @@ fn profile() -> impl Strategy<Value = Profile> {
 }
 
 const SIZE: (usize, usize) = (96, 80);
-/// How far from the border the gel moves, px.
+/// Distance from the border at which the gel starts to move, px.
 const STILL_PX: f32 = 20.0;
 
 /// Motion that fades out towards the border: waves of up to 4 px, half as long as the image and longer.

@@ -1,5 +1,5 @@
 //! The tracker on rendered streams with exact truth.
-#![expect(clippy::unwrap_used, reason = "a test ends at the first thing that is wrong")]
+#![expect(clippy::unwrap_used, reason = "a failed step ends the test")]
 
 use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Frame, Image, Pixels};

@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_found_again_whatever_its_slope() {
+    fn the_fit_finds_a_line_of_any_slope() {
         for (slope, intercept) in [(15.2, -0.4), (-3.0, 1000.0), (1e-6, 0.0)] {
             let points: Vec<_> = (0..5).map(|i| f64::from(i) * 0.01).map(|x| [x, slope * x + intercept]).collect();
             let fit = fit_line(&points).unwrap();

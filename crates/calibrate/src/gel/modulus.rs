@@ -40,10 +40,10 @@ pub(super) fn modulus(looks: &[Look], settled: &Settled, covariance: [[f64; 2]; 
     for (press, force, made, _) in &pairs {
         clusters[*press] += made * (force - youngs_modulus_mpa * made);
     }
-    let told = clusters.iter().filter(|cluster| **cluster != 0.0).count().max(1) as f64;
+    let used = clusters.iter().filter(|cluster| **cluster != 0.0).count().max(1) as f64;
     let scatter: f64 =
         clusters.iter().map(|cluster| cluster * cluster).sum::<f64>() / (square * youngs_modulus_mpa).powi(2);
-    let scatter = scatter * told / (told - 1.0).max(1.0);
+    let scatter = scatter * used / (used - 1.0).max(1.0);
     // The relative change of E with ν and ln thickness is minus that of f.
     let slope = [0, 1].map(|i| pairs.iter().map(|(_, _, made, slope)| made * slope[i]).sum::<f64>() / square);
     let by_gel: f64 =

@@ -1,6 +1,6 @@
-//! Cameras from sliding boards, held to the cameras that saw them.
+//! Cameras fitted to sliding boards, compared with the true cameras.
 
-#![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![allow(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 mod checkerboard;
 mod rendered;

@@ -33,7 +33,8 @@ fn noise() -> Pcg64Mcg {
     Pcg64Mcg::seed_from_u64(11)
 }
 
-/// How far each unknown is from the truth, in its uncertainty. Where the origin is along the board is not known.
+/// The error of each unknown, in units of its uncertainty. The position of the origin along the board is not
+/// determined.
 fn errors_in_uncertainties(fit: &CameraFit, truth: &CameraParams) -> Vec<(&'static str, f64)> {
     let truth: Unknowns = unknowns_of(truth);
     let estimates = fit.knowledge.estimates.iter().zip(truth.iter());
@@ -76,7 +77,7 @@ fn where_the_origin_is_along_the_board_changes_no_flow() {
     let moved = CameraParams { translation_mm: camera.camera_from_gel([2.0, -1.5, 0.0]), ..truth };
     let error_px = flow_error_px(&moved, &truth, ALONG_X);
     assert!(error_px < 1e-9, "{error_px} px");
-    // So it is put where the middle of the picture looks.
+    // So it is set to the point that is seen in the middle of the picture.
     let flow = seen_by(&camera, ALONG_X, NOISE_PX, &mut noise());
     let fit = fit_camera(&[flow], &distance_known(25.0), FitOptions::default()).unwrap();
     let [x, y] = Camera::new(&fit.params).unwrap().surface_point(MIDDLE_PX, 0.0).unwrap();

@@ -50,7 +50,7 @@ pub(crate) fn flow_error_px(params: &CameraParams, truth: &CameraParams, slide: 
     lengths.iter().sum::<f64>() / lengths.len() as f64
 }
 
-/// What somebody knows who has measured the distance to half a millimetre.
+/// The prior of a distance measured to half a millimetre.
 pub(crate) fn distance_known(distance_mm: f64) -> Priors {
     let mut priors = Priors::weak(SIZE.0, MIDDLE_PX);
     priors.give(Unknown::Distance, Prior { value: distance_mm, deviation: 0.5 });

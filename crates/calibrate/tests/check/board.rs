@@ -6,7 +6,7 @@ use fingervision_image::{Frame, Rect};
 
 use crate::rendered::{Camera, SIZE, expect_only, judged};
 
-/// A board that slides along x by so many px a step.
+/// A board that slides along x by `step_px` per image.
 fn slide(camera: Camera, step_px: f64) -> Vec<Frame> {
     camera.record((0..BOARD_IMAGES).map(|number| Motion::Shift { by_px: [step_px * number as f64, 0.0] }))
 }

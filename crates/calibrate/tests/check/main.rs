@@ -1,6 +1,6 @@
-//! What the checks say of rendered recordings, sound ones and ones with a single fault.
+//! Results of the checks for rendered recordings, without faults and with a single fault.
 
-#![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![allow(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 mod board;
 mod press;

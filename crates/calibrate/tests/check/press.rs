@@ -10,7 +10,7 @@ use crate::rendered::{Camera, SIZE, expect_only, judged};
 
 const FRAMES: usize = 6;
 
-/// A press with this largest motion, px, about a place.
+/// A press with this largest motion, px, around a point.
 fn press(camera: Camera, centre_px: [f64; 2], amplitude_px: f64) -> Vec<Frame> {
     let deepest = Motion::RadialBump { centre_px, radius_px: 25.0, amplitude_px };
     camera.record((0..FRAMES).map(|number| deepest.at(number as f64 / (FRAMES - 1) as f64)))
@@ -61,7 +61,7 @@ fn depths_that_are_none_of_a_press_are_refused_at_once() {
     assert_eq!(refused(Vec::new()), What::Count);
 }
 
-/// What is said of a press whose sensor was recorded untouched like this.
+/// The result for a press, given this recording of the untouched gel.
 fn check_beside(rest: &Frame, frames: &[Frame]) -> RecordingCheck {
     let folder = folder((0..FRAMES).map(|number| 0.2 * number as f64).collect());
     let check = PressCheck::new(&folder, &Profile::default(), SIZE, true).unwrap();

@@ -6,12 +6,12 @@ use fingervision_image::{Frame, Pixels};
 
 pub(crate) const SIZE: (usize, usize) = (128, 96);
 
-/// How a recording is taken.
+/// The conditions of a recording.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Camera {
     pub(crate) blur_px: f64,
     pub(crate) gain: f32,
-    /// Part of the contrast that is left.
+    /// Contrast relative to that of a good image.
     pub(crate) contrast: f32,
 }
 
@@ -19,12 +19,12 @@ impl Camera {
     /// In focus, well lit.
     pub(crate) const GOOD: Self = Self { blur_px: 0.7, gain: 1.0, contrast: 1.0 };
     pub(crate) const BLURRED: Self = Self { blur_px: 5.0, ..Self::GOOD };
-    /// Nothing of the pattern is left.
+    /// The pattern is not visible.
     pub(crate) const WITHOUT_PATTERN: Self = Self { contrast: 0.02, ..Self::GOOD };
     pub(crate) const OVEREXPOSED: Self = Self { gain: 2.0, ..Self::GOOD };
     pub(crate) const DARK: Self = Self { gain: 0.2, ..Self::GOOD };
 
-    /// An image a motion, each with its own noise.
+    /// One image for each motion, each with its own noise.
     pub(crate) fn record(self, motions: impl Iterator<Item = Motion>) -> Vec<Frame> {
         let (width, height) = SIZE;
         let Self { blur_px, contrast, .. } = self;
@@ -47,7 +47,7 @@ pub(crate) fn judged(mut check: Box<dyn Check>, frames: &[Frame]) -> RecordingCh
     check.finish()
 }
 
-/// Checks that a recording has this fault, no other, and says what to do.
+/// Checks that this fault, and no other, is reported, with a hint.
 pub(crate) fn expect_only(what: What, check: &RecordingCheck) {
     let found: Vec<What> = check.faults.iter().map(|fault| fault.what).collect();
     assert_eq!(found, [what], "{:?}", check.faults);

@@ -1,4 +1,4 @@
-//! Folders that are not well: one clear error with a hint.
+//! Faulty folders: one clear error with a hint.
 
 use std::fs::{self, File};
 
@@ -6,7 +6,7 @@ use npyz::WriterBuilder;
 
 use crate::made_up::{HEIGHT, MadeUp, STRENGTHS, WIDTH, is_touched, true_depth};
 
-/// Checks what the evaluation fails with after something was done to its folders.
+/// Checks the error of the evaluation after `harm` has damaged its folders.
 fn expect(harm: impl FnOnce(&MadeUp), what: &str, hint: &str) {
     let made_up = MadeUp::new();
     harm(&made_up);

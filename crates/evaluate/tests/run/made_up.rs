@@ -1,4 +1,4 @@
-//! A made-up run and its truth, with errors that can be added up by hand.
+//! An artificial run and its truth, with errors that can be computed by hand.
 //!
 //! On 40×30 px of 0.25 mm a square of 20×20 px, columns 10 to 29 and rows 5 to 24, is touched. Its border, 1 mm to
 //! either side, is 4 px wide: 256 px inside, and outside 4·20·4 px along its sides and 11 px at each corner.

@@ -1,6 +1,6 @@
-//! A run against its truth: numbers added up by hand, and folders that are not well.
+//! Comparison of a run with its truth: numbers computed by hand, and faulty folders.
 
-#![allow(clippy::unwrap_used, reason = "what helps a test may panic like one")]
+#![allow(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
 mod faults;
 mod fuzz;

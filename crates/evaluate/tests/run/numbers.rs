@@ -1,11 +1,11 @@
-//! The figures of the made-up run, added up by hand.
+//! The figures of the artificial run, computed by hand.
 
 use fingervision_evaluate::run::{Errors, PixelCounts, Regions};
 
 use crate::made_up::{HEIGHT, MadeUp, WIDTH, depth_error, is_hidden, is_invalid, true_depth};
 
-/// Pixels by zone: in contact and far from its border, in contact near it, outside near it, elsewhere. Of the last
-/// kind 1200 − 400 − 364 less row 0, which is hidden, and column 0 below, which is not valid.
+/// Pixels by zone: in contact and far from its border, in contact near it, outside near it, elsewhere. Of the last kind
+/// there are 1200 − 400 − 364, minus row 0, which is hidden, and the rest of column 0, which is not valid.
 const CORE: f64 = 144.0;
 const INNER: f64 = 256.0;
 const OUTER: f64 = 4.0 * 20.0 * 4.0 + 4.0 * 11.0;
@@ -186,7 +186,7 @@ fn depth_with_a_mask_of_its_own_is_compared_where_that_holds() {
 }
 
 #[test]
-fn what_is_left_out_is_counted_by_region() {
+fn excluded_pixels_are_counted_by_region() {
     let made_up = MadeUp::new();
     // In contact, near its border: a row of 20 px that the run does not trust.
     made_up.array("run/valid.npy", |_, x, y| u8::from(!(is_invalid(x, y) || y == 6 && (10..30).contains(&x))));

@@ -1,4 +1,4 @@
-//! What may be absent, cropped, long or stored in another way, and how a report reads.
+//! Files that may be absent, cropped, longer or in another format, and the text of a report.
 
 use std::fs::{self, File};
 
@@ -56,7 +56,7 @@ fn arrays_alone_will_do() {
     }
     let report = made_up.evaluate().report;
     assert_eq!(report.fields, ["depth"]);
-    // What is not a number is not valid, without a mask that says so.
+    // NaN is not valid, even without a mask.
     let expected = MadeUp::new().evaluate().report;
     assert_eq!(report.pooled.pixels, expected.pooled.pixels);
     assert_eq!(report.pooled.depth_mm, expected.pooled.depth_mm);
@@ -67,7 +67,7 @@ fn arrays_alone_will_do() {
 }
 
 #[test]
-fn flow_alone_will_do_and_shows_the_frame_that_moved_farthest() {
+fn flow_alone_is_compared_and_the_frame_of_largest_motion_is_shown() {
     let made_up = MadeUp::new();
     made_up.remove("run/depth.npy");
     for name in ["truth/depth.npy", "truth/contact.npy"] {
@@ -81,7 +81,7 @@ fn flow_alone_will_do_and_shows_the_frame_that_moved_farthest() {
 }
 
 #[test]
-fn without_a_camera_only_the_contact_is_told_apart() {
+fn without_a_camera_only_the_contact_has_its_own_errors() {
     let made_up = MadeUp::new();
     made_up.write("simulation/profile.toml", "name = \"no camera\"\n");
     let report = made_up.evaluate().report;

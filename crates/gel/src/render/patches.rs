@@ -6,7 +6,8 @@ use super::surface::Surface;
 /// Part corners along a tile's side.
 const TILE: usize = 16;
 
-/// Extension of a patch at the gel's border beyond it, in the image, px: so no part at the border lacks a corner.
+/// Length by which patches extend beyond the gel's border, px in the image: every part at the border then has all
+/// corners.
 const BEYOND_PX: f64 = 1.2;
 
 /// The same, at most, as a share of the patch's width.

@@ -1,4 +1,4 @@
-//! The files that a scene names: their search, their content, and copies of them.
+//! The files that a scene names: finds, reads and copies them.
 
 use std::fs;
 use std::path::{Path, PathBuf};

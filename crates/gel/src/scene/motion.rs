@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// Most frames of a scene: six digits in a file's name, and the size of a disk.
 const MOST_FRAMES: usize = 100_000;
-/// Beyond this a tilted face no longer looks at the gel, rad.
+/// Largest tilt, rad: beyond it, the face does not point towards the gel.
 const LARGEST_TILT_RAD: f64 = 1.2;
 
 /// The `[motion]` table: a motion between keyframes, divided into a number of frames.

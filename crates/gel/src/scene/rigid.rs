@@ -2,7 +2,7 @@
 
 use fingervision_elastic::{Pose, SurfaceState};
 
-/// The board's surface at every pose, moved about `centre_mm`. Four nodes at its corners say it all: between nodes
+/// The board's surface at every pose, moved about `centre_mm`. Four nodes at its corners are enough: between nodes the
 /// displacement is bilinear, and a rigid motion is linear.
 pub(super) fn surfaces(size_mm: [f64; 2], centre_mm: [f64; 2], poses: &[Pose]) -> Vec<SurfaceState> {
     let [x_mm, y_mm] = size_mm.map(|size| vec![-0.5 * size, 0.5 * size]);

@@ -280,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_back_ends_where_it_began() {
+    fn the_inverse_motion_returns_to_the_start() {
         for motion in motions() {
             for (x, y) in points().chain([(304.5, 224.5), (379.5, 224.5), (379.5, 299.5)]) {
                 let (u, v) = motion.displacement(x, y);

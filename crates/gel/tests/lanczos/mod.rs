@@ -1,4 +1,4 @@
-//! Sampling between pixels by the ideal low-pass under a window: as good as an image can be read.
+//! Sampling between pixels with a windowed ideal low-pass filter, the most accurate interpolation.
 
 /// Pixels on either side that the interpolation takes.
 pub(crate) const REACH: usize = 10;

@@ -1,4 +1,4 @@
-//! Video files, read to their end and on behind every error.
+//! Video files, read to their end; reading continues after every error.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use fingervision_fuzz::{Form, Parser};
 use fingervision_source::{Options, open};
 
-/// The most memory that one file may take, bytes: the largest pictures that H.264 knows, and what they refer to.
+/// The most memory that one file may take, bytes: the largest pictures of H.264 and their reference pictures.
 const MOST_BYTES: u64 = 3 << 29;
 
 fn clip(name: &str) -> Vec<u8> {

@@ -21,7 +21,7 @@ fn a_valid_sensor_gives_no_remarks() {
 }
 
 #[test]
-fn a_value_that_no_sensor_has_is_a_fault_that_says_what_may_be_meant() {
+fn an_impossible_value_is_a_fault_with_a_suggestion() {
     use Weight::Fault;
     expect(
         &[("gel.youngs_modulus_mpa", "600")],
@@ -77,7 +77,7 @@ fn a_sensor_outside_the_training_range_is_a_warning() {
 }
 
 #[test]
-fn what_is_missing_says_what_it_would_switch_on() {
+fn a_missing_part_names_the_quantities_that_need_it() {
     let missing = |text: &str| {
         let remarks = Profile::from_toml(text).unwrap().review(None).remarks;
         assert!(remarks.iter().all(|remark| remark.weight == Weight::Missing), "{remarks:#?}");

@@ -1,4 +1,4 @@
-//! Composition of flows, for flows drawn at random.
+//! Properties of the composition of flows, tested on random flows.
 
 use fingervision_flow::Estimate;
 use fingervision_image::Image;

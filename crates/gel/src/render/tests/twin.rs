@@ -8,7 +8,8 @@ use crate::render::surface::{Instant, Surface};
 use crate::render::{FrameRenderer, Lattice};
 use crate::{Truth, TruthProjector};
 
-/// Rays a part, and the number that spreads them: both of Fibonacci's, so no two share a column or a row.
+/// Rays per part, and the step that distributes them: both are Fibonacci numbers, so no two rays share a column or a
+/// row.
 const RAYS: u32 = 144;
 const SPREAD: u32 = 89;
 

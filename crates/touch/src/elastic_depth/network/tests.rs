@@ -95,7 +95,7 @@ fn every_cell_network_applies_the_mean_over_all() {
 }
 
 #[test]
-fn a_way_back_leads_to_the_same_cell() {
+fn every_symmetry_and_its_inverse_give_the_same_cell() {
     assert_eq!(Symmetry::all((72, 64)).len(), 4);
     let symmetries = Symmetry::all((72, 72));
     assert_eq!(symmetries.len(), 8);
@@ -117,10 +117,10 @@ fn instruction_sets_differ_by_rounding_alone() {
     let run = |level: Level| {
         let mut network = ContactNetwork::new((72, 64));
         network.level = level;
-        let mut told = Vec::new();
+        let mut results = Vec::new();
         let input = |column: usize, row: usize| std::array::from_fn(|k| 0.1 * scatter(977 * row + 31 * column + k));
-        network.run([0.2, 0.0], input, |_, _, outputs| told.extend(outputs));
-        told
+        network.run([0.2, 0.0], input, |_, _, outputs| results.extend(outputs));
+        results
     };
     let (best, baseline) = (run(Level::new()), run(Level::baseline()));
     assert_eq!(best.len(), 3 * 72 * 64);
