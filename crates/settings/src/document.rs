@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use toml::{Table, Value};
 
-use crate::line::line_at;
+use crate::line::{line_at, path_of};
 use crate::{Place, SettingsError};
 
 /// A kind of file that contains settings.
@@ -52,8 +52,7 @@ impl Document {
             place: place(&error),
             message: one_line(error.message()),
         })?;
-        serde_path_to_error::deserialize(deserializer)
-            .map_err(|error| self.refused(place(error.inner()), error.path().to_string(), error.inner()))
+        T::deserialize(deserializer).map_err(|error| self.refused(place(&error), path_of(text, &error), &error))
     }
 
     /// The settings as text.
@@ -72,16 +71,18 @@ impl Document {
     /// # Errors
     ///
     /// [`SettingsError::UnknownKey`] or [`SettingsError::WrongType`] naming the path.
-    pub fn with_assignments<'a, T: Serialize + DeserializeOwned>(
+    pub fn with_assignments<T: Serialize + DeserializeOwned>(
         &self,
         settings: &T,
-        assignments: impl IntoIterator<Item = (&'a str, &'a str)>,
+        assignments: &[(&str, &str)],
     ) -> Result<T, SettingsError> {
-        let mut table = Table::try_from(settings).map_err(|error| self.beyond_a_table(&error))?;
+        // Through text, here and below: writing and reading a table as well would double the code that a type of settings
+        // is compiled to.
+        let text = toml::to_string(settings).map_err(|error| self.beyond_a_table(&error))?;
+        let mut table: Table = self.parse(&text).map_err(SettingsError::without_line)?;
         for (path, text) in assignments {
             assign(&mut table, path, value_of(text))?;
         }
-        // As text: reading a table as well would double the code that a type of settings is compiled to.
         self.parse(&self.to_text(&table)).map_err(SettingsError::without_line)
     }
 
@@ -102,7 +103,7 @@ impl Document {
         let mut names = message.split('`').skip(1).step_by(2);
         let name = names.next().unwrap_or_default();
         let known = names.map(Into::into).collect();
-        let key = if key.ends_with(name) { key } else { format!("{key}.{name}") };
+        let key = if key.is_empty() { name.into() } else { format!("{key}.{name}") };
         SettingsError::UnknownKey { noun: self.noun, place, key, known }
     }
 }

@@ -17,7 +17,7 @@
 //! let error = document.parse::<Lamp>("\npower = 5.0").unwrap_err();
 //! assert_eq!(error.to_string(), "line 2: unknown key power");
 //! assert_eq!(error.hint().as_deref(), Some("did you mean power_w?"));
-//! let lamp: Lamp = document.with_assignments(&Lamp::default(), [("power_w", "5")])?;
+//! let lamp: Lamp = document.with_assignments(&Lamp::default(), &[("power_w", "5")])?;
 //! assert_eq!(document.to_text(&lamp), "power_w = 5.0\n");
 //! # Ok::<(), SettingsError>(())
 //! ```

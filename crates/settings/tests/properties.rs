@@ -51,7 +51,7 @@ proptest! {
     #[test]
     fn a_value_that_is_set_is_the_only_one_that_changes(settings in settings(), lengths_mm in vec(number(), 0..5)) {
         let text = format!("{lengths_mm:?}");
-        let changed = DOCUMENT.with_assignments(&settings, [("inner.lengths_mm", text.as_str())]).unwrap();
+        let changed = DOCUMENT.with_assignments(&settings, &[("inner.lengths_mm", text.as_str())]).unwrap();
         let mut expected = settings;
         expected.inner.lengths_mm = lengths_mm;
         prop_assert_eq!(changed, expected);
@@ -60,8 +60,8 @@ proptest! {
     #[test]
     fn any_text_is_read_or_refused(text in any::<String>()) {
         let _ = DOCUMENT.parse::<Settings>(&text);
-        let _ = DOCUMENT.with_assignments(&Settings::default(), [("name", text.as_str())]);
-        let _ = DOCUMENT.with_assignments(&Settings::default(), [(text.as_str(), "1")]);
+        let _ = DOCUMENT.with_assignments(&Settings::default(), &[("name", text.as_str())]);
+        let _ = DOCUMENT.with_assignments(&Settings::default(), &[(text.as_str(), "1")]);
     }
 
     #[test]

@@ -200,6 +200,11 @@ impl Profile {
         &mut self,
         assignments: impl IntoIterator<Item = (&'a str, &'a str)>,
     ) -> Result<(), ProfileError> {
+        self.assign(&assignments.into_iter().collect::<Vec<_>>())
+    }
+
+    /// As [`Self::set_all`], compiled here and not again for every kind of iterator.
+    fn assign(&mut self, assignments: &[(&str, &str)]) -> Result<(), ProfileError> {
         let changed = PROFILE.with_assignments(self, assignments)?;
         changed.validate()?;
         *self = changed;

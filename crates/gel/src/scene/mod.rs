@@ -145,6 +145,11 @@ impl Scene {
     ///
     /// [`SceneError::Settings`] naming the path.
     pub fn set_all<'a>(&mut self, assignments: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<(), SceneError> {
+        self.assign(&assignments.into_iter().collect::<Vec<_>>())
+    }
+
+    /// As [`Self::set_all`], compiled here and not again for every kind of iterator.
+    fn assign(&mut self, assignments: &[(&str, &str)]) -> Result<(), SceneError> {
         let changed = SCENE.with_assignments(self, assignments)?;
         changed.validate()?;
         *self = changed;

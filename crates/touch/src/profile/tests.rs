@@ -221,7 +221,7 @@ fn a_number_beyond_what_a_table_holds_is_refused() {
     let mut profile = Profile::default();
     profile.references.rest_frames = u64::MAX;
     let error = profile.set("flow.colour", "false").unwrap_err().to_string();
-    assert_eq!(error, "profile: u64 value was too large");
+    assert_eq!(error, "references.rest_frames: u64 value was too large");
 }
 
 #[test]
