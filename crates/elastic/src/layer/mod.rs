@@ -31,6 +31,7 @@ mod contact;
 mod grid;
 mod half_space;
 mod operator;
+mod plans;
 mod remainder;
 mod sides;
 mod symbol;

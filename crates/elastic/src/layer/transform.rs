@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{ComplexToReal, RealToComplex};
 use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftNum, FftPlanner};
+use rustfft::{Fft, FftNum};
+
+use super::plans::Planned;
 
 /// Rows that are transposed to columns at a time: their neighbours in a column then share a cache line.
 const BAND: usize = 8;
@@ -39,13 +41,11 @@ pub(super) fn good_length(least: usize) -> usize {
     length
 }
 
-impl<T: FftNum> Transform<T> {
+impl<T: Planned> Transform<T> {
     /// A transform of `width` by `height` values.
     pub(super) fn new(width: usize, height: usize) -> Self {
-        let mut rows = RealFftPlanner::new();
-        let mut columns = FftPlanner::new();
-        let (forward_rows, inverse_rows) = (rows.plan_fft_forward(width), rows.plan_fft_inverse(width));
-        let (forward_columns, inverse_columns) = (columns.plan_fft_forward(height), columns.plan_fft_inverse(height));
+        let (forward_rows, inverse_rows) = T::real(width);
+        let (forward_columns, inverse_columns) = T::complex(height);
         let needs = [
             forward_rows.get_scratch_len(),
             inverse_rows.get_scratch_len(),
