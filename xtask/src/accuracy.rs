@@ -76,7 +76,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         let mesh = if args.draft { Resolution::Draft } else { MeshParams::default().resolution };
         let options = motion::Options { mesh, scenes: args.scene.clone() };
         let measured = motion::measure(&options, &PressCache::standard(), &mut |press| eprintln!("{press}"))?;
-        for table in [measured.motion, measured.rim, measured.deviation] {
+        for table in [measured.motion, measured.rim, measured.deviation, measured.disturbed] {
             show(table, out)?;
         }
     }

@@ -46,10 +46,10 @@ impl Variant {
 #[derive(Debug)]
 pub struct Press {
     profile: Profile,
-    images: Vec<Pixels>,
-    truths: Vec<Truth>,
-    regions: Vec<Regions>,
-    forces_n: Vec<f64>,
+    pub(super) images: Vec<Pixels>,
+    pub(super) truths: Vec<Truth>,
+    pub(super) regions: Vec<Regions>,
+    pub(super) forces_n: Vec<f64>,
 }
 
 impl Press {
@@ -101,24 +101,28 @@ impl Press {
     ///
     /// [`ExperimentError::Track`] if a frame cannot be tracked.
     pub fn follow(&self, pace: usize) -> Result<Tally, ExperimentError> {
-        let is_colour = matches!(self.images.first(), Some(Pixels::Rgb8(_) | Pixels::Rgb16(_)));
-        let size = self.truths.first().map_or((0, 0), |truth| truth.depth.size());
-        let fields = Fields { depth: true, ..Fields::NONE };
-        let mut tracker = Tracker::new(&self.profile, size, is_colour, fields)?;
+        let mut tracker = self.tracker()?;
         let mut tally = Tally::default();
         let mut before: Option<&Truth> = None;
         for (sequence, step) in (0..self.images.len()).step_by(pace).enumerate() {
-            let frame = Frame {
-                sequence: sequence as u64,
-                capture_time_s: sequence as f64 / FRAMES_PER_SECOND,
-                pixels: self.images[step].clone(),
-            };
-            let reading = tracker.track(&frame)?;
+            let reading = tracker.track(&Self::frame(sequence as u64, &self.images[step]))?;
             if let Some(before) = before {
                 tally.add(reading, &self.truths[step], before, &self.regions[step], self.forces_n[step]);
             }
             before = Some(&self.truths[step]);
         }
         Ok(tally)
+    }
+
+    /// A tracker of its images.
+    pub(super) fn tracker(&self) -> Result<Tracker, ExperimentError> {
+        let is_colour = self.images.first().is_some_and(Pixels::is_colour);
+        let size = self.truths.first().map_or((0, 0), |truth| truth.depth.size());
+        Ok(Tracker::new(&self.profile, size, is_colour, Fields { depth: true, ..Fields::NONE })?)
+    }
+
+    /// The frame of an image.
+    pub(super) fn frame(sequence: u64, pixels: &Pixels) -> Frame {
+        Frame { sequence, capture_time_s: sequence as f64 / FRAMES_PER_SECOND, pixels: pixels.clone() }
     }
 }

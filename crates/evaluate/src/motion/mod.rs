@@ -3,10 +3,15 @@
 //! Every press is solved once and tracked at several paces, with 1, 2, 4, 10 or 20 of its steps from one image to the
 //! next. The flow of every image is compared with the exact truth, by region: in contact, near its border and
 //! elsewhere. All visible pixels count, whether they are valid or not, unless the name of a row says otherwise.
+//! The same presses are then tracked with disturbed images: blurred by motion, missing, too bright or black.
 
+mod disturbance;
 mod follow;
 mod tally;
 
+use disturbance::Outcome;
+
+pub use disturbance::Disturbance;
 pub use follow::{PACES, Press, Variant};
 pub use tally::{BANDS_MM, Sums, Tally};
 
@@ -36,6 +41,8 @@ pub struct Tables {
     pub rim: Table,
     /// Part of the errors within the predicted deviation, by region.
     pub deviation: Table,
+    /// Errors and flags in disturbed images and after them.
+    pub disturbed: Table,
 }
 
 /// Tracks the ready-made presses, with two gels and two kinds of contact each, at all paces. `progress` is called
@@ -58,6 +65,7 @@ pub fn measure(
     let mut motion =
         Table::new("Presses by steps between two images: largest error in contact of an image, px", &columns);
     let mut all: Vec<Vec<Tally>> = PACES.iter().map(|_| Vec::new()).collect();
+    let mut outcomes: Vec<Vec<Outcome>> = Disturbance::ALL.iter().map(|_| Vec::new()).collect();
     for name in names {
         let mut worst = [0.0_f64; PACES.len()];
         for variant in Variant::ALL {
@@ -67,6 +75,10 @@ pub fn measure(
             for ((worst, all), tally) in worst.iter_mut().zip(&mut all).zip(tallies) {
                 *worst = worst.max(tally.contact_px());
                 all.push(tally);
+            }
+            let found = Disturbance::ALL.par_iter().map(|&disturbance| press.follow_disturbed(disturbance));
+            for (outcomes, outcome) in outcomes.iter_mut().zip(found.collect::<Result<Vec<_>, _>>()?) {
+                outcomes.push(outcome);
             }
         }
         motion.push(name, None, worst.to_vec());
@@ -94,7 +106,47 @@ pub fn measure(
     row("error of the last normal force, largest part", Some(Asked::AtMost(0.05)), &|all| {
         largest(all, Tally::force_off)
     });
-    Ok(Tables { motion, rim: rim(&all[0]), deviation: deviation(&all) })
+    Ok(Tables { motion, rim: rim(&all[0]), deviation: deviation(&all), disturbed: disturbed(&outcomes) })
+}
+
+/// Errors and flags by disturbance.
+fn disturbed(all: &[Vec<Outcome>]) -> Table {
+    let columns = [
+        "contact, mean px",
+        "largest",
+        "> 0.15 px and not flagged",
+        "valid, wrong, largest part",
+        "valid part",
+        "flagged part",
+        "2 images later, largest px",
+    ];
+    let mut table = Table::new("Disturbed images: error in contact, validity, flags", &columns);
+    for (disturbance, outcomes) in Disturbance::ALL.iter().zip(all) {
+        let count = outcomes.len().max(1) as f64;
+        let mean =
+            |figure: fn(&Tally) -> f64| outcomes.iter().map(|outcome| figure(&outcome.disturbed)).sum::<f64>() / count;
+        let largest = |figure: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(figure).fold(0.0, f64::max);
+        let silent = outcomes.iter().filter(|outcome| outcome.disturbed.silent_px() > LOST_PX).count() as f64;
+        let later = largest(&|outcome| outcome.after.contact_px());
+        let values = vec![
+            mean(Tally::contact_px),
+            largest(&|outcome| outcome.disturbed.contact_px()),
+            silent,
+            largest(&|outcome| outcome.disturbed.wrong()),
+            mean(Tally::valid),
+            mean(Tally::flagged),
+            if matches!(disturbance, Disturbance::MotionBlur { .. }) { f64::NAN } else { later },
+        ];
+        table.push(disturbance.name(), None, values);
+    }
+    let [black, flagged] = all
+        .iter()
+        .flatten()
+        .fold([0, 0], |[black, flagged], outcome| [black + outcome.black[0], flagged + outcome.black[1]]);
+    let mut values = vec![f64::NAN; columns.len()];
+    values[5] = flagged as f64 / black as f64;
+    table.push("the black images themselves", None, values);
+    table
 }
 
 /// Error by distance from the border.

@@ -109,6 +109,8 @@ pub struct Tally {
     /// The largest part of wrong pixels among the valid pixels of a frame.
     wrong: f64,
     contact_px: f64,
+    /// As `contact_px`, of the images without a flag.
+    silent_px: f64,
     frames: u64,
     flagged: u64,
     force_off: f64,
@@ -140,14 +142,16 @@ impl Tally {
                 contact.add(error, deviation, is_valid);
             }
         }
+        let is_flagged = reading.flags.iter().next().is_some();
         if contact.pixels > 0 {
             self.contact_px = self.contact_px.max(contact.mean_px());
+            self.silent_px = if is_flagged { self.silent_px } else { self.silent_px.max(contact.mean_px()) };
         }
         if all.valid > 0 {
             self.wrong = self.wrong.max(all.wrong as f64 / all.valid as f64);
         }
         self.frames += 1;
-        self.flagged += u64::from(reading.flags.iter().next().is_some());
+        self.flagged += u64::from(is_flagged);
         let found_n = reading.force_n.map_or(0.0, |force_n| force_n[2]);
         self.force_off = (f64::from(found_n) - force_n).abs() / force_n.abs().max(f64::MIN_POSITIVE);
     }
@@ -178,6 +182,12 @@ impl Tally {
     #[must_use]
     pub fn contact_px(&self) -> f64 {
         self.contact_px
+    }
+
+    /// The largest mean error in contact of an image without a flag, px.
+    #[must_use]
+    pub fn silent_px(&self) -> f64 {
+        self.silent_px
     }
 
     /// The largest part of wrong pixels among the valid pixels of an image.
