@@ -18,7 +18,7 @@ pub enum ContactLaw {
 /// The rigid indenter's face as a height map over its own plane.
 ///
 /// In the indenter's frame the body fills `z ≤ −height(x, y)`: its foremost point has height 0, a point farther back
-/// has a positive height, in mm. `f64::INFINITY` where there is no body.
+/// has a positive height, in mm. `f64::INFINITY` outside the outline of the body.
 pub trait Relief: Sync {
     /// Height and derivatives at a point of the indenter's plane, mm.
     fn at(&self, x_mm: f64, y_mm: f64) -> ReliefPoint;

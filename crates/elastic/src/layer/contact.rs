@@ -83,7 +83,7 @@ impl LayerContact {
     }
 
     /// Presses a frictionless body in: where the gel touches it, it has the wanted depth, mm, and a positive pressure;
-    /// elsewhere it is deeper than wanted and free. `f64::NEG_INFINITY` where there is no body. For a flat punch the
+    /// elsewhere it is deeper than wanted and free. `f64::NEG_INFINITY` outside the outline of the body. For a flat punch the
     /// wanted depth is the same everywhere, for a relief it is `depth − height`.
     ///
     /// Begins with all cells of positive wanted depth, then alternately drops those that pull and adds those where gel

@@ -103,7 +103,6 @@ pub struct BenchmarkReport {
     /// Every case.
     pub cases: Vec<CaseReport>,
     /// Values of the tracker that differ from the simulated sensor: keys of the profile with their values.
-    #[serde(rename = "told")]
     pub assignments: Vec<(String, String)>,
     /// Cases that were not solved to their end, and why.
     pub unsolved: Vec<String>,

@@ -7,7 +7,7 @@ const SPACING_MM: [f64; 2] = [0.02, 0.05];
 /// Nodes along the longer side, about.
 const MOST_NODES: f64 = 1024.0;
 
-/// Heights at the nodes of a square grid whose middle is the origin, mm; infinite where there is no body.
+/// Heights at the nodes of a square grid whose middle is the origin, mm; infinite outside the outline of the body.
 #[derive(Debug, Clone)]
 pub(super) struct HeightGrid {
     pub(super) step_mm: f64,
