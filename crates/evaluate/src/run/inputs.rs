@@ -78,7 +78,7 @@ impl Inputs {
         let mut counts = run.frame_counts();
         let mut truth_counts = truth.frame_counts();
         let held = truth_counts.iter().map(|file| file.1).min().unwrap_or_default();
-        let part = numbers::part(&run_path.join("readings.csv"), held);
+        let part = numbers::part(&run_path.join("readings.csv"), held)?;
         if let Some(part) = &part {
             notes.push(part_note(part));
             for file in &mut truth_counts {
