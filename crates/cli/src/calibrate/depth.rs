@@ -12,6 +12,7 @@ use fingervision_touch::{DepthLaw, DepthMethod, Profile};
 use serde::Serialize;
 
 use super::press::Press;
+use super::repeated::refuse_repeated;
 use super::{beside, load};
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -141,6 +142,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 pub(super) fn fit(args: &Args, profile: &Profile) -> Result<DepthFit, Failure> {
     let names = || ReadyMade::ALL.iter().map(|scene| scene.name).filter(|name| name.starts_with("calibration-"));
     let presses = if args.simulated { names().map(Into::into).collect() } else { args.presses.clone() };
+    refuse_repeated("press", &presses)?;
     let curves = presses.iter().map(|press| record(args, press, profile)).collect::<Result<Vec<_>, _>>()?;
     Ok(DepthFit::new(curves)?)
 }
