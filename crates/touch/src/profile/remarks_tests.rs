@@ -21,6 +21,14 @@ fn a_valid_sensor_gives_no_remarks() {
 }
 
 #[test]
+fn a_region_that_is_too_small_to_track_is_a_fault() {
+    let region = ("image.region_of_interest", "[300, 200, 31, 40]");
+    expect(&[region], Weight::Fault, "image.region_of_interest = 31x40 px is impossible", "32 px or more");
+    let remarks = Profile::default().review(Some((640, 31))).remarks;
+    assert_eq!(remarks[0].weight, Weight::Fault, "{remarks:?}");
+}
+
+#[test]
 fn a_value_that_no_sensor_has_is_a_fault_that_says_what_may_be_meant() {
     use Weight::Fault;
     expect(
