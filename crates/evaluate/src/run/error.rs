@@ -12,7 +12,7 @@ use fingervision_settings::SettingsError;
 #[non_exhaustive]
 pub enum RunError {
     /// A folder that contains neither flow nor depth.
-    #[error("{} contains neither flow.npy nor depth.npy", .folder.display())]
+    #[error("{}: {}", .folder.display(), if .folder.is_dir() { "it contains neither flow.npy nor depth.npy" } else { "there is no such folder" })]
     NoFields {
         /// The folder.
         folder: PathBuf,
