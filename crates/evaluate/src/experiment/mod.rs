@@ -20,4 +20,5 @@ pub use error::ExperimentError;
 pub use extent::Extent;
 pub use following::{Followed, Following, follow, follow_last};
 pub use recording::Recording;
+pub(crate) use recording::told_profile;
 pub use score::{DepthScore, Scorer};
