@@ -71,6 +71,8 @@ fn presses_become_a_law_in_the_profile_and_nothing_else_changes() {
 fn the_law_that_is_written_can_be_chosen() {
     let bench = bench();
     good(&bench, "press", 1.0);
+    let ended = bench.run("calibrate depth press --profile sensor.toml --method perspective").expect_done();
+    assert!(!ended.out.contains("not used for the fit"), "there is only one press: {}", ended.out);
     for (options, key) in [("line", "intercept_mm"), ("perspective", "gain"), ("origin --maximum robust", "slope_mm")] {
         let command = format!("calibrate depth press --profile sensor.toml --picture p.png --json --method {options}");
         let result = json(&bench.run(&command).expect_done());
