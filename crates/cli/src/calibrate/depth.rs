@@ -129,15 +129,12 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     if fit.best != method {
         let best = fit.best.name();
         // A single press leaves none out.
-        let _ = match fit.presses.len() {
-            1 => {
-                writeln!(text, "note         --method {best} has a smaller error on this press, to which it was fitted")
-            }
-            _ => writeln!(
-                text,
-                "note         --method {best} has a smaller error on presses that were not used for the fit"
-            ),
+        let tested = if fit.presses.len() == 1 {
+            "this press, to which it was fitted"
+        } else {
+            "presses that were not used for the fit"
         };
+        let _ = writeln!(text, "note         --method {best} has a smaller error on {tested}");
     }
     let result =
         DepthResult { fit: &fit, maximum: args.maximum.into(), written, profile: &args.profile, picture: &picture };
