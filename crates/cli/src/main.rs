@@ -32,6 +32,7 @@ mod threads;
 mod track;
 mod tracking;
 mod truth;
+mod whole_number;
 
 use std::env;
 use std::ffi::OsString;

@@ -136,7 +136,9 @@ fn a_negative_number_is_refused_with_what_is_expected() {
             "invalid value '-10' for '--thickness-mm <MM>': expected a number",
         ),
         ("calibrate --view-mm -3", "invalid value '-3' for '--view-mm <MM>': expected a length in mm"),
-        ("simulate circle --out a --frames -3", "invalid value '-3' for '--frames <N>'"),
+        ("simulate circle --out a --frames -3", "invalid value '-3' for '--frames <N>': expected a whole number"),
+        ("simulate circle --out a --seed -3", "invalid value '-3' for '--seed <SEED>': expected a whole number"),
+        ("pattern --out a.pdf --seed -1", "invalid value '-1' for '--seed <N>': expected a whole number"),
     ] {
         let ended = bench.run(arguments);
         assert_eq!(ended.code, Some(2), "{ended:?}");
