@@ -1,9 +1,13 @@
 //! A comma-separated file whose first line names its columns.
 //!
-//! A cell may be quoted. Spaces around cells, empty lines and a byte order mark are left out.
+//! A cell may be quoted. Spaces around cells, empty lines and a byte order mark are left out. Other separators than commas
+//! are refused and not guessed: with semicolons, as many spreadsheets write them, numbers have a decimal comma.
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 use fingervision_touch::FRAME_COLUMN;
+
+/// Separators that programs write instead of commas, and their names.
+const OTHER_SEPARATORS: [(char, &str); 3] = [(';', "semicolons"), ('\t', "tabs"), ('|', "vertical bars")];
 
 /// A line, counted from 1, and its error.
 pub type CsvFault = (usize, String);
@@ -28,7 +32,7 @@ impl CsvTable {
     ///
     /// # Errors
     ///
-    /// The line, counted from 1, and its error.
+    /// The line, counted from 1, and its error: cells that other characters than commas separate.
     pub fn parse(text: &str) -> Result<Self, CsvFault> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text).as_bytes();
         let reader = ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).from_reader(text);
@@ -41,7 +45,8 @@ impl CsvTable {
             line += text[counted..begin].split(|&byte| byte == b'\n').count() - 1;
             counted = begin;
             if cells.len() > 1 || cells.iter().any(|cell| !cell.is_empty()) {
-                rows.push(CsvRow { line, cells });
+                let row = CsvRow { line, cells };
+                rows.push(row.separator_fault().map_or(Ok(row), Err)?);
             }
         }
         let mut rows = rows.into_iter();
@@ -106,6 +111,13 @@ impl CsvRow {
         self.cells.get(place).unwrap_or_default()
     }
 
+    /// The error of a row whose only cell contains another separator than a comma.
+    fn separator_fault(&self) -> Option<CsvFault> {
+        let cell = Some(self.cell(0)).filter(|_| self.cells.len() == 1)?;
+        let (_, name) = OTHER_SEPARATORS.into_iter().find(|&(separator, _)| cell.contains(separator))?;
+        Some(self.fault(format!("its cells are separated by {name}, not by commas")))
+    }
+
     /// An error in this row, with its line.
     #[must_use]
     pub fn fault(&self, reason: String) -> CsvFault {
@@ -130,6 +142,20 @@ mod tests {
             assert_eq!(table.rows().iter().map(|row| row.line).collect::<Vec<_>>(), lines, "{text:?}");
             assert!(table.rows()[0].cells().eq(["1", "2"]) && table.rows()[1].cells().eq(["3", "4"]), "{text:?}");
         }
+    }
+
+    #[test]
+    fn another_separator_is_named_with_its_line() {
+        for (text, line, name) in [
+            ("frame;depth_mm\n0;0,0\n1;0,25\n", 1, "semicolons"),
+            ("\u{feff}\r\nframe\tdepth_mm\r\n0\t0\r\n", 2, "tabs"),
+            ("frame|depth_mm\n", 1, "vertical bars"),
+            ("frame,depth_mm\n0,0\n1;0.25\n", 3, "semicolons"),
+        ] {
+            let (at, reason) = CsvTable::parse(text).unwrap_err();
+            assert_eq!((at, reason), (line, format!("its cells are separated by {name}, not by commas")), "{text:?}");
+        }
+        CsvTable::parse("a,b;c\n1,2;3\n").unwrap();
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub enum ProfileFileError {
         path: PathBuf,
     },
     /// The file cannot be written.
-    #[error("cannot write the profile {}: {kind}", path.display())]
+    #[error("cannot write the profile {}: {}", path.display(), why_not_written(*kind))]
     Write {
         /// The file.
         path: PathBuf,
@@ -96,6 +96,13 @@ pub fn load_to_update(path: &Path) -> Result<Profile, ProfileFileError> {
         return Err(ProfileFileError::RunRecord { path: path.to_owned() });
     }
     Ok(profile)
+}
+
+fn why_not_written(kind: io::ErrorKind) -> String {
+    match kind {
+        io::ErrorKind::NotFound => "there is no such folder".into(),
+        _ => kind.to_string(),
+    }
 }
 
 fn refused(path: &Path, error: &io::Error) -> ProfileFileError {

@@ -32,13 +32,14 @@ mod threads;
 mod track;
 mod tracking;
 mod truth;
+mod whole_number;
 
 use std::env;
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::{Failure, Wording};
 
@@ -104,7 +105,7 @@ fn main() -> ExitCode {
     let arguments: Vec<OsString> = env::args_os().collect();
     let is_json = arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json");
     let wording = if is_json { Wording::Json } else { Wording::Text };
-    let cli = match Cli::try_parse_from(&arguments) {
+    let cli = match parse(&arguments) {
         Ok(cli) => cli,
         Err(error) if is_json && error.use_stderr() => return wrong_usage(&error),
         Err(error) => error.exit(),
@@ -114,6 +115,23 @@ fn main() -> ExitCode {
         .and_then(|()| cli.threads.apply())
         .and_then(|()| cli.command.run(&mut io::stdout().lock()));
     done.map_or_else(|failure| failure.report(wording, &mut io::stderr().lock()), |()| ExitCode::SUCCESS)
+}
+
+fn parse(arguments: &[OsString]) -> Result<Cli, clap::Error> {
+    let mut command = takes_negative_numbers(Cli::command());
+    let matches = command.try_get_matches_from_mut(arguments)?;
+    Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+}
+
+/// The command, whose options take a negative number as their value: they refuse it with what they expect, instead of
+/// taking it for an unknown option.
+fn takes_negative_numbers(command: clap::Command) -> clap::Command {
+    let command = command.mut_args(|arg| {
+        let takes_value = matches!(arg.get_action(), ArgAction::Set | ArgAction::Append);
+        let is_option = arg.get_long().is_some() && takes_value;
+        if is_option { arg.allow_negative_numbers(true) } else { arg }
+    });
+    command.mut_subcommands(takes_negative_numbers)
 }
 
 /// From here on, a signal ends the command, which first reports the interruption.

@@ -5,6 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::whole_number::whole_number;
 
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(crate) struct PartArgs {
@@ -19,7 +20,7 @@ pub(crate) struct PartArgs {
     /// The frame that shows the gel untouched: tracking begins with it, and displacement is relative to it
     ///
     /// Without it the first one of the recording.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole_number::<u64>)]
     reference_frame: Option<u64>,
 }
 

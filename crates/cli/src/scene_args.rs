@@ -3,6 +3,7 @@
 use fingervision_gel::{PressCache, Scene, SceneError};
 
 use crate::profile_args::assignment;
+use crate::whole_number::whole_number;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct SceneArgs {
@@ -15,7 +16,7 @@ pub(crate) struct SceneArgs {
     #[arg(long)]
     draft: bool,
     /// Number of frames into which the motion is divided, as in 31; without it the scene's own
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = whole_number::<usize>)]
     frames: Option<usize>,
     /// Solve the press again, even if it was solved before, and do not keep the solution
     #[arg(long)]

@@ -1,11 +1,13 @@
 //! Shell completions and manual pages: both are made from the same description as the help.
 
 use std::fs;
-use std::io::Write;
-use std::path::PathBuf;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 use clap::CommandFactory;
 use clap_complete::Shell;
+use clap_mangen::Man;
+use fingervision_sink::write_file;
 
 use crate::Cli;
 use crate::failure::Failure;
@@ -42,18 +44,31 @@ pub(crate) fn completions(args: &CompletionsArgs, out: &mut impl Write) -> Resul
 }
 
 pub(crate) fn man(args: &ManArgs, out: &mut impl Write) -> Result<(), Failure> {
-    let Some(folder) = &args.out else {
-        let mut text = Vec::new();
-        // As on the written pages: `help` has none of its own.
-        clap_mangen::Man::new(Cli::command().disable_help_subcommand(true)).render(&mut text)?;
-        return Ok(out.write_all(&text)?);
-    };
-    let written = fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(Cli::command(), folder));
-    written.map_err(|error| {
+    // `help` has no page of its own.
+    let mut command = Cli::command().disable_help_subcommand(true);
+    let Some(folder) = &args.out else { return Ok(out.write_all(&text(&Man::new(command))?)?) };
+    fs::create_dir_all(folder).map_err(|error| {
         let message = format!("{}: the pages cannot be written: {}", folder.display(), error.kind());
         Failure::new(message, "name a writable folder with --out")
     })?;
+    command.build();
+    write_pages(&command, folder)?;
     let folder = folder.display();
     writeln!(out, "the manual is in {folder}; read it with: man -l {folder}/{NAME}.1")?;
     Ok(())
+}
+
+/// Writes the page of a command and those of its subcommands.
+fn write_pages(command: &clap::Command, folder: &Path) -> Result<(), Failure> {
+    for subcommand in command.get_subcommands().filter(|subcommand| !subcommand.is_hide_set()) {
+        write_pages(subcommand, folder)?;
+    }
+    let page = Man::new(command.clone());
+    Ok(write_file(&folder.join(page.get_filename()), &text(&page)?)?)
+}
+
+fn text(page: &Man) -> io::Result<Vec<u8>> {
+    let mut text = Vec::new();
+    page.render(&mut text)?;
+    Ok(text)
 }

@@ -12,6 +12,7 @@ use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
 use crate::scene_args::SceneArgs;
 use crate::simulation_run::{SimulationRun, SimulationSummary};
+use crate::whole_number::whole_number;
 
 /// Most random scenes of a call: four digits in a folder's name.
 const MOST_RANDOM: u64 = 10_000;
@@ -38,7 +39,7 @@ pub(crate) struct Args {
     truth_only: bool,
     /// Seed of pattern and noise, as in 7; without it the scene's own. With --random also the seed of the scenes, 0
     /// without it
-    #[arg(long)]
+    #[arg(long, value_parser = whole_number::<u64>)]
     seed: Option<u64>,
     /// Replace a previous simulation in the folder
     #[arg(long)]

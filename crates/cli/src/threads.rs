@@ -7,8 +7,12 @@ use crate::failure::Failure;
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(crate) struct ThreadArgs {
     /// Use at most N threads; without it, one per core. The result does not depend on it
-    #[arg(long, global = true, value_name = "N", display_order = 990)]
+    #[arg(long, global = true, value_name = "N", display_order = 990, value_parser = threads)]
     threads: Option<NonZero<usize>>,
+}
+
+fn threads(text: &str) -> Result<NonZero<usize>, String> {
+    text.parse().map_err(|_| "expected a number of threads, 1 or more".into())
 }
 
 impl ThreadArgs {

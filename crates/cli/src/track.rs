@@ -1,8 +1,9 @@
 //! `fingervision track`: tracks a recording and writes a folder of fields.
 
+use std::fs;
 use std::io::Write;
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValue;
 use fingervision_gel::PressCache;
@@ -127,6 +128,7 @@ impl clap::ValueEnum for FieldName {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let part = args.part.part()?;
+    keep_recording(args)?;
     let (profile, mut source) = sensor(args, part)?;
     let fields: Option<Vec<Field>> = args.fields.as_ref().map(|fields| fields.iter().map(|field| field.0).collect());
     let to_compute = fields_to_compute(fields.as_deref(), profile.depth_method());
@@ -138,6 +140,21 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let (summary, failure) = run.track(source.as_mut())?;
     output.result(out, &summary, &summary.to_string())?;
     failure.map_or(Ok(()), Err)
+}
+
+/// Refuses to replace the recording by its run.
+fn keep_recording(args: &Args) -> Result<(), Failure> {
+    let Ok(source) = fs::canonicalize(&args.source) else { return Ok(()) };
+    let place = |path: &Path| fs::canonicalize(path).ok();
+    if let Some(overlay) = args.overlay.as_ref().filter(|overlay| place(overlay).as_ref() == Some(&source)) {
+        let message = format!("{} is the recording itself", overlay.display());
+        return Err(Failure::new(message, "give --overlay another name"));
+    }
+    if args.overwrite && source.is_file() && source.parent() == place(&args.out).as_deref() {
+        let message = format!("{} is in {}, which --overwrite clears", args.source.display(), args.out.display());
+        return Err(Failure::new(message, "choose another folder with --out"));
+    }
+    Ok(())
 }
 
 /// The profile in force and the frames. A simulated scene has its own sensor.

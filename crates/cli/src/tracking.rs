@@ -99,11 +99,17 @@ impl Run {
         Ok(self.finish(sinks, &tracker, begin, ended))
     }
 
-    /// Refuses to replace a file without --overwrite; a file within the run's folder belongs to the previous run.
+    /// Refuses to replace a file without --overwrite, and a folder that does not exist and is not the run's own.
     fn check_overlay(&self) -> Result<(), Failure> {
-        match &self.overlay {
-            Some(path) if path.exists() && !self.overwrite => {
-                Err(Failure::new(format!("{} exists already", path.display()), "name a new file or pass --overwrite"))
+        let Some(path) = &self.overlay else { return Ok(()) };
+        if path.exists() && !self.overwrite {
+            let message = format!("{} exists already", path.display());
+            return Err(Failure::new(message, "name a new file or pass --overwrite"));
+        }
+        match path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+            Some(parent) if !parent.is_dir() && parent != self.folder => {
+                let message = format!("{}: there is no folder {}", path.display(), parent.display());
+                Err(Failure::new(message, "make the folder first"))
             }
             _ => Ok(()),
         }

@@ -98,7 +98,7 @@ impl Document {
     fn refused(&self, place: Place, key: String, error: &toml::de::Error) -> SettingsError {
         let message = error.message();
         if !message.starts_with("unknown field") {
-            return SettingsError::WrongType { place, key, message: one_line(message) };
+            return SettingsError::WrongType { place, key, message: without_type_names(&one_line(message)) };
         }
         let mut names = message.split('`').skip(1).step_by(2);
         let name = names.next().unwrap_or_default();
@@ -127,6 +127,18 @@ fn assign(table: &mut Table, path: &str, value: Value) -> Result<(), SettingsErr
     }
     inner.insert(name.into(), value);
     Ok(())
+}
+
+/// Serde's message with the meaning of the type that it ends with, which only programmers know.
+fn without_type_names(message: &str) -> String {
+    let Some((start, name)) = message.rsplit_once("expected ") else { return message.into() };
+    let meaning = match name {
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number, 0 or more",
+        "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number",
+        "f32" | "f64" => "a number",
+        _ => return message.into(),
+    };
+    format!("{start}expected {meaning}")
 }
 
 fn one_line(message: &str) -> String {

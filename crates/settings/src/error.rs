@@ -76,7 +76,12 @@ impl SettingsError {
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
-            Self::Read { .. } => None,
+            Self::Read { noun, kind, .. } => match kind {
+                io::ErrorKind::IsADirectory => Some(format!("name the {noun}'s file")),
+                io::ErrorKind::InvalidData => Some(format!("a {noun} is a TOML file: save it as text in UTF-8")),
+                io::ErrorKind::PermissionDenied => Some("make the file readable".into()),
+                _ => None,
+            },
             Self::Syntax { noun, .. } => Some(format!("a {noun} is a TOML file: key = value, with texts in quotes")),
             Self::UnknownKey { noun, key, known, .. } => Some(near_match(noun, key, known)),
             Self::WrongType { message, .. } if message.starts_with("unknown variant") => {

@@ -105,7 +105,7 @@ impl Source for FolderSource {
 }
 
 /// The image files of a folder in natural order; hidden files and folders are ignored.
-fn images_in(folder: &Path) -> Result<Vec<PathBuf>, SourceError> {
+pub(crate) fn images_in(folder: &Path) -> Result<Vec<PathBuf>, SourceError> {
     let io = |error| SourceError::io(folder, error);
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).map_err(io)? {

@@ -16,6 +16,14 @@ pub enum CornerError {
     /// The file's first line is not the header.
     #[error("line 1 is not {HEADER}")]
     NoHeader,
+    /// The file is not a table.
+    #[error("line {line}: {reason}")]
+    Table {
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong there.
+        reason: String,
+    },
     /// A line is not five numbers.
     #[error("line {line}: \"{text}\" is not five numbers separated by commas")]
     Line {
@@ -57,8 +65,8 @@ impl CornerError {
     #[must_use]
     pub fn hint(&self) -> &'static str {
         match self {
-            Self::NoHeader | Self::Line { .. } => {
-                "a row for each corner: the image's number, where the corner is on the board, mm, and in the image, px, below the line image,x_mm,y_mm,u_px,v_px"
+            Self::NoHeader | Self::Table { .. } | Self::Line { .. } => {
+                "a row for each corner: the image's number, where the corner is on the board, mm, and in the image, px, with decimal points, below the line image,x_mm,y_mm,u_px,v_px"
             }
             Self::TooFewImages { .. } => "show the board in 5 or more poses, tilted by 15° to 40° to different sides",
             Self::TooFewCorners { .. } | Self::NoPlane => "leave the image out, or detect all its corners",

@@ -8,10 +8,12 @@ use crate::CsvTable;
 ///
 /// # Errors
 ///
-/// [`CornerError::NoHeader`] and [`CornerError::Line`].
+/// [`CornerError::Table`], [`CornerError::NoHeader`] and [`CornerError::Line`].
 pub fn read_corners(text: &str) -> Result<Vec<Vec<Corner>>, CornerError> {
-    let table = CsvTable::parse(text).ok().filter(|table| table.names().eq(HEADER.split(',')));
-    let table = table.ok_or(CornerError::NoHeader)?;
+    let table = CsvTable::parse(text).map_err(|(line, reason)| CornerError::Table { line, reason })?;
+    if !table.names().eq(HEADER.split(',')) {
+        return Err(CornerError::NoHeader);
+    }
     let (mut names, mut images): (Vec<&str>, Vec<Vec<Corner>>) = (Vec::new(), Vec::new());
     for row in table.rows() {
         let fault = || {
@@ -44,6 +46,15 @@ mod tests {
             read_corners("image,x_mm,y_mm,u_px,v_px\na,0,0,10.5,20\nb,1,0,30,40\na, 1, 0, 12, 20\n\n").unwrap();
         assert_eq!(images.iter().map(Vec::len).collect::<Vec<_>>(), [2, 1]);
         assert_eq!(images[0][1], Corner { board_mm: [1.0, 0.0], px: [12.0, 20.0] });
+    }
+
+    #[test]
+    fn corners_are_read_as_a_spreadsheet_writes_them() {
+        let images = read_corners("\u{feff}image,x_mm,y_mm,u_px,v_px\r\n0,0,0,10.5,20\r\n").unwrap();
+        assert_eq!(images, [[Corner { board_mm: [0.0, 0.0], px: [10.5, 20.0] }]]);
+        let error = read_corners("image;x_mm;y_mm;u_px;v_px\n0;0;0;10,5;20\n").unwrap_err();
+        assert_eq!(error.to_string(), "line 1: its cells are separated by semicolons, not by commas");
+        assert!(error.hint().contains("image,x_mm,y_mm,u_px,v_px"));
     }
 
     #[test]

@@ -23,7 +23,8 @@ pub enum What {
     Light,
     /// Texture is too weak to be tracked: out of focus, or pattern cells too small for the camera.
     Unsharp,
-    /// All images are identical to the last bit, which does not happen with a camera.
+    /// All images are identical to the last bit, which does not happen with a camera; or all are the same as those of
+    /// another recording.
     Copies,
     /// The whole image moves, though nothing should.
     Drift,

@@ -171,8 +171,10 @@ impl DepthFitError {
             Self::NoDepths { .. } => {
                 format!("write {DEPTH_FILE} beside the images: a line \"frame,depth_mm\", then a row for every image, from 0")
             }
-            Self::Unreadable { .. } => "check that the file can be read and is text".into(),
-            Self::Table { .. } => "the first line names the columns, frame and depth_mm; then follows a row for every image".into(),
+            Self::Unreadable { .. } => "check that the file can be read and is text in UTF-8".into(),
+            Self::Table { .. } => {
+                "the first line names the columns, frame and depth_mm; then follows a row for every image, with commas between the cells and decimal points, as in 1,0.25".into()
+            }
             Self::Count { .. } => "write a row with the depth of every image, from the first image on".into(),
             Self::Constant { .. } => "record from the untouched gel to the deepest point, with the depth of every image".into(),
             Self::Negative { .. } => "depth is positive where the gel is pressed in: reverse the signs of the column depth_mm".into(),

@@ -280,6 +280,7 @@ mod tests {
     fn a_single_press_has_no_error_on_others() {
         let fit = DepthFit::new(vec![curve("a", 12.0, 0.0, 10.0)]).unwrap();
         assert!(fit.laws.iter().all(|law| law.left_out_error_mm.is_none()));
+        assert_eq!(fit.facts(), "1 press, r 1.000");
     }
 
     #[test]

@@ -22,16 +22,9 @@ impl DepthFit {
             slope: 1.0 / slope,
             intercept: -intercept / slope,
         };
-        let facts = format!(
-            "{} presses, r {:.3} together, {:.3} or more each; slopes differ by a factor of {:.1}",
-            self.presses.len(),
-            self.pooled.correlation,
-            self.presses.iter().map(|press| press.line.correlation).fold(1.0, f64::min),
-            self.slope_factor
-        );
         CurvePlots {
             title: "Density feature against depth".into(),
-            facts,
+            facts: self.facts(),
             x_name: "Depth, mm".into(),
             y_name: "Largest density feature, dimensionless".into(),
             panels: panels.collect(),
@@ -41,6 +34,20 @@ impl DepthFit {
             ],
         }
         .draw()
+    }
+
+    /// The line below the title.
+    pub(super) fn facts(&self) -> String {
+        let together = self.pooled.correlation;
+        if self.presses.len() == 1 {
+            return format!("1 press, r {together:.3}");
+        }
+        format!(
+            "{} presses, r {together:.3} together, {:.3} or more each; slopes differ by a factor of {:.1}",
+            self.presses.len(),
+            self.presses.iter().map(|press| press.line.correlation).fold(1.0, f64::min),
+            self.slope_factor
+        )
     }
 }
 

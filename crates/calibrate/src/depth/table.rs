@@ -91,6 +91,13 @@ mod tests {
     }
 
     #[test]
+    fn a_table_is_read_as_a_spreadsheet_writes_it() {
+        let text = "\u{feff}\"frame\",\"depth_mm\",\"force_z_n\"\r\n0,0,0\r\n1,\"0.25\",1.5\r\n,,\r\n";
+        let expected = Columns { depths_mm: vec![0.0, 0.25], forces_n: Some(vec![0.0, 1.5]) };
+        assert_eq!(columns(text).unwrap(), expected);
+    }
+
+    #[test]
     fn a_fault_is_named_with_its_line() {
         for (text, line, reason) in [
             ("", 1, "there is no column depth_mm"),
@@ -101,6 +108,9 @@ mod tests {
             ("frame,depth_mm\n0,\n", 2, "depth_mm =  is not a length"),
             ("frame,depth_mm\n0\n", 2, "1 cells, expected 2"),
             ("depth_mm,force_z_n\n0,strong\n", 2, "force_z_n = strong is not a force"),
+            ("frame;depth_mm\n0;0,5\n", 1, "separated by semicolons"),
+            ("frame,depth_mm\n0,0,5\n", 2, "3 cells, expected 2"),
+            ("frame,depth_mm\n0,\"0,5\"\n", 2, "depth_mm = 0,5 is not a length"),
         ] {
             let (at, why) = columns(text).unwrap_err();
             assert!(at == line && why.contains(reason), "{text:?}: line {at}: {why}");

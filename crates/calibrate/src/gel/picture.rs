@@ -35,7 +35,7 @@ impl GelReport {
             heading: "Over Poisson's ratio and thickness, %".into(),
             values: &values,
             scale: HeatScale { high: 100.0 * least as f32 * MOST, ..HeatScale::from_zero(1.0) },
-            note: format!("Right: ratio {low:.3} to {high:.3}. Down: {thin:.2} to {thick:.2} mm. Cross: the fit."),
+            note: format!("Right: {low:.3} to {high:.3}. Down: {thin:.2} to {thick:.2} mm. Cross: the fit."),
         };
         let [before, after] = self.maps.each_ref().map(in_percent);
         let shown = |values, heading: &str, limit: f32, note: &str| HeatPanel {

@@ -19,6 +19,7 @@ use fingervision_touch::Profile;
 use serde::Serialize;
 
 use super::beside;
+use super::repeated::refuse_repeated;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
@@ -138,6 +139,7 @@ fn from_slides(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 pub(super) fn fit(args: &Args) -> Result<(CameraReport, PathBuf), Failure> {
     let profile = if args.profile.exists() { super::load(&args.profile)? } else { Profile::default() };
     let slides = args.slides()?;
+    refuse_repeated("slide", &args.boards)?;
     let mut flows: Vec<BoardFlow> = Vec::new();
     let mut known = None;
     for (board, slide) in args.boards.iter().zip(slides) {

@@ -12,6 +12,7 @@ use fingervision_touch::{DepthLaw, DepthMethod, Profile};
 use serde::Serialize;
 
 use super::press::Press;
+use super::repeated::refuse_repeated;
 use super::{beside, load};
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -127,10 +128,13 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     }
     if fit.best != method {
         let best = fit.best.name();
-        let _ = writeln!(
-            text,
-            "note         --method {best} has a smaller error on presses that were not used for the fit"
-        );
+        // A single press leaves none out.
+        let tested = if fit.presses.len() == 1 {
+            "this press, to which it was fitted"
+        } else {
+            "presses that were not used for the fit"
+        };
+        let _ = writeln!(text, "note         --method {best} has a smaller error on {tested}");
     }
     let result =
         DepthResult { fit: &fit, maximum: args.maximum.into(), written, profile: &args.profile, picture: &picture };
@@ -141,6 +145,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 pub(super) fn fit(args: &Args, profile: &Profile) -> Result<DepthFit, Failure> {
     let names = || ReadyMade::ALL.iter().map(|scene| scene.name).filter(|name| name.starts_with("calibration-"));
     let presses = if args.simulated { names().map(Into::into).collect() } else { args.presses.clone() };
+    refuse_repeated("press", &presses)?;
     let curves = presses.iter().map(|press| record(args, press, profile)).collect::<Result<Vec<_>, _>>()?;
     Ok(DepthFit::new(curves)?)
 }

@@ -11,6 +11,7 @@ use fingervision_touch::Profile;
 use serde::Serialize;
 
 use super::press::Press;
+use super::repeated::refuse_repeated;
 use super::{beside, load};
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -95,6 +96,7 @@ fn fit_presses(
     profile: &Profile,
     output: OutputArgs,
 ) -> Result<GelReport, Failure> {
+    refuse_repeated("press", names)?;
     let mut has_forces = false;
     let mut presses = Vec::with_capacity(names.len());
     for name in names {

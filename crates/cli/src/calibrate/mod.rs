@@ -5,6 +5,7 @@ mod depth;
 mod gel;
 mod guide;
 mod press;
+mod repeated;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! A press of known depth, recorded or simulated, before it is tracked.
 
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use fingervision_calibrate::depth::{DepthFitError, PressFolder};
 use fingervision_elastic::GelBlock;
@@ -45,15 +45,10 @@ impl Press {
             let source = open(&images, &Options::default())?;
             return Ok(Self { name, depths_mm, forces_n, source, sensor: simulated_sensor(path) });
         }
-        let is_location = press.starts_with("sim:");
-        if !is_location && ReadyMade::find(press).is_none() {
+        let scene = scene_location(press).ok_or_else(|| {
             let message = format!("{press}: there is no such folder and no such scene");
-            return Err(Failure::new(
-                message,
-                "give folders of images with their depths, or scenes as simulate --list names them",
-            ));
-        }
-        let scene = if is_location { press.to_owned() } else { format!("sim:{press}") };
+            Failure::new(message, "give folders of images with their depths, or scenes as simulate --list names them")
+        })?;
         let joint = if scene.contains('?') { "&" } else { "?" };
         let scene = if draft { format!("{scene}{joint}draft") } else { scene };
         Self::simulated(&scene, output)
@@ -131,6 +126,20 @@ impl Press {
         let is_other = apart_px > OTHER_CAMERA * width as f64 || (a / b - 1.0).abs() > OTHER_DISTANCE;
         is_other.then_some(apart_px)
     }
+}
+
+/// The location of a scene that is given by its location or its name.
+pub(super) fn scene_location(recording: &str) -> Option<String> {
+    if recording.starts_with("sim:") {
+        return Some(recording.into());
+    }
+    ReadyMade::find(recording).map(|_| format!("sim:{recording}"))
+}
+
+/// The folder of a recording's images: its subfolder frames, as in a simulation, or itself.
+pub(super) fn images_of(recording: &Path) -> PathBuf {
+    let frames = recording.join("frames");
+    if frames.is_dir() { frames } else { recording.into() }
 }
 
 /// The camera and the gel of a press written by `simulate`, which writes its profile beside the images.

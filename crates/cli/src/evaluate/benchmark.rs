@@ -83,9 +83,14 @@ pub(super) fn benchmark(
     output: OutputArgs,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    let folder = ReportFolder::create(folder.unwrap_or(Path::new(FOLDER)), overwrite || folder.is_none())?;
     let extent = if args.quick { Extent::Quick } else { Extent::Full };
     let cases = cases(extent, args.mesh.into())?;
+    let cache = PressCache::standard();
+    let BenchmarkArgs { entries, assignments, .. } = args;
+    let benchmark = Benchmark { extent, cases: cases.clone(), assignments, entries, cache: &cache };
+    // An earlier report is kept if this one cannot begin.
+    benchmark.check()?;
+    let folder = ReportFolder::create(folder.unwrap_or(Path::new(FOLDER)), overwrite || folder.is_none())?;
     write_cases(&folder, &cases)?;
     let bar = output.steps("benchmark", cases.len() as u64);
     let progress = |name: &str| {
@@ -95,9 +100,7 @@ pub(super) fn benchmark(
         bar.set_message(name.to_owned());
         ControlFlow::Continue(())
     };
-    let cache = PressCache::standard();
-    let BenchmarkArgs { entries, assignments, .. } = args;
-    let report = run(&Benchmark { extent, cases: cases.clone(), assignments, entries, cache: &cache }, &progress)?;
+    let report = run(&benchmark, &progress)?;
     bar.finish_and_clear();
     let page = folder.write(&report, &report.page())?;
     let text = format!("{report}page      {}", page.display());

@@ -4,6 +4,7 @@ use fingervision_gel::{Motif, Pattern};
 
 use super::pair;
 use crate::failure::Failure;
+use crate::whole_number::whole_number;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct PatternArgs {
@@ -30,7 +31,7 @@ pub(super) struct PatternArgs {
     #[arg(long, value_name = "PART", allow_negative_numbers = true)]
     coverage: Option<f64>,
     /// Seed of the cells or speckles: the same seed gives the same pattern
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole_number::<u64>)]
     seed: u64,
     /// Darkest and brightest grey level; without it 0,255 on paper, 16,240 in the score's camera image
     #[arg(long, value_name = "LO,HI", value_parser = levels)]

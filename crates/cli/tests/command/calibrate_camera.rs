@@ -108,6 +108,8 @@ fn two_slides_are_fitted_together() {
     assert!(fs::read_to_string(bench.path("sensor.toml")).unwrap().contains("radial = \"printed\""));
     let swapped = bench.run(&format!("{arguments} --direction y,x"));
     swapped.expect_failure("board/frames: the board moves towards", "--direction");
+    let twice = arguments.replace("across/frames", "board/../board/frames");
+    bench.run(&twice).expect_failure("board/../board/frames is the same recording as board/frames", "every slide once");
     let options = "--direction x,y,x";
     bench.run(&format!("{arguments} {options}")).expect_failure("2 slides, 1 steps and 3 directions", "one for each");
 }

@@ -24,7 +24,9 @@ fn press(bench: &Workbench, name: &str, scale: f64, table: impl Fn(u32) -> Strin
     let folder = bench.folder(name);
     for frame in 0..FRAMES {
         let part = f64::from(frame) / f64::from(FRAMES - 1);
-        save(&picture(&press_motion().at(part * scale), 1, u64::from(frame)).into(), &folder, frame);
+        // Each recording has its own noise.
+        let noise_seed = u64::from(frame) + 100 * name.bytes().map(u64::from).sum::<u64>();
+        save(&picture(&press_motion().at(part * scale), 1, noise_seed).into(), &folder, frame);
     }
     let rows: String = (0..FRAMES).fold("frame,depth_mm\n".into(), |mut text, frame| {
         let _ = writeln!(text, "{}", table(frame));
@@ -69,6 +71,8 @@ fn presses_become_a_law_in_the_profile_and_nothing_else_changes() {
 fn the_law_that_is_written_can_be_chosen() {
     let bench = bench();
     good(&bench, "press", 1.0);
+    let ended = bench.run("calibrate depth press --profile sensor.toml --method perspective").expect_done();
+    assert!(!ended.out.contains("not used for the fit"), "there is only one press: {}", ended.out);
     for (options, key) in [("line", "intercept_mm"), ("perspective", "gain"), ("origin --maximum robust", "slope_mm")] {
         let command = format!("calibrate depth press --profile sensor.toml --picture p.png --json --method {options}");
         let result = json(&bench.run(&command).expect_done());
@@ -190,6 +194,44 @@ fn depths_that_no_press_has_are_refused() {
     refused("shuffled", &|frame| shuffled[frame as usize], "does not follow the depth", "number the images");
     // Micrometres that are few enough for a press.
     refused("few", &|frame| 0.06 * part(frame), "the depth law is impossible", "[camera] is this sensor's");
+}
+
+#[test]
+fn a_press_given_twice_is_refused() {
+    let bench = bench();
+    good(&bench, "press", 1.0);
+    good(&bench, "copy", 2.0);
+    for frame in 0..FRAMES {
+        let image = |name: &str| bench.path(&format!("{name}/{frame:04}.png"));
+        fs::copy(image("press"), image("copy")).unwrap();
+    }
+    let refused = |presses: &str, what: &str| {
+        let command = format!("calibrate depth {presses} --profile sensor.toml");
+        bench.run(&command).expect_failure(what, "give every press once");
+        assert_eq!(fs::read_to_string(bench.path("sensor.toml")).unwrap(), PROFILE, "{presses}");
+    };
+    refused("press press", "error: press is given twice");
+    refused("press press/", "error: press/ is the same recording as press");
+    refused("press ./copy/../press", "error: ./copy/../press is the same recording as press");
+    refused("press copy", "error: copy is a copy of press");
+    refused("circle sim:circle --draft", "error: sim:circle is the same scene as circle");
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(bench.path("press"), bench.path("link")).unwrap();
+        refused("link press", "error: press is the same recording as link");
+    }
+    bench.run("calibrate gel press press --profile sensor.toml").expect_failure("press is given twice", "every press");
+}
+
+#[test]
+fn depths_between_semicolons_are_refused_with_what_to_write() {
+    let bench = bench();
+    good(&bench, "press", 1.0);
+    bench.write("press/depth.csv", "frame;depth_mm\r\n0;0,0\r\n1;0,25\r\n");
+    bench.run("calibrate depth press --profile sensor.toml").expect_failure(
+        "press/depth.csv, line 1: its cells are separated by semicolons, not by commas",
+        "with commas between the cells and decimal points, as in 1,0.25",
+    );
 }
 
 #[test]

@@ -204,6 +204,16 @@ fn a_wrong_input_is_refused_with_what_to_do_and_no_profile_is_written() {
 }
 
 #[test]
+fn a_press_that_is_a_copy_of_another_is_to_be_done_again() {
+    let bench = Workbench::new();
+    simulate(&bench, "press-1", &press([0.0, 0.0], 2.0));
+    simulate(&bench, "press-2", &press([0.0, 0.0], 2.0));
+    let ended = guide(&bench, "");
+    expect(&ended, &["done      press-1", "redo      press-2   it is a copy of press-1; required: another press"]);
+    ended.expect_failure("press-2: it is a copy of press-1; required: another press", "record another press");
+}
+
+#[test]
 fn a_recording_that_has_not_changed_is_not_checked_again() {
     let bench = Workbench::new();
     simulate(&bench, "still", &rest());

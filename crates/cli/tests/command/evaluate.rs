@@ -124,10 +124,10 @@ fn the_truth_of_another_scene_is_refused() {
 #[test]
 fn what_cannot_be_compared_is_named() {
     let bench = simulated();
-    bench.run("evaluate run simulation").expect_failure("run contains neither flow.npy nor depth.npy", "track --out");
+    bench.run("evaluate run simulation").expect_failure("run: there is no such folder", "track --out");
     bench.run("track press --out run").expect_done();
-    bench.run("evaluate simulation run").expect_failure("simulation contains neither", "give the run first");
-    bench.run("evaluate run run/nowhere").expect_failure("run/nowhere contains neither", "simulate --out");
+    bench.run("evaluate simulation run").expect_failure("simulation: it contains neither", "give the run first");
+    bench.run("evaluate run run/nowhere").expect_failure("run/nowhere: there is no such folder", "simulate --out");
     bench.write("taken", "a file");
     bench.run("evaluate run simulation --out taken").expect_failure("taken/evaluation.png", "choose another");
 

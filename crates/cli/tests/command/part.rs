@@ -101,3 +101,16 @@ fn a_part_is_evaluated_against_its_own_frames() {
         assert_eq!(part["errors"]["flow_px"], whole["errors"]["flow_px"]);
     }
 }
+
+#[test]
+fn a_run_that_is_relative_to_another_frame_than_its_truth_is_remarked_on() {
+    let bench = Workbench::new();
+    bench.write("scene.toml", "[motion]\nkind = 'rigid'\nframes = 6\n[render]\nwidth = 96\nheight = 96");
+    bench.run("simulate scene.toml --out truth").expect_done();
+    bench.run("track truth/frames --out run --fields flow --reference-frame 2").expect_done();
+    let ended = bench.run("evaluate run truth").expect_done();
+    assert!(ended.out.contains("the run is relative to frame 2, the truth to frame 0"), "{}", ended.out);
+    bench.run("track truth/frames --out run --fields flow --frames 2.. --overwrite").expect_done();
+    let ended = bench.run("evaluate run truth").expect_done();
+    assert!(!ended.out.contains("relative to frame"), "{}", ended.out);
+}

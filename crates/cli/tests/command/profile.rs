@@ -43,7 +43,7 @@ fn a_profile_that_is_not_there_is_named() {
     let bench = Workbench::new();
     bench.press(2);
     let ended = bench.run("track press --out run --profile nowhere.toml");
-    ended.expect_failure("cannot read the profile nowhere.toml: no such file", "leave --profile out");
+    ended.expect_failure("cannot read the profile nowhere.toml: no such file", "fingervision profile new");
 }
 
 #[test]

@@ -177,3 +177,22 @@ fn the_bench_takes_any_profile_that_can_be_tracked() {
     bench.write("sensor.toml", "[image]\nregion_of_interest = [0, 0, 100000, 100000]");
     bench.run("bench --profile sensor.toml").expect_failure("100000x100000 px", "");
 }
+
+#[test]
+fn a_profile_that_cannot_be_read_or_written_is_named_with_what_to_do() {
+    let bench = Workbench::new();
+    bench.folder("sensor");
+    bench
+        .run("profile show sensor")
+        .expect_failure("cannot read the profile sensor: is a directory", "name the profile's file");
+    fs::write(bench.path("utf16.toml"), b"\xff\xfen\0a\0").unwrap();
+    bench.run("profile show utf16.toml").expect_failure("utf16.toml: it is not UTF-8 text", "in UTF-8");
+    bench.write("negative.toml", "[image]\nregion_of_interest = [-15, 15, 100, 100]\n");
+    let ended = bench.run("profile check negative.toml");
+    ended.expect_failure("invalid value: integer `-15`, expected a whole number, 0 or more", "");
+    bench
+        .run("profile new --out nowhere/a.toml")
+        .expect_failure("nowhere/a.toml: there is no such folder", "existing folder");
+    bench.write("small.toml", "[image]\nregion_of_interest = [1, 1, 20, 40]\n");
+    bench.run("profile check small.toml").expect_failure("image.region_of_interest = 20x40 px", "32 px or more");
+}

@@ -75,12 +75,16 @@ fn an_entry_without_results_is_refused_before_anything_is_solved() {
     fs::create_dir(bench.path("empty")).unwrap();
     let ended = bench.run("evaluate --benchmark --quick --out bench --entry mine=empty");
     ended.expect_failure("empty: it contains no result such as circle--default/depth.npy", "a folder for each case");
+    assert!(!bench.path("bench").exists(), "nothing is begun");
 }
 
 #[test]
 fn settings_of_the_tracker_are_checked_before_anything_is_solved() {
     let bench = Workbench::new();
+    bench.folder("bench");
+    bench.write("bench/report.html", "an earlier one");
     let set = |key: &str| bench.run(&format!("evaluate --benchmark --quick --out bench --overwrite --set {key}"));
     set("elastic.netwrok=false").expect_failure("elastic.netwrok", "elastic.network");
     set("gel.thickness_mm=-1").expect_failure("gel.thickness_mm = -1", "mm");
+    assert_eq!(fs::read_to_string(bench.path("bench/report.html")).unwrap(), "an earlier one");
 }

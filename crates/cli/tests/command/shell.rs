@@ -76,3 +76,16 @@ fn the_manual_has_a_page_for_every_command() {
     bench.write("taken", "");
     bench.run("man --out taken/man1").expect_failure("taken/man1: the pages cannot be written", "--out");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_the_earlier_page() {
+    let bench = Workbench::new();
+    bench.run("man --out man1").expect_done();
+    bench.write("man1/fingervision-track.1", "the earlier page");
+    std::os::unix::fs::symlink("/dev/full", bench.path("man1/fingervision-track.1.new")).unwrap();
+    bench.run("man --out man1").expect_failure("cannot write man1/fingervision-track.1: No space", "free some space");
+    assert_eq!(fs::read_to_string(bench.path("man1/fingervision-track.1")).unwrap(), "the earlier page");
+    bench.run("man --out man1").expect_done();
+    assert!(fs::read_to_string(bench.path("man1/fingervision-track.1")).unwrap().contains(".TH"));
+}

@@ -124,3 +124,24 @@ fn an_output_that_is_full_is_a_failure() {
     assert_eq!(output.status.code(), Some(1), "{errors}");
     assert!(errors.starts_with("error: cannot write the output: No space left"), "{errors}");
 }
+
+#[test]
+fn a_negative_number_is_refused_with_what_is_expected() {
+    let bench = Workbench::new();
+    for (arguments, expected) in [
+        ("track press --out run --fps -5", "invalid value '-5' for '--fps <RATE>': a rate is a number above 0"),
+        ("track press --out run --threads -1", "invalid value '-1' for '--threads <N>': expected a number of threads"),
+        (
+            "profile new --out a.toml --thickness-mm -10",
+            "invalid value '-10' for '--thickness-mm <MM>': expected a number",
+        ),
+        ("calibrate --view-mm -3", "invalid value '-3' for '--view-mm <MM>': expected a length in mm"),
+        ("simulate circle --out a --frames -3", "invalid value '-3' for '--frames <N>': expected a whole number"),
+        ("simulate circle --out a --seed -3", "invalid value '-3' for '--seed <SEED>': expected a whole number"),
+        ("pattern --out a.pdf --seed -1", "invalid value '-1' for '--seed <N>': expected a whole number"),
+    ] {
+        let ended = bench.run(arguments);
+        assert_eq!(ended.code, Some(2), "{ended:?}");
+        assert!(ended.errors.contains(expected), "{arguments}: {}", ended.errors);
+    }
+}

@@ -24,6 +24,32 @@ fn the_overlay_is_a_video_that_can_be_tracked_again() {
 }
 
 #[test]
+fn the_recording_is_never_replaced_by_its_own_run() {
+    let bench = Workbench::new();
+    bench.press(3);
+    bench.run("track press --out run --overlay run/overlay.avi").expect_done();
+    let video = fs::read(bench.path("run/overlay.avi")).unwrap();
+    fs::write(bench.path("press.avi"), &video).unwrap();
+    let command = "track press.avi --out other --overlay ./press.avi --overwrite";
+    bench.run(command).expect_failure("./press.avi is the recording itself", "another name");
+    let command = "track run/overlay.avi --out run --overwrite";
+    bench.run(command).expect_failure("run/overlay.avi is in run, which --overwrite clears", "another folder");
+    for name in ["press.avi", "run/overlay.avi"] {
+        assert_eq!(fs::read(bench.path(name)).unwrap(), video, "{name}");
+    }
+}
+
+#[test]
+fn an_overlay_without_a_folder_is_refused_before_the_previous_run_is_replaced() {
+    let bench = Workbench::new();
+    bench.press(3);
+    bench.run("track press --out run").expect_done();
+    let command = "track press --out run --overlay nowhere/a.avi --overwrite";
+    bench.run(command).expect_failure("nowhere/a.avi: there is no folder nowhere", "make the folder first");
+    bench.expect_run_of(3);
+}
+
+#[test]
 fn an_overlay_of_another_kind_is_refused_with_the_command_that_makes_it() {
     let bench = Workbench::new();
     bench.press(2);

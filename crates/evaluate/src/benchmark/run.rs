@@ -11,7 +11,9 @@ use rayon::prelude::*;
 
 use super::cases::adapt;
 use super::{BenchmarkReport, Case, CaseReport, Entry, Extent, Method, MethodScore, Variation};
-use crate::experiment::{ElasticScore, ExperimentError, Following, Recording, calibrate, follow_last};
+use crate::experiment::{
+    ElasticScore, ExperimentError, Following, Recording, calibrate, follow_last, profile_with_assignments,
+};
 
 /// The settings of a benchmark.
 #[derive(Debug)]
@@ -32,6 +34,16 @@ pub struct Benchmark<'a> {
 type Fits = BTreeMap<(&'static str, bool), DepthFit>;
 
 impl Benchmark<'_> {
+    /// Checks values of the tracker and entries, before anything is solved or written.
+    ///
+    /// # Errors
+    ///
+    /// [`ExperimentError`] for a key or a value that no profile has, or an entry without any result.
+    pub fn check(&self) -> Result<(), ExperimentError> {
+        self.entries.iter().try_for_each(|entry| entry.check(&self.cases))?;
+        self.cases.first().map_or(Ok(()), |case| profile_with_assignments(&case.scene, self.assignments).map(drop))
+    }
+
     fn record(&self, scene: &Scene) -> Result<Recording, ExperimentError> {
         Recording::with_assignments(scene, self.assignments, self.cache)
     }
@@ -48,9 +60,7 @@ pub fn run(
     benchmark: &Benchmark,
     progress: &(dyn Fn(&str) -> ControlFlow<()> + Sync),
 ) -> Result<BenchmarkReport, ExperimentError> {
-    for entry in benchmark.entries {
-        entry.check(&benchmark.cases)?;
-    }
+    benchmark.check()?;
     let fits = fits(benchmark, progress)?;
     let report = |case: &Case| {
         let report = match report(case, &fits, benchmark) {

@@ -20,4 +20,5 @@ pub use error::ExperimentError;
 pub use extent::Extent;
 pub use following::{Followed, Following, follow, follow_last};
 pub use recording::Recording;
+pub(crate) use recording::profile_with_assignments;
 pub use score::{DepthScore, Scorer};

@@ -52,11 +52,7 @@ impl Recording {
         assignments: &[(String, String)],
         cache: &PressCache,
     ) -> Result<Self, ExperimentError> {
-        let mut profile = simulated_profile(scene);
-        profile.set_all(assignments.iter().map(|(key, value)| (key.as_str(), value.as_str())))?;
-        // All methods for depth are compared, so a value has no effect only if none of them uses it.
-        let keys = assignments.iter().map(|(key, _)| key.as_str());
-        profile.expect_effect(keys.filter(|key| !key.starts_with("depth.")), Fields::default())?;
+        let profile = profile_with_assignments(scene, assignments)?;
         let mut simulation = Simulation::new(scene)?;
         let press = simulation.solve(cache, &mut |_| ControlFlow::Continue(()))?;
         if let Some(end) = &press.end {
@@ -103,4 +99,21 @@ impl Recording {
     pub fn last_image(&self) -> Option<&Pixels> {
         self.images.last()
     }
+}
+
+/// The profile of a scene's sensor with some values changed, given as keys with their values.
+///
+/// # Errors
+///
+/// [`ExperimentError::Profile`] naming the key.
+pub(crate) fn profile_with_assignments(
+    scene: &Scene,
+    assignments: &[(String, String)],
+) -> Result<Profile, ExperimentError> {
+    let mut profile = simulated_profile(scene);
+    profile.set_all(assignments.iter().map(|(key, value)| (key.as_str(), value.as_str())))?;
+    // All methods for depth are compared, so a value has no effect only if none of them uses it.
+    let keys = assignments.iter().map(|(key, _)| key.as_str());
+    profile.expect_effect(keys.filter(|key| !key.starts_with("depth.")), Fields::default())?;
+    Ok(profile)
 }

@@ -12,7 +12,7 @@ use fingervision_settings::SettingsError;
 #[non_exhaustive]
 pub enum RunError {
     /// A folder that contains neither flow nor depth.
-    #[error("{} contains neither flow.npy nor depth.npy", .folder.display())]
+    #[error("{}: {}", .folder.display(), if .folder.is_dir() { "it contains neither flow.npy nor depth.npy" } else { "there is no such folder" })]
     NoFields {
         /// The folder.
         folder: PathBuf,
@@ -132,7 +132,7 @@ impl RunError {
             Self::NoFields { hint, .. } | Self::Array { hint, .. } => Some(hint.clone()),
             Self::Read { .. } => Some("check that the file exists and can be read".into()),
             Self::Table { .. } => {
-                Some("a table has a line of column names, then one line of numbers per frame, separated by commas".into())
+                Some("a table has a line of column names, then one line of numbers per frame, with decimal points, separated by commas".into())
             }
             Self::Settings(error) => {
                 error.hint().or_else(|| Some("check that the file exists and can be read".into()))

@@ -41,6 +41,14 @@ struct RunRecord {
     #[serde(default)]
     profile: Sensor,
     source: Option<Source>,
+    part: Option<Part>,
+}
+
+/// The parts of the record of a tracked part that are read.
+#[derive(Debug, Deserialize)]
+struct Part {
+    /// The frame that displacement is relative to, if it is not the first one.
+    reference: Option<u64>,
 }
 
 /// The parts of a profile that are read.
@@ -66,6 +74,7 @@ impl Inputs {
             notes.push("run.toml is absent: the run is assumed to cover the whole grid of the truth".into());
             RunRecord::default()
         });
+        notes.extend(record.part.as_ref().and_then(|part| part.reference).and_then(reference_note));
         expect_same_scene(run_path, record.source.as_ref(), [truth_path, &truth_folder])?;
         let sensor: Sensor = read_toml("profile", &truth_file)?.unwrap_or_default();
         let run_grid = Grid { size: run.size(), region: record.profile.region(), file: &run_file };
@@ -78,7 +87,7 @@ impl Inputs {
         let mut counts = run.frame_counts();
         let mut truth_counts = truth.frame_counts();
         let held = truth_counts.iter().map(|file| file.1).min().unwrap_or_default();
-        let part = numbers::part(&run_path.join("readings.csv"), held);
+        let part = numbers::part(&run_path.join("readings.csv"), held)?;
         if let Some(part) = &part {
             notes.push(part_note(part));
             for file in &mut truth_counts {
@@ -103,6 +112,16 @@ impl Inputs {
         let steps = self.truth_steps.next().unwrap_or(1);
         (0..steps).try_for_each(|_| self.truth.advance())
     }
+}
+
+/// A truth is always relative to the first frame.
+fn reference_note(reference: u64) -> Option<String> {
+    (reference > 0).then(|| {
+        format!(
+            "the run is relative to frame {reference}, the truth to frame 0: the errors are only valid if the gel is untouched in \
+             both"
+        )
+    })
 }
 
 fn part_note(numbers: &[u64]) -> String {

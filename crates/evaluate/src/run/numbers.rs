@@ -7,11 +7,21 @@ use std::path::Path;
 use fingervision_calibrate::CsvTable;
 use fingervision_touch::SEQUENCE_COLUMN;
 
+use super::RunError;
+
 /// The numbers of the run's frames, from the column `sequence` of its table of readings; `frames` is the number of
 /// truth frames. None if the run contains the first frames without gaps, or if the table does not give valid numbers.
-pub(super) fn part(table: &Path, frames: u64) -> Option<Vec<u64>> {
-    let text = fs::read_to_string(table).ok()?;
-    let table = CsvTable::parse(&text).ok()?;
+///
+/// # Errors
+///
+/// [`RunError::Table`] if it is not a table.
+pub(super) fn part(file: &Path, frames: u64) -> Result<Option<Vec<u64>>, RunError> {
+    let Ok(text) = fs::read_to_string(file) else { return Ok(None) };
+    let fault = |(line, reason)| RunError::Table { file: file.to_owned(), line, reason };
+    Ok(numbers(&CsvTable::parse(&text).map_err(fault)?, frames))
+}
+
+fn numbers(table: &CsvTable, frames: u64) -> Option<Vec<u64>> {
     let place = table.place(SEQUENCE_COLUMN)?;
     let numbers: Vec<u64> = table.rows().iter().map(|row| row.cell(place).parse().ok()).collect::<Option<_>>()?;
     let is_part = numbers.is_sorted_by(|a, b| a < b) && numbers.last().is_some_and(|&last| last < frames);
@@ -33,7 +43,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("readings.csv");
         fs::write(&path, table).unwrap();
-        part(&path, frames)
+        part(&path, frames).unwrap()
     }
 
     #[test]
@@ -48,6 +58,15 @@ mod tests {
         for table in ["", "x\n1\n", "sequence\n0\n1\n2\n", "sequence\n3\n9\n", "sequence\n5\n3\n", "sequence\na\n"] {
             assert_eq!(part_of(table, 6), None, "{table:?}");
         }
-        assert_eq!(part(Path::new("nowhere/readings.csv"), 6), None);
+        assert_eq!(part(Path::new("nowhere/readings.csv"), 6).unwrap(), None);
+    }
+
+    #[test]
+    fn a_table_with_semicolons_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("readings.csv");
+        fs::write(&path, "sequence;x\n3;0,5\n").unwrap();
+        let error = part(&path, 6).unwrap_err().to_string();
+        assert!(error.contains("readings.csv, line 1: its cells are separated by semicolons"), "{error}");
     }
 }

@@ -69,6 +69,7 @@ mod tests {
             ("force_x_n,force_y_n,force_z_n\n1,2\n", "line 2: 2 cells, expected 3"),
             ("force_x_n,force_y_n,force_z_n\n1,2,3\n1,2,three\n", "line 3: force_z_n = three is not a number"),
             ("frame,force_x_n,force_y_n,force_z_n\n1,0,0,0\n", "line 2: frame 1, expected 0"),
+            ("force_x_n;force_y_n;force_z_n\n1,5;0;0\n", "line 1: its cells are separated by semicolons"),
         ] {
             let error = read(text).unwrap_err().to_string();
             assert!(error.contains(expected), "{error} does not say {expected}");

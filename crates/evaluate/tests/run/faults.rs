@@ -21,18 +21,18 @@ fn folders_without_fields_are_named() {
         made_up.remove("run/flow.npy");
         made_up.remove("run/depth.npy");
     };
-    expect(no_fields, "run contains neither flow.npy nor depth.npy", "track --out");
+    expect(no_fields, "run: it contains neither flow.npy nor depth.npy", "track --out");
     let swapped = |made_up: &MadeUp| {
         fs::rename(made_up.path("run"), made_up.path("kept")).unwrap();
         fs::rename(made_up.path("simulation"), made_up.path("run")).unwrap();
         fs::rename(made_up.path("kept"), made_up.path("simulation")).unwrap();
     };
-    expect(swapped, "run contains neither", "give the run first");
+    expect(swapped, "run: it contains neither", "give the run first");
     let no_truth = |made_up: &MadeUp| {
         made_up.remove("simulation/truth/flow.npy");
         made_up.remove("simulation/truth/depth.npy");
     };
-    expect(no_truth, "simulation/truth contains neither flow.npy nor depth.npy", "simulate --out");
+    expect(no_truth, "simulation/truth: it contains neither flow.npy nor depth.npy", "simulate --out");
     let nothing = |made_up: &MadeUp| {
         made_up.remove("run/flow.npy");
         made_up.remove("simulation/truth/depth.npy");

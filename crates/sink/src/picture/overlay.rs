@@ -4,7 +4,7 @@ use std::path::Path;
 
 use fingervision_image::{Frame, Image, Rect};
 use fingervision_plot::page::{BACKGROUND, BODY, GAP, HEADING, MARGIN, WARNING_INK};
-use fingervision_plot::{Anchor, Area, Canvas, Outline, Panel, Rgb, Style, number, round_up};
+use fingervision_plot::{Anchor, Area, Canvas, Outline, Panel, Rgb, Style, number};
 use fingervision_touch::{Flag, Reading};
 use image::ExtendedColorType;
 use image::codecs::jpeg::JpegEncoder;
@@ -12,7 +12,7 @@ use image::codecs::jpeg::JpegEncoder;
 use super::course::Course;
 use super::panels::draw_heat_up_to;
 use super::preview::PreviewOptions;
-use super::strongest::{Quantity, Strength, Strongest};
+use super::strongest::{Strength, Strongest};
 use crate::avi::AviWriter;
 use crate::{Sink, SinkError};
 
@@ -92,7 +92,7 @@ impl Overlay {
         self.draw_title(&mut canvas);
         let camera = self.layout.panel(0);
         self.draw_camera(&mut canvas, camera);
-        self.limit = self.limit.max(round_up(self.shown.typical_value().max(least(self.shown.quantity))));
+        self.limit = self.limit.max(self.shown.colour_end());
         draw_heat_up_to(&mut canvas, self.layout.panel(1), &self.shown, self.limit);
         let top = camera.legend.bottom() + 12.0;
         let plots = Area { x: MARGIN, y: top, width: width - 2.0 * MARGIN, height: PLOT_HEIGHT };
@@ -192,14 +192,5 @@ impl Layout {
             legend: Area { x, y: TOP + height + 20.0, width: column, height: LEGEND_HEIGHT },
             scale: self.scale,
         }
-    }
-}
-
-/// Least end of the colour scale: noise must not look like touch.
-fn least(quantity: Quantity) -> f32 {
-    match quantity {
-        Quantity::Depth => 0.1,
-        Quantity::Density => 0.02,
-        Quantity::FlowLength => 0.5,
     }
 }

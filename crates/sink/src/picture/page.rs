@@ -49,7 +49,8 @@ fn draw_title(canvas: &mut Canvas, strongest: &Strongest, course: &Course) {
     let mut facts = vec![if strength.mean_px.is_nan() {
         format!("No frame of {frames} holds valid flow")
     } else {
-        format!("Strongest of {frames} frames: mean flow {} px", number(strength.mean_px))
+        let of = if frames == 1 { "The only frame".into() } else { format!("Strongest of {frames} frames") };
+        format!("{of}: mean flow {} px", number(strength.mean_px))
     }];
     facts.extend(strongest.max_depth_mm.map(|depth| format!("depth up to {} mm", number(depth))));
     facts.extend(strongest.contact_area_mm2.map(|area| format!("contact {} mm²", number(area))));

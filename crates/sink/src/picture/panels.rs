@@ -100,7 +100,7 @@ pub(super) fn draw_flow(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
 
 /// Depth, density feature or flow length, and its colour bar.
 pub(super) fn draw_heat(canvas: &mut Canvas, panel: Panel, shown: &Strongest) {
-    draw_heat_up_to(canvas, panel, shown, round_up(shown.typical_value()));
+    draw_heat_up_to(canvas, panel, shown, shown.colour_end());
 }
 
 /// The same with colours that end at `limit`.

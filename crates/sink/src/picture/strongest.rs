@@ -2,6 +2,7 @@
 
 use fingervision_flow::FlowField;
 use fingervision_image::{Frame, Image, ImageError, Rect, grey_into};
+use fingervision_plot::round_up;
 use fingervision_touch::{Flag, Flags, Reading};
 
 use crate::SinkError;
@@ -44,6 +45,17 @@ pub(super) enum Quantity {
     Density,
     /// Length of the flow, px.
     FlowLength,
+}
+
+impl Quantity {
+    /// Least end of the colour scale: noise must not look like touch.
+    fn least_end(self) -> f32 {
+        match self {
+            Self::Depth => 0.1,
+            Self::Density => 0.02,
+            Self::FlowLength => 0.5,
+        }
+    }
 }
 
 /// A copy of the data for a picture of one frame.
@@ -153,9 +165,10 @@ impl Strongest {
         typical(flow.map(|(u, v)| u.hypot(*v)), &self.valid)
     }
 
-    /// The absolute value that 999 of 1000 valid values of the third panel do not exceed, in the quantity's unit.
-    pub(super) fn typical_value(&self) -> f32 {
-        typical(self.values.values().iter().map(|value| value.abs()), &self.values_valid)
+    /// The end of the third panel's colours, in the quantity's unit: 999 of 1000 valid values do not exceed it.
+    pub(super) fn colour_end(&self) -> f32 {
+        let typical = typical(self.values.values().iter().map(|value| value.abs()), &self.values_valid);
+        round_up(typical.max(self.quantity.least_end()))
     }
 }
 
@@ -186,5 +199,15 @@ mod tests {
         assert!(strength(0.0).exceeds(strength(f32::NAN)));
         assert!(!strength(f32::NAN).exceeds(strength(0.0)));
         assert!(!strength(1.0).exceeds(strength(1.0)));
+    }
+
+    #[test]
+    fn the_noise_of_an_untouched_gel_is_pale() {
+        let mut shown = Strongest::none();
+        (shown.quantity, shown.values_valid) = (Quantity::Density, Image::filled(8, 6, 1));
+        for (value, end) in [(1e-5, 0.02), (0.18, 0.2)] {
+            shown.values = Image::filled(8, 6, value);
+            assert!((shown.colour_end() - end).abs() < 1e-6, "{value}: {}", shown.colour_end());
+        }
     }
 }

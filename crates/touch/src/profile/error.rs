@@ -48,7 +48,7 @@ impl ProfileError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::Settings(error) if error.is_not_found() => {
-                Some("leave --profile out to track an uncalibrated sensor".into())
+                Some("check the name; `fingervision profile new` writes a profile to start from".into())
             }
             Self::Settings(SettingsError::OutOfRange { key, allowed, .. }) if allowed.ends_with(" mm") => {
                 Some(format!("write {key} in mm: multiply a value in m by 1000, divide a value in µm by 1000"))

@@ -1,5 +1,6 @@
 //! Suspicious values of a profile, although every value is possible: a wrong unit, a camera that does not see the gel.
 
+use fingervision_flow::FlowEstimator;
 use serde::Serialize;
 
 use super::view::View;
@@ -49,7 +50,7 @@ impl Remark {
 
 /// All remarks, faults first.
 pub(super) fn all(profile: &Profile, view: &View, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
-    let mut remarks = does_not_fit(profile, frame_size);
+    let mut remarks = does_not_fit(profile, view, frame_size);
     remarks.extend(lengths(profile));
     remarks.extend(lens(profile, view));
     remarks.extend(misses(view));
@@ -60,13 +61,15 @@ pub(super) fn all(profile: &Profile, view: &View, frame_size: Option<(usize, usi
 }
 
 /// The reason why a tracker cannot be made, if there is one.
-fn does_not_fit(profile: &Profile, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
+fn does_not_fit(profile: &Profile, view: &View, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
+    let estimator = view.region.map(|region| FlowEstimator::new(region.width, region.height, &profile.flow));
+    let size = estimator.and_then(Result::err).map(super::ProfileError::from);
     let region = frame_size.and_then(|size| profile.region(size).err());
     let is_elastic = profile.depth_method() == DepthMethod::Elastic;
     let elastic = is_elastic.then(|| profile.elastic_sensor().err()).flatten();
     let fault =
         |error: super::ProfileError| Remark::new(Weight::Fault, error.to_string(), error.hint().unwrap_or_default());
-    region.into_iter().chain(elastic).map(fault).collect()
+    region.or(size).into_iter().chain(elastic).map(fault).collect()
 }
 
 /// Values in another unit: 1000 times larger or smaller than those of a sensor.

@@ -21,6 +21,14 @@ fn a_valid_sensor_gives_no_remarks() {
 }
 
 #[test]
+fn a_region_that_is_too_small_to_track_is_a_fault() {
+    let region = ("image.region_of_interest", "[300, 200, 31, 40]");
+    expect(&[region], Weight::Fault, "image.region_of_interest = 31x40 px is impossible", "32 px or more");
+    let remarks = Profile::default().review(Some((640, 31))).remarks;
+    assert_eq!(remarks[0].weight, Weight::Fault, "{remarks:?}");
+}
+
+#[test]
 fn an_impossible_value_is_a_fault_with_a_suggestion() {
     use Weight::Fault;
     expect(

@@ -13,13 +13,14 @@ use fingervision_elastic::GelBlock;
 use fingervision_touch::Profile;
 use serde::Serialize;
 
+use crate::calibrate::press::images_of;
 use crate::calibrate::{beside, camera, depth, gel};
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
 use super::PROFILE;
 use super::answers::Answers;
-use super::look::{Kind, Step, images_of, noise_to_set};
+use super::look::{Kind, Step, noise_to_set};
 
 /// The profile while it is being written.
 const DRAFT: &str = "sensor.toml.draft";

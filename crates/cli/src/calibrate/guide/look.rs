@@ -11,6 +11,8 @@ use fingervision_source::{Options, SourceError};
 use fingervision_touch::Profile;
 use serde::Serialize;
 
+use crate::calibrate::press::images_of;
+use crate::calibrate::repeated::repeated_fault;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
@@ -122,8 +124,13 @@ pub(super) fn look(folder: &Path, answers: &Answers, output: OutputArgs) -> Resu
         Step::question(Kind::View, "view", view),
         Step::question(Kind::Gel, "gel", gel),
     ];
+    let mut places: Vec<PathBuf> = Vec::new();
     for place in press_folders(folder) {
-        let check = looker.press(&place, &bare, rest);
+        let check = match repeated_fault(&place, places.iter().map(PathBuf::as_path)) {
+            Some(fault) => Some(RecordingCheck::refused(fault)),
+            None => looker.press(&place, &bare, rest),
+        };
+        places.push(place.clone());
         steps.push(Step::recording(Kind::Press, place, check));
     }
     looker.checks.save();
@@ -244,12 +251,6 @@ fn of_one_size((width, height): (usize, usize), rest: Option<&Frame>) -> Result<
     let (measured, allowed) = (format!("images of {width}x{height} px"), format!("{columns}x{rows} px, as in still"));
     let remedy = "take all recordings with this sensor's camera, at one size";
     Err(Fault::new(What::OtherSensor, measured, allowed, remedy))
-}
-
-/// The folder of a recording's images: its subfolder frames, as in a simulation, or itself.
-pub(super) fn images_of(folder: &Path) -> PathBuf {
-    let frames = folder.join("frames");
-    if frames.is_dir() { frames } else { folder.into() }
 }
 
 fn is_empty(folder: &Path) -> bool {
