@@ -1,5 +1,6 @@
 //! Ends the test when one input takes too long: a parser that hangs cannot be stopped from within.
 
+use std::io::{self, Write};
 use std::process;
 use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread;
@@ -25,7 +26,11 @@ impl Watchdog {
                     Err(RecvTimeoutError::Disconnected) => return,
                     Err(RecvTimeoutError::Timeout) => {
                         if let Some(input) = running {
-                            eprintln!("{parser}: seed {seed}, input {input} takes longer than {PATIENCE:?}");
+                            // Not through a macro: the test harness would keep the line, and the process ends here.
+                            let _ = writeln!(
+                                io::stderr(),
+                                "{parser}: seed {seed}, input {input} takes longer than {PATIENCE:?}"
+                            );
                             process::abort();
                         }
                     }

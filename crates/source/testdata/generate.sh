@@ -69,3 +69,5 @@ make -f lavfi -i "$tiny" -c:v libvpx-vp9 -bitexact vp9.webm
 make -f lavfi -i "$tiny" -c:v libx264 -pix_fmt yuv420p10le -bitexact ten_bit.mp4
 make -f lavfi -i "$tiny" -c:v mpeg2video -bitexact mpeg2.mp4
 make -f lavfi -i "$tiny" -c:v libx264 -bitexact h264.avi
+
+# references.mp4 is trimmed.mp4 with some bytes of its pictures changed by chance: a slice asks for 1566271659 references.

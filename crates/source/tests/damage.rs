@@ -164,3 +164,11 @@ fn a_video_that_is_cut_off_ends_although_it_is_read_on() {
     let (frames, errors) = read_on(&path);
     assert!(!frames.is_empty() && !errors.is_empty(), "{} frames, {errors:?}", frames.len());
 }
+
+/// The decoder would repeat the last reference picture four billion times.
+#[test]
+fn a_slice_with_too_many_reference_pictures_is_refused() {
+    let (frames, errors) = read_on(&clip("references.mp4"));
+    let refused = errors.iter().filter(|error| error.to_string().contains("reference pictures, 32 are allowed"));
+    assert_eq!((frames.len(), refused.count()), (1, 1), "{errors:?}");
+}

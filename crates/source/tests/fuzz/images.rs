@@ -8,8 +8,9 @@ use fingervision_source::{Options, open};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, RgbImage, Rgba};
 use tiff::encoder::{TiffEncoder, colortype};
 
-/// The most memory that one of these small files may take, bytes: what the TIFF decoder allows itself.
-const MOST_BYTES: u64 = 256 << 20;
+/// The most memory that one of these small files may take, bytes: what the TIFF decoder allows itself for a picture, and a
+/// little for its tables.
+const MOST_BYTES: u64 = (256 << 20) + (64 << 10);
 const SIZE: (u32, u32) = (19, 13);
 
 fn level(x: u32, y: u32) -> u8 {

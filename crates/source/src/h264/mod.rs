@@ -3,11 +3,14 @@
 //! One sample is one picture. It is flushed out of the decoder at once, so that a picture is never confused with its
 //! neighbour; the display order is determined by the caller, from the container's times.
 
+mod references;
+
 use crate::decoder::Decoder;
 use crate::fault::{Fault, guarded};
 use crate::track::Colour;
 use crate::yuv::YuvToRgb;
 use fingervision_image::Pixels;
+use references::References;
 use rust_h264::decoder::{Decoder as Bitstream, Frame};
 use rust_h264::error::DecodeError;
 use rust_h264::nal::{NalUnit, NalUnitType, SpsInfo, parse_avcc, parse_avcc_config, parse_sps_info};
@@ -22,6 +25,7 @@ const UNSPECIFIED: u8 = 2;
 /// Decodes the samples of an H.264 track.
 pub(crate) struct H264 {
     bitstream: Bitstream,
+    references: References,
     /// Bytes of the length in front of every unit.
     length_size: usize,
     /// Colour information of the container; that of the stream takes precedence.
@@ -35,7 +39,13 @@ impl H264 {
     pub(crate) fn new(config: &[u8], colour: Option<Colour>) -> Result<Self, Fault> {
         const DAMAGED: Fault = Fault::Damaged("the H.264 parameters are damaged");
         let config = guarded(|| parse_avcc_config(config).ok()).ok().flatten().ok_or(DAMAGED)?;
-        let mut decoder = Self { bitstream: Bitstream::new(), length_size: config.length_size, colour, stream: None };
+        let mut decoder = Self {
+            bitstream: Bitstream::new(),
+            references: References::default(),
+            length_size: config.length_size,
+            colour,
+            stream: None,
+        };
         for unit in config.sps_nals.iter().chain(&config.pps_nals) {
             decoder.feed(unit).map_err(|fault| match fault {
                 UnitFault::NotRead(what) => Fault::NotRead(what),
@@ -52,6 +62,7 @@ impl H264 {
             let conversion = admit(&info, self.colour)?;
             self.stream = Some((info, conversion));
         }
+        self.references.check(unit)?;
         Ok(guarded(|| self.bitstream.decode_nal(unit))??)
     }
 
