@@ -1,13 +1,13 @@
 //! Reads a `.npy` file of frames, one frame after another: memory does not grow with the recording.
 
 use std::fs::File;
-use std::io::{BufReader, ErrorKind, Read, Seek};
+use std::io::{BufReader, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use half::f16;
-use npyz::{DType, NpyHeader, Order};
 
 use super::RunError;
+use super::npy_header::{HeaderError, NpyHeader};
 
 /// The type of a value in an array.
 pub(crate) trait Value: Copy + Default {
@@ -75,24 +75,29 @@ impl<T: Value> FrameArray<T> {
             opened => opened.map_err(RunError::reading(path))?,
         };
         let file_len = file.metadata().map_err(RunError::reading(path))?.len();
-        if header_len(&file).map_err(RunError::reading(path))? > file_len {
-            return Err(fault(path, "its header is longer than the file".into(), "write it with numpy.save"));
-        }
-        let mut file = Counted { reader: BufReader::new(file), count: 0 };
-        let header = NpyHeader::from_reader(&mut file)
-            .map_err(|error| fault(path, format!("this is not an array: {error}"), "write it with numpy.save"))?;
+        let mut file = BufReader::new(file);
+        let header = NpyHeader::read(&mut file).map_err(|error| match error {
+            HeaderError::Read(error) => RunError::reading(path)(error),
+            HeaderError::CutOff => {
+                let reason = "this is not an array: its header is longer than the file".into();
+                fault(path, reason, "write it with numpy.save")
+            }
+            HeaderError::NotOne(reason) => {
+                fault(path, format!("this is not an array: {reason}"), "write it with numpy.save")
+            }
+        })?;
         let stored = stored(path, &header)?;
         let (frames, size) = shape(path, &header, channels)?;
 
         let frame_len = [size.0, size.1, channels, stored.len].into_iter().try_fold(1, usize::checked_mul);
-        let whole = frame_len.map_or(0, |frame_len| (file_len - file.count) / frame_len.max(1) as u64);
+        let whole = frame_len.map_or(0, |frame_len| (file_len - header.len) / frame_len.max(1) as u64);
         if whole < frames {
             let reason = format!("the header states {frames} frames, but the file ends after {whole}");
             return Err(fault(path, reason, "the file was cut short: copy or write it again"));
         }
         let frame_len = frame_len.unwrap_or_default();
         let (bytes, values) = (vec![0; frame_len], vec![T::default(); frame_len / stored.len]);
-        Ok(Some(Self { path: path.to_owned(), file: file.reader, stored, frames, size, bytes, values }))
+        Ok(Some(Self { path: path.to_owned(), file, stored, frames, size, bytes, values }))
     }
 
     /// Reads the next frame.
@@ -124,13 +129,10 @@ impl<T: Value> FrameArray<T> {
 }
 
 fn stored<T: Value>(path: &Path, header: &NpyHeader) -> Result<Stored<T>, RunError> {
-    let code = match header.dtype() {
-        DType::Plain(code) => code.to_string(),
-        other => other.descr(),
-    };
-    let stored = T::stored_as(&code)
+    let code = &header.code;
+    let stored = T::stored_as(code)
         .ok_or_else(|| fault(path, format!("its values are of type {code}, expected {}", T::EXPECTED), T::HINT))?;
-    if header.order() == Order::Fortran {
+    if header.is_fortran {
         let hint = "numpy.save(file, numpy.ascontiguousarray(array))";
         return Err(fault(path, "it is in Fortran order, expected C order".into(), hint));
     }
@@ -139,7 +141,7 @@ fn stored<T: Value>(path: &Path, header: &NpyHeader) -> Result<Stored<T>, RunErr
 
 /// Frames, and columns and rows.
 fn shape(path: &Path, header: &NpyHeader, channels: usize) -> Result<(u64, (usize, usize)), RunError> {
-    let (shape, channels) = (header.shape(), channels as u64);
+    let (shape, channels) = (&header.shape[..], channels as u64);
     let (&[frames, height, width], rest) = shape.split_first_chunk().unwrap_or((&[0; 3], &[]));
     let is_expected = shape.len() >= 3 && if channels == 1 { rest.is_empty() } else { rest == [channels] };
     let sides = usize::try_from(width).ok().zip(usize::try_from(height).ok());
@@ -155,30 +157,4 @@ fn shape(path: &Path, header: &NpyHeader, channels: usize) -> Result<(u64, (usiz
 
 fn fault(path: &Path, reason: String, hint: &str) -> RunError {
     RunError::Array { file: path.to_owned(), reason, hint: hint.into() }
-}
-
-/// The length that a header states, bytes, read before memory is allocated for it: 16 bits in version 1 of the format,
-/// else 32 bits.
-fn header_len(mut file: &File) -> std::io::Result<u64> {
-    let mut start = Vec::new();
-    file.take(12).read_to_end(&mut start)?;
-    file.rewind()?;
-    Ok(match start[..] {
-        [_, _, _, _, _, _, version, _, a, b, c, d] if version > 1 => u64::from(u32::from_le_bytes([a, b, c, d])),
-        _ => 0,
-    })
-}
-
-/// Counts the bytes that were read.
-struct Counted<R> {
-    reader: R,
-    count: u64,
-}
-
-impl<R: Read> Read for Counted<R> {
-    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.reader.read(bytes)?;
-        self.count += count as u64;
-        Ok(count)
-    }
 }

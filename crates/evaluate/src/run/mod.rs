@@ -60,6 +60,7 @@ mod histogram;
 mod inputs;
 mod judgement;
 mod last_frame;
+mod npy_header;
 mod numbers;
 mod options;
 mod origin;
