@@ -62,14 +62,11 @@ impl NpyHeader {
             (12, u64::from(u32::from_le_bytes(len)))
         };
         let mut text = Vec::new();
-        if len > MOST_BYTES {
-            // Not allocated before it is there: a damaged length is longer than its file.
-            let there = io::copy(&mut file.take(len), &mut io::sink())?;
-            return Err(if there < len { HeaderError::CutOff } else { not_one("its header is too long") });
-        }
-        file.take(len).read_to_end(&mut text)?;
-        if (text.len() as u64) < len {
-            return Err(HeaderError::CutOff);
+        file.take(len.min(MOST_BYTES)).read_to_end(&mut text)?;
+        match text.len() as u64 {
+            MOST_BYTES if len > MOST_BYTES => return Err(not_one("its header is too long")),
+            there if there < len => return Err(HeaderError::CutOff),
+            _ => {}
         }
         let text = String::from_utf8(text).map_err(|_| not_one("its header is not text"))?;
         let header = Dictionary { rest: &text }.header();
