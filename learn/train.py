@@ -14,6 +14,7 @@ import numpy
 import torch
 from torch.nn import functional
 
+import golden
 from frames import SIZE_MM, drawn, mirrored, mirrored_seen, packed, tracked
 from network import MESHES, ContactNetwork
 
@@ -24,6 +25,7 @@ SHARES = {"draft": 0.3, "medium": 0.5, "fine": 0.2}  # of the frames of a batch,
 DEEP_MM = 1.5  # contact that is less deep on average counts more
 MOST_SHALLOW = 2.5  # times as much at most
 TRACKED_SHARE = 0.75  # of them as a tracker saw them; the others as any camera would, under formulas for blur and noise
+JUDGED = "%s; unseen presses: depth %.4f mm, in contact %.3f mm (%+.1f %%), overlap %.3f, error over predicted %.2f"
 
 
 def load(folder):
@@ -104,14 +106,15 @@ def main():
     length.add_argument("--steps", type=int, help="how many steps, instead of minutes")
     arguments.add_argument("--seed", type=int, default=0)
     arguments.add_argument("--rate", type=float, default=2e-3)
-    arguments.add_argument("--start", help="weights to begin with")
+    arguments.add_argument("--start", help="weights to begin with: of an earlier training, or exported ones (.bin)")
     arguments = arguments.parse_args()
     torch.manual_seed(arguments.seed)
     torch.use_deterministic_algorithms(True)
     train, judge = load(arguments.presses)
     network = ContactNetwork().to(memory_format=torch.channels_last)
     if arguments.start:
-        network.load_state_dict(torch.load(arguments.start))
+        exported = arguments.start.endswith(".bin")
+        network.load_state_dict(golden.load(arguments.start).float().state_dict() if exported else torch.load(arguments.start))
     mean = copy.deepcopy(network)  # of the weights of the last steps: what is kept
     optimizer = torch.optim.AdamW(network.parameters(), arguments.rate, weight_decay=1e-2)
     draw, begin, step = numpy.random.default_rng(arguments.seed), time.time(), 0
@@ -120,6 +123,8 @@ def main():
         """Which part of the training is over."""
         return step / arguments.steps if arguments.steps else (time.time() - begin) / (60 * arguments.minutes)
 
+    if arguments.start:
+        print(JUDGED % ("before", *judged(network, judge)), flush=True)
     while (part := passed()) < 1:
         step += 1
         warm = min(1, step / 200)
@@ -137,8 +142,7 @@ def main():
             for kept, last in zip(mean.parameters(), network.parameters()):
                 kept.lerp_(last, share)
         if step % 500 == 0:
-            print(f"step {step}: loss {loss.item():.4f}, unseen presses: depth %.4f mm, in contact %.3f mm (%+.1f %%), overlap %.3f, error over predicted %.2f"
-                  % judged(mean, judge), flush=True)
+            print(JUDGED % (f"step {step}: loss {loss.item():.4f}", *judged(mean, judge)), flush=True)
             torch.save(mean.state_dict(), arguments.out)
     torch.save(mean.state_dict(), arguments.out)
 

@@ -26,8 +26,8 @@ const PIXELS: usize = 480;
 const CAMERAS: usize = 2;
 /// Side of the gel that all lengths are drawn for, mm.
 const SIZE_MM: f64 = 30.0;
-/// Farthest that a point moves from one frame to the next, mm.
-const STEP_MM: f64 = 0.15;
+/// Range of the farthest that a point moves from one frame to the next, mm: 1 to 16 px of the usual camera.
+const STEP_MM: [f64; 2] = [0.06, 1.0];
 
 type Fault = Box<dyn Error>;
 type Displacement = Vec<[f64; 3]>;
@@ -44,10 +44,11 @@ struct Sensor {
     camera: CameraParams,
     pattern: Pattern,
     render: RenderParams,
+    step_mm: f64,
 }
 
 impl Sensor {
-    /// Place and blur, noise, and the pattern's cells are each as in the ready-made scenes in half of all sensors or a little more,
+    /// Every speed is as likely as twice that speed. Place and blur, noise, and the pattern's cells are each as in the ready-made scenes in half of all sensors or a little more,
     /// and drawn at random in the others.
     fn draw(size_mm: f64, rng: &mut Pcg64Mcg) -> Result<Self, Fault> {
         let mut between = |low: f64, high: f64| Ok::<_, Fault>(Uniform::new(low, high)?.sample(rng));
@@ -80,10 +81,13 @@ impl Sensor {
             seed: usual_or(0.0, 1.0, 1e6, false)? as u64,
             ..RenderParams::default()
         };
+        let [slow, fast] = STEP_MM.map(f64::ln);
+        let step_mm = scale * usual_or(0.0, slow, fast, false)?.exp();
         Ok(Self {
             camera,
             pattern: Pattern { motif: Motif::Colour { cell_mm }, seed: pattern_seed, ..Pattern::default() },
             render,
+            step_mm,
         })
     }
 
@@ -107,7 +111,7 @@ impl Sensor {
         let mut before = &rest;
         for pose in poses {
             let farthest_mm = before.iter().zip(pose).map(|(from, to)| distance(from, to)).fold(0.0, f64::max);
-            let steps = (farthest_mm / (STEP_MM * gel.size_mm[0] / SIZE_MM)).ceil().max(1.0) as usize;
+            let steps = (farthest_mm / self.step_mm).ceil().max(1.0) as usize;
             for step in 1..=steps {
                 let share = step as f64 / steps as f64;
                 let between = |(from, to): (&[f64; 3], &[f64; 3])| {
