@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut reference = estimator.reference();
     estimator.prepare(&picture, &mut reference);
 
-    // Without a start; `Start::Flow` starts from a flow that is a few px off at most, such as that of the previous frame.
+    // Without a start; `Start::History` starts from the flows of the frames before.
     picture.load(&image(4), whole)?;
     let mut estimate = Estimate::new(width, height);
     estimator.estimate(&reference, &picture, Start::Search(None), &mut estimate);

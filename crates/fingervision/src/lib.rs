@@ -72,8 +72,8 @@ pub use fingervision_touch::{
 
 // The flow on its own.
 pub use fingervision_flow::{
-    AffineParams, Estimate, FlowError, FlowEstimator, FlowField, FlowParams, Picture, Preset, Reference, RefineParams,
-    SearchParams, Start, ValidityParams,
+    AffineParams, Estimate, FlowError, FlowEstimator, FlowField, FlowHistory, FlowParams, Picture, Preset, Reference,
+    RefineParams, SearchParams, Start, ValidityParams,
 };
 
 // Readings out.

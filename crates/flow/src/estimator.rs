@@ -4,7 +4,7 @@ use crate::affine::patches::{self, AffinePatches, AffineReference};
 use crate::recovery::Recovery;
 use crate::round_trip::{invert_into, round_trip_error_into};
 use crate::search::{self, InverseSearch, SearchReference};
-use crate::{Estimate, FlowError, FlowField, FlowParams, Picture, Preset};
+use crate::{Estimate, FlowError, FlowField, FlowHistory, FlowParams, Picture, Preset};
 use fearless_simd::Level;
 use fingervision_image::Image;
 
@@ -47,6 +47,8 @@ pub enum Start<'a> {
     Search(Option<&'a FlowField>),
     /// Warm start: from a flow with errors of a few px at most, such as that of the previous frame.
     Flow(&'a FlowField),
+    /// Warm start of a frame that follows others: from the last flow, or from its extrapolation where that matches better.
+    History(&'a FlowHistory),
 }
 
 /// Estimates flow between pictures of one size. It owns its scratch memory: an estimate allocates nothing.
@@ -153,15 +155,14 @@ impl FlowEstimator {
 
     /// Writes the flow from a reference to the current picture.
     pub fn estimate(&mut self, reference: &Reference, current: &Picture, start: Start<'_>, out: &mut Estimate) {
-        let affine = self.params.affine;
         match (self.params.preset, start) {
             (Preset::Affine, Start::Flow(flow)) => {
                 self.affine.start(flow);
-                self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
-                let references = (&reference.search, &reference.affine);
-                let lost_px2 = self.recovery.run(references, current, flow, &mut self.search, &mut self.affine);
-                self.affine.write(&reference.affine, current, out);
-                out.lost_px2 = lost_px2;
+                self.follow(reference, current, flow, out);
+            }
+            (Preset::Affine, Start::History(history)) => {
+                self.affine.predict(&reference.affine, current, history);
+                self.follow(reference, current, history.last(), out);
             }
             (Preset::Affine, Start::Search(guess)) => {
                 self.search_and_refine(reference, current, guess, false, out);
@@ -175,6 +176,7 @@ impl FlowEstimator {
             }
             (_, Start::Search(guess)) => self.search_alone(reference, current, guess, out),
             (_, Start::Flow(guess)) => self.search_alone(reference, current, Some(guess), out),
+            (_, Start::History(history)) => self.search_alone(reference, current, Some(history.last()), out),
         }
         if let (Some(limit), Some(picture)) = (self.params.validity.max_round_trip_px, &reference.picture) {
             self.check_round_trip(picture, current, limit, out);
@@ -201,6 +203,16 @@ impl FlowEstimator {
             *valid &= u8::from(*error <= limit);
         }
         self.backward = Some(backward);
+    }
+
+    /// Refines the start of the patches, searches the areas that are lost from `last`, and writes the flow.
+    fn follow(&mut self, reference: &Reference, current: &Picture, last: &FlowField, out: &mut Estimate) {
+        let affine = &self.params.affine;
+        self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
+        let references = (&reference.search, &reference.affine);
+        let lost_px2 = self.recovery.run(references, current, last, &mut self.search, &mut self.affine);
+        self.affine.write(&reference.affine, current, out);
+        out.lost_px2 = lost_px2;
     }
 
     /// Finds the flow by a search and refines it with the affine patches.

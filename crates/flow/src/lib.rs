@@ -43,6 +43,7 @@ mod error;
 mod estimate;
 mod estimator;
 mod field;
+mod history;
 #[cfg(test)]
 mod instruction_sets;
 mod params;
@@ -55,6 +56,7 @@ pub use error::FlowError;
 pub use estimate::Estimate;
 pub use estimator::{FlowEstimator, Reference, Start};
 pub use field::FlowField;
+pub use history::FlowHistory;
 pub use params::{AffineParams, FlowParams, Preset, ValidityParams};
 pub use picture::Picture;
 pub use round_trip::{invert_into, round_trip_error_into};

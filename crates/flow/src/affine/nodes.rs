@@ -12,6 +12,9 @@ use crate::search::local::CellMotion;
 /// Unknowns of a node.
 pub(crate) const UNKNOWNS: usize = 6;
 
+/// Fourth power of the change, px of the coarser level, that is damped to half.
+const FADE: f32 = 1e-4;
+
 /// One value per unknown and node.
 pub(crate) type Planes = [Vec<f32>; UNKNOWNS];
 
@@ -86,7 +89,6 @@ impl NodeField {
     /// are damped by `m⁴/(m⁴ + z⁴)`, with the length `m` of the change and `z` a tenth of a coarse pixel. The finer
     /// levels then find them.
     pub(crate) fn add_change(&mut self, change: &Self) {
-        const FADE: f32 = 1e-4;
         let columns = change.grid.columns;
         for j in 0..self.grid.rows {
             let (near_j, far_j) = coarse_neighbours(j, change.grid.rows);
@@ -105,6 +107,35 @@ impl NodeField {
                 for (p, plane) in self.planes.iter_mut().enumerate() {
                     let scale = if p % 3 == 0 { 2.0 } else { 1.0 };
                     plane[j * self.grid.columns + i] += trust * scale * changes[p];
+                }
+            }
+        }
+    }
+
+    /// Converts the field of the frame before `last` to a prediction of the next one: `last` and its change since then.
+    /// Returns whether any node moves fast enough for a prediction to help.
+    ///
+    /// Small changes are mostly noise. They are damped like those of a coarse level, with `z` a tenth of a pixel.
+    pub(crate) fn extrapolate(&mut self, last: &Self) -> bool {
+        let mut is_moving = false;
+        for node in 0..self.grid.nodes() {
+            let square = (0..2).map(|c| (last.planes[3 * c][node] - self.planes[3 * c][node]).powi(2)).sum::<f32>();
+            is_moving |= square > FADE.sqrt();
+            let length = square * square;
+            let share = 1.0 + length / (length + FADE);
+            for (plane, last) in self.planes.iter_mut().zip(&last.planes) {
+                plane[node] += share * (last[node] - plane[node]);
+            }
+        }
+        is_moving
+    }
+
+    /// Takes over the nodes of another field that are selected by their column and row.
+    pub(crate) fn take(&mut self, other: &Self, is_selected: impl Fn(usize, usize) -> bool) {
+        for j in 0..self.grid.rows {
+            for i in (0..self.grid.columns).filter(|&i| is_selected(i, j)) {
+                for (plane, other) in self.planes.iter_mut().zip(&other.planes) {
+                    plane[j * self.grid.columns + i] = other[j * self.grid.columns + i];
                 }
             }
         }

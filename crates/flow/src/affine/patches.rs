@@ -1,5 +1,7 @@
 //! Coupled affine patches from the coarsest level to full size.
 
+mod prediction;
+
 use super::bonds::Stiffness;
 use super::fine::{FinePatches, FineTemplate};
 use super::grid::PatchGrid;
@@ -58,6 +60,9 @@ struct LevelState {
 
 /// Largest number of additional steps at full size.
 const MORE_STEPS: usize = 4;
+
+/// Conjugate-gradient iterations of a step that others at full size follow.
+const QUICK_ITERATIONS: usize = 3;
 
 /// Finer patches replace a patch whose predicted deviation is above this, px; in smooth flow it is a tenth of this.
 const ROUGH_PX: f32 = 0.1;
@@ -147,7 +152,7 @@ impl AffinePatches {
         for level in (1..=coarsest).rev() {
             let LevelState { refinement, field, .. } = &mut self.levels[level];
             let picture = Current { image: current.grey.level(level), gain };
-            refinement.step(&reference.grey[level], picture, field, self.params.affine.iterations);
+            refinement.step(&reference.grey[level], picture, field, QUICK_ITERATIONS);
             let (fine, coarse) = self.levels.split_at_mut(level);
             let (fine, coarse) = (&mut fine[level - 1].field, &mut coarse[0]);
             coarse.before.coarsen(fine);
@@ -156,7 +161,12 @@ impl AffinePatches {
         }
         self.levels[0].refinement.trust_all();
         let first_steps = usize::from(steps > 1);
-        self.take_steps(&reference.grey[0], Current { image: current.grey.level(0), gain }, first_steps);
+        self.take_steps(
+            &reference.grey[0],
+            Current { image: current.grey.level(0), gain },
+            first_steps,
+            QUICK_ITERATIONS,
+        );
         self.fill_failed();
         self.take_full_steps(reference, current, steps - first_steps);
     }
@@ -208,21 +218,25 @@ impl AffinePatches {
 
     fn take_full_steps(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
         let gain = reference.gain(current);
+        let iterations = self.params.affine.iterations;
         match &current.colour {
-            Some(image) => self.take_steps(&reference.full, Current { image, gain }, steps),
-            None => self.take_steps(&reference.full, Current { image: current.grey.level(0), gain }, steps),
+            Some(image) => self.take_steps(&reference.full, Current { image, gain }, steps, iterations),
+            None => {
+                let image = current.grey.level(0);
+                self.take_steps(&reference.full, Current { image, gain }, steps, iterations);
+            }
         }
     }
 
     /// Steps at full size, with additional ones while patches still move. Patches that fail in one step have no weight in
     /// the next.
-    fn take_steps<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, steps: usize) {
+    fn take_steps<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, steps: usize, iterations: usize) {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         for step in 0..steps + MORE_STEPS {
             if step >= steps && !refinement.is_moving() {
                 break;
             }
-            refinement.step(template, current, field, self.params.affine.iterations);
+            refinement.step(template, current, field, iterations);
             refinement.judge(template, field, &self.params.validity);
         }
     }

@@ -39,6 +39,9 @@ pub(super) const REMAINING_ERROR: f32 = 0.05;
 /// take from it.
 const SEARCH_ERROR: f32 = 2.0;
 
+/// Sum of the squared residuals of a clearly worse match, relative to that of the other.
+const CLEARLY_WORSE: f32 = 1.5;
+
 /// State of the refinement for one picture size.
 #[derive(Debug, Clone)]
 pub(crate) struct Refinement {
@@ -120,6 +123,23 @@ impl Refinement {
         dispatch!(level, simd => self.solve(simd, template, current, field, iterations));
         self.set_remaining_error(REMAINING_ERROR);
         field.compose(&self.increment);
+    }
+
+    /// For every node, whether the picture matches clearly worse at `field` than at `other`.
+    pub(crate) fn is_worse_at<T: Texel>(
+        &mut self,
+        template: &Template,
+        current: Current<'_, T>,
+        field: &NodeField,
+        other: &NodeField,
+    ) -> impl Fn(usize) -> bool {
+        let level = self.level;
+        for field in [other, field] {
+            std::mem::swap(&mut self.energy, &mut self.mean_energy);
+            self.expander.prepare(field);
+            dispatch!(level, simd => self.measure(simd, template, current, field));
+        }
+        |node| self.energy[node] > CLEARLY_WORSE * self.mean_energy[node]
     }
 
     /// Measures the residual at `field` without changing it. The step that the patches would take counts as its error.

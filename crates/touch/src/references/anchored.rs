@@ -13,7 +13,7 @@ use super::compose::compose_into;
 use super::start_up::StartUp;
 use super::thresholds::THRESHOLDS;
 use super::{Matched, ReferenceParams};
-use fingervision_flow::{Estimate, FlowEstimator, FlowField, Picture, Reference, Start};
+use fingervision_flow::{Estimate, FlowEstimator, FlowHistory, Picture, Reference, Start};
 
 /// A picture that matched well and the flow that leads to it.
 #[derive(Debug)]
@@ -35,8 +35,8 @@ pub(crate) struct Anchored {
     has_first: bool,
     ids: u64,
     keyframe: Option<Box<Keyframe>>,
-    /// Flow of the last frame that was found.
-    before: FlowField,
+    /// Flows of the last frames that were found.
+    history: FlowHistory,
     /// Flow from the keyframe.
     from_key: Estimate,
     trial: Estimate,
@@ -61,7 +61,7 @@ impl Anchored {
             has_first: false,
             ids: 0,
             keyframe: None,
-            before: FlowField::zero(width, height),
+            history: FlowHistory::at_rest(width, height),
             from_key: Estimate::new(width, height),
             trial: Estimate::new(width, height),
             frames_lost: 0,
@@ -92,7 +92,7 @@ impl Anchored {
             estimator.prepare(current, &mut self.first);
             self.has_first = true;
         }
-        estimator.estimate(&self.first, current, Start::Flow(&self.before), out);
+        estimator.estimate(&self.first, current, Start::History(&self.history), out);
         let mut reference_id = self.first_id;
         if out.matched < self.params.min_matched {
             reference_id = self.rescue(estimator, current, out);
@@ -137,7 +137,7 @@ impl Anchored {
         if !self.frames_lost.is_multiple_of(self.params.search_interval) {
             return self.first_id;
         }
-        estimator.estimate(&self.first, current, Start::Search(Some(&self.before)), &mut self.trial);
+        estimator.estimate(&self.first, current, Start::Search(Some(self.history.last())), &mut self.trial);
         if self.trial.matched > out.matched {
             out.copy_from(&self.trial);
         }
@@ -173,8 +173,8 @@ impl Anchored {
 
     /// Stores a frame that was found.
     fn remember(&mut self, estimator: &FlowEstimator, current: &Picture, out: &Estimate, reference_id: u64) {
-        self.start_up.watch(&self.before, out);
-        self.before.copy_from(&out.flow);
+        self.start_up.watch(self.history.last(), out);
+        self.history.push(&out.flow);
         if self.start_up.has_come_to_rest() {
             self.adopt(estimator, current);
             return;
@@ -215,7 +215,7 @@ impl Anchored {
         estimator.prepare(current, &mut self.first);
         self.ids += 1;
         self.first_id = self.ids;
-        self.before.fill(0.0);
+        self.history.restart();
         self.keyframe = None;
         self.start_up.settle();
     }

@@ -11,7 +11,7 @@ mod start_up;
 mod thresholds;
 
 use anchored::Anchored;
-use fingervision_flow::{Estimate, FlowError, FlowEstimator, FlowField, Picture, Reference, Start};
+use fingervision_flow::{Estimate, FlowError, FlowEstimator, FlowHistory, Picture, Reference, Start};
 use stack::Stack;
 
 pub use params::{Policy, ReferenceParams};
@@ -40,7 +40,7 @@ pub(crate) enum References {
 pub(crate) struct Single {
     reference: Reference,
     is_prepared: bool,
-    before: FlowField,
+    history: FlowHistory,
 }
 
 impl References {
@@ -57,7 +57,7 @@ impl References {
             Policy::Single => Self::Single(Box::new(Single {
                 reference: estimator.reference(),
                 is_prepared: false,
-                before: FlowField::zero(size.0, size.1),
+                history: FlowHistory::at_rest(size.0, size.1),
             })),
         })
     }
@@ -99,8 +99,8 @@ impl Single {
             estimator.prepare(current, &mut self.reference);
             self.is_prepared = true;
         }
-        estimator.estimate(&self.reference, current, Start::Flow(&self.before), out);
-        self.before.copy_from(&out.flow);
+        estimator.estimate(&self.reference, current, Start::History(&self.history), out);
+        self.history.push(&out.flow);
         Matched { reference_id: 0, reference_count: 1, photometric_error: out.residual_levels }
     }
 }

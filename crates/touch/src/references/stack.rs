@@ -12,7 +12,9 @@
 
 use super::compose::compose_into;
 use super::{Matched, ReferenceParams};
-use fingervision_flow::{Estimate, FlowError, FlowEstimator, FlowField, FlowParams, Picture, Preset, Reference, Start};
+use fingervision_flow::{
+    Estimate, FlowError, FlowEstimator, FlowField, FlowHistory, FlowParams, Picture, Preset, Reference, Start,
+};
 use fingervision_image::{Image, average_into};
 
 /// A reference, its coarse version and the flow from the first reference to it.
@@ -37,8 +39,8 @@ pub(crate) struct Stack {
     coarse_picture: Picture,
     coarse_current: Image<f32>,
     coarse_flow: Estimate,
-    /// Flow from the top reference to the previous frame.
-    before: FlowField,
+    /// Flow from the top reference to the last frames.
+    history: FlowHistory,
     from_top: Estimate,
 }
 
@@ -55,7 +57,7 @@ impl Stack {
             coarse,
             coarse_current: Image::filled(columns, rows, 0.0),
             coarse_flow: Estimate::new(columns, rows),
-            before: FlowField::zero(size.0, size.1),
+            history: FlowHistory::at_rest(size.0, size.1),
             from_top: Estimate::new(size.0, size.1),
         })
     }
@@ -69,11 +71,11 @@ impl Stack {
         }
         let error = self.close_loop();
         let top = &self.layers[self.layers.len() - 1];
-        estimator.estimate(&top.reference, current, Start::Flow(&self.before), &mut self.from_top);
+        estimator.estimate(&top.reference, current, Start::History(&self.history), &mut self.from_top);
         if self.from_top.matched < self.params.min_matched {
-            estimator.estimate(&top.reference, current, Start::Search(Some(&self.before)), &mut self.from_top);
+            estimator.estimate(&top.reference, current, Start::Search(Some(self.history.last())), &mut self.from_top);
         }
-        self.before.copy_from(&self.from_top.flow);
+        self.history.push(&self.from_top.flow);
         if self.layers.len() > 1 {
             compose_into(&top.from_first, &self.from_top, out);
         } else {
@@ -82,7 +84,7 @@ impl Stack {
         let matched = Matched { reference_id: top.id, reference_count: self.layers.len(), photometric_error: error };
         if error > self.params.push_error && self.layers.len() < self.params.max_references {
             self.push(estimator, current, out.clone());
-            self.before.fill(0.0);
+            self.history.restart();
         }
         matched
     }
@@ -94,7 +96,7 @@ impl Stack {
             if error < self.params.loop_error {
                 self.layers.truncate(k + 1);
                 // The frame matches as well as the reference to which it returned.
-                self.before.fill(0.0);
+                self.history.restart();
                 return error;
             }
         }

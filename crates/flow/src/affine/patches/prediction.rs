@@ -1,0 +1,99 @@
+//! The start of a frame that follows others: a point goes on as it has moved.
+//!
+//! Without it a steady motion costs one more step at full size in every frame, and a fast one must be found by the coarse
+//! levels. A motion that stops or turns is noticed by its residual.
+
+use super::{AffinePatches, AffineReference, LevelState};
+use crate::affine::refinement::Current;
+use crate::{FlowHistory, Picture};
+
+/// Pyramid level on which a prediction is compared with the flow of the last frame.
+const PREDICTION_LEVEL: usize = 2;
+
+impl AffinePatches {
+    /// Sets the flow of the last frame as the current flow. Where that moves fast, its last change is added, unless the
+    /// picture then matches clearly worse.
+    pub(crate) fn predict(&mut self, reference: &AffineReference, current: &Picture, history: &FlowHistory) {
+        self.start(history.last());
+        let Some(earlier) = history.earlier() else { return };
+        let LevelState { field, before, .. } = &mut self.levels[0];
+        before.sample(earlier);
+        if !before.extrapolate(field) {
+            return;
+        }
+        let judged = PREDICTION_LEVEL.min(self.levels.len() - 1);
+        if judged == 0 {
+            return;
+        }
+        for level in 1..=judged {
+            let (fine, coarse) = self.levels.split_at_mut(level);
+            coarse[0].field.coarsen(&fine[level - 1].field);
+            coarse[0].before.coarsen(&fine[level - 1].before);
+        }
+        let picture = Current { image: current.grey.level(judged), gain: reference.gain(current) };
+        let (fine, coarse) = self.levels.split_at_mut(judged);
+        let LevelState { refinement, field, before, .. } = &mut coarse[0];
+        let is_worse = refinement.is_worse_at(&reference.grey[judged], picture, before, field);
+        let (columns, rows) = (field.grid.columns, field.grid.rows);
+        let above = |i: usize, j: usize| (j >> judged).min(rows - 1) * columns + (i >> judged).min(columns - 1);
+        let LevelState { field, before, .. } = &mut fine[0];
+        field.take(before, |i, j| !is_worse(above(i, j)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{FlowField, FlowParams};
+    use fearless_simd::Level;
+    use fingervision_image::Image;
+
+    const SIZE: (usize, usize) = (160, 128);
+
+    /// A random pattern with cells of about 4 px, displaced to the right.
+    fn picture(estimator: &crate::FlowEstimator, right: f32) -> Picture {
+        let wave = |x: f32, y: f32, k: f32| (x * (0.31 + 0.11 * k) + y * (0.83 - 0.17 * k) + 7.0 * k * k).sin();
+        let level = |x: usize, y: usize| {
+            let x = x as f32 - right;
+            128.0 + 30.0 * (0..5).map(|k| wave(x, y as f32, k as f32) * wave(y as f32, x, 0.7 * k as f32)).sum::<f32>()
+        };
+        let mut picture = estimator.picture();
+        picture.load_grey(&Image::from_fn(SIZE.0, SIZE.1, level));
+        picture
+    }
+
+    /// The displacement to the right, px, with which a frame starts that shows `now`, after `earlier` and `last`.
+    fn predicted(earlier: f32, last: f32, now: f32) -> f32 {
+        let params = FlowParams { colour: false, ..FlowParams::default() };
+        let estimator = crate::FlowEstimator::new(SIZE.0, SIZE.1, &params).unwrap();
+        let mut patches = AffinePatches::new(SIZE.0, SIZE.1, &params, Level::new());
+        let mut reference = patches.reference();
+        patches.prepare(&picture(&estimator, 0.0), &mut reference);
+        let mut history = FlowHistory::at_rest(SIZE.0, SIZE.1);
+        for right in [earlier, last] {
+            let mut flow = FlowField::zero(SIZE.0, SIZE.1);
+            flow.u.values_mut().fill(right);
+            history.push(&flow);
+        }
+        patches.predict(&reference, &picture(&estimator, now), &history);
+        let field = &patches.levels[0].field;
+        field.planes[0][field.grid.columns * field.grid.rows / 2 + field.grid.columns / 2]
+    }
+
+    #[test]
+    fn a_motion_goes_on() {
+        assert!((predicted(2.0, 5.0, 8.3) - 8.0).abs() < 1e-3);
+        assert!((predicted(12.0, 6.0, 0.4) - 0.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_motion_that_stopped_or_turned_does_not_go_on() {
+        assert_eq!(predicted(2.0, 5.0, 5.0), 5.0);
+        assert_eq!(predicted(2.0, 5.0, 3.0), 5.0);
+    }
+
+    #[test]
+    fn what_hardly_moves_does_not_go_on() {
+        assert!((predicted(5.0, 5.02, 5.02) - 5.02).abs() < 1e-3);
+    }
+}
