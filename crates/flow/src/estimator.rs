@@ -158,11 +158,13 @@ impl FlowEstimator {
         match (self.params.preset, start) {
             (Preset::Affine, Start::Flow(flow)) => {
                 self.affine.start(flow);
-                self.follow(reference, current, flow, out);
+                let affine = &self.params.affine;
+                self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
+                self.recover(reference, current, flow, out);
             }
             (Preset::Affine, Start::History(history)) => {
-                self.affine.predict(&reference.affine, current, history);
-                self.follow(reference, current, history.last(), out);
+                self.follow_history(reference, current, history);
+                self.recover(reference, current, history.last(), out);
             }
             (Preset::Affine, Start::Search(guess)) => {
                 self.search_and_refine(reference, current, guess, false, out);
@@ -205,10 +207,19 @@ impl FlowEstimator {
         self.backward = Some(backward);
     }
 
-    /// Refines the start of the patches, searches the areas that are lost from `last`, and writes the flow.
-    fn follow(&mut self, reference: &Reference, current: &Picture, last: &FlowField, out: &mut Estimate) {
-        let affine = &self.params.affine;
-        self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
+    /// Follows a motion that was seen in earlier frames.
+    fn follow_history(&mut self, reference: &Reference, current: &Picture, history: &FlowHistory) {
+        let Self { affine, recovery, params, .. } = self;
+        let reference = &reference.affine;
+        if affine.predict(reference, current, history) {
+            affine.follow_prediction(reference, current, |patches| recovery.lost_px2(patches, reference) > 0.0);
+        } else {
+            affine.follow(reference, current, params.affine.coarsest_level, params.affine.steps);
+        }
+    }
+
+    /// Searches the areas that are lost from `last`, and writes the flow.
+    fn recover(&mut self, reference: &Reference, current: &Picture, last: &FlowField, out: &mut Estimate) {
         let references = (&reference.search, &reference.affine);
         let lost_px2 = self.recovery.run(references, current, last, &mut self.search, &mut self.affine);
         self.affine.write(&reference.affine, current, out);

@@ -31,6 +31,13 @@ impl NodeField {
         Self { grid, planes: std::array::from_fn(|_| vec![0.0; grid.plane_len()]) }
     }
 
+    /// Copies a field of the same grid.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        for (plane, other) in self.planes.iter_mut().zip(&other.planes) {
+            plane.copy_from_slice(other);
+        }
+    }
+
     /// Whether a node's point lies in the current image.
     pub(crate) fn is_inside(&self, node: usize) -> bool {
         let (i, j) = (node % self.grid.columns, node / self.grid.columns);

@@ -61,7 +61,7 @@ struct LevelState {
 /// Largest number of additional steps at full size.
 const MORE_STEPS: usize = 4;
 
-/// Conjugate-gradient iterations of a step that others at full size follow.
+/// Conjugate-gradient iterations of every step but the last ones at full size.
 const QUICK_ITERATIONS: usize = 3;
 
 /// Finer patches replace a patch whose predicted deviation is above this, px; in smooth flow it is a tenth of this.
@@ -143,6 +143,15 @@ impl AffinePatches {
     /// If there are several such steps, the first one uses grey on every other row, at a fraction of the cost. Patches
     /// that fail in it are set to the prediction of their neighbours.
     pub(crate) fn follow(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize, steps: usize) {
+        self.descend(reference, current, coarsest);
+        if steps > 1 {
+            self.approach(reference, current);
+        }
+        self.finish(reference, current, steps);
+    }
+
+    /// Finds the motion since the start on the coarse levels.
+    fn descend(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize) {
         let coarsest = coarsest.min(self.levels.len() - 1);
         let gain = reference.gain(current);
         for level in 1..=coarsest {
@@ -159,16 +168,22 @@ impl AffinePatches {
             coarse.change.set_difference(&coarse.field, &coarse.before);
             fine.add_change(&coarse.change);
         }
+    }
+
+    /// The first step at full size.
+    fn approach(&mut self, reference: &AffineReference, current: &Picture) {
         self.levels[0].refinement.trust_all();
-        let first_steps = usize::from(steps > 1);
-        self.take_steps(
-            &reference.grey[0],
-            Current { image: current.grey.level(0), gain },
-            first_steps,
-            QUICK_ITERATIONS,
-        );
+        let picture = Current { image: current.grey.level(0), gain: reference.gain(current) };
+        self.take_steps(&reference.grey[0], picture, 1, QUICK_ITERATIONS);
         self.fill_failed();
-        self.take_full_steps(reference, current, steps - first_steps);
+    }
+
+    /// The other steps at full size, of `steps` in total.
+    fn finish(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
+        if steps == 1 {
+            self.levels[0].refinement.trust_all();
+        }
+        self.take_full_steps(reference, current, steps.saturating_sub(1).max(1));
     }
 
     /// Refines a field found by a search, by steps at full size. Between two steps, failed patches are set to the
@@ -219,12 +234,11 @@ impl AffinePatches {
     fn take_full_steps(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
         let gain = reference.gain(current);
         let iterations = self.params.affine.iterations;
-        match &current.colour {
-            Some(image) => self.take_steps(&reference.full, Current { image, gain }, steps, iterations),
-            None => {
-                let image = current.grey.level(0);
-                self.take_steps(&reference.full, Current { image, gain }, steps, iterations);
-            }
+        if let Some(image) = &current.colour {
+            self.take_steps(&reference.full, Current { image, gain }, steps, iterations);
+        } else {
+            let image = current.grey.level(0);
+            self.take_steps(&reference.full, Current { image, gain }, steps, iterations);
         }
     }
 
