@@ -1,14 +1,15 @@
 //! Depth, contact and force from elasticity, against presses whose truth is known.
 
 use std::f32::consts::TAU;
-use std::ops::ControlFlow;
 
 use fingervision_elastic::GelBlock;
 use fingervision_flow::FlowField;
-use fingervision_gel::{PressCache, Scene, Simulation};
+use fingervision_gel::{Scene, Simulation};
 use fingervision_image::Image;
 use fingervision_optics::{Camera, CameraParams};
 use fingervision_touch::{ElasticDepth, ElasticFields, ElasticMode, ElasticParams};
+
+use crate::solved::solve;
 
 const SIZE: (usize, usize) = (240, 240);
 
@@ -34,7 +35,7 @@ impl Press {
         );
         let scene = Scene::from_toml(&text).unwrap();
         let mut simulation = Simulation::new(&scene).unwrap();
-        simulation.solve(&PressCache::OFF, &mut |_| ControlFlow::Continue(())).unwrap();
+        solve(&mut simulation);
         let last = simulation.states().len() - 1;
         let force_n = simulation.states()[last].force_n;
         let truth = simulation.truth(last).unwrap();

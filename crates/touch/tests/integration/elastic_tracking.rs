@@ -1,11 +1,11 @@
 //! From images of simulated presses to depth, force and flags.
 
-use std::ops::ControlFlow;
-
 use fingervision_elastic::GelBlock;
-use fingervision_gel::{PressCache, Scene, Simulation};
+use fingervision_gel::{Scene, Simulation};
 use fingervision_image::{Frame, Pixels};
 use fingervision_touch::{Fields, Flag, Profile, Reading, Tracker};
+
+use crate::solved::solve;
 
 const FIELDS: Fields = Fields { depth: true, traction: true, ..Fields::NONE };
 
@@ -20,7 +20,7 @@ impl Press {
     fn new(scene: &str) -> Self {
         let scene = Scene::from_toml(&format!("name = 'press'\n{scene}\n[mesh]\nresolution = 'draft'\n")).unwrap();
         let mut simulation = Simulation::new(&scene).unwrap();
-        simulation.solve(&PressCache::OFF, &mut |_| ControlFlow::Continue(())).unwrap();
+        solve(&mut simulation);
         let profile = Profile { camera: Some(scene.camera()), gel: Some(scene.gel), ..Profile::default() };
         Self { simulation, profile, sequence: 0 }
     }
@@ -39,10 +39,14 @@ impl Press {
 
     /// Tracks a pose of the press.
     fn show<'a>(&mut self, pose: usize, tracker: &'a mut Tracker) -> &'a Reading {
+        tracker.track(&self.frame(pose)).unwrap()
+    }
+
+    fn frame(&mut self, pose: usize) -> Frame {
         let pixels: Pixels = self.simulation.frame(pose).unwrap().clone();
         let (sequence, capture_time_s) = (self.sequence, self.sequence as f64 / 90.0);
         self.sequence += 1;
-        tracker.track(&Frame { sequence, capture_time_s, pixels }).unwrap()
+        Frame { sequence, capture_time_s, pixels }
     }
 
     /// Tracks the whole press.
@@ -178,6 +182,7 @@ fn a_scaled_sensor_gives_scaled_depths_and_the_same_flags() {
         press.profile.elastic.network = learned;
         let camera = press.profile.camera.unwrap();
         let gel = press.profile.gel.unwrap();
+        let frames = [0, 2, 4, 6, 8].map(|pose| press.frame(pose));
         let mut readings = [1.0, 0.5, 2.0].map(|scale| {
             let mut camera = camera;
             camera.translation_mm = camera.translation_mm.map(|length| length * scale);
@@ -188,7 +193,10 @@ fn a_scaled_sensor_gives_scaled_depths_and_the_same_flags() {
                 ..gel
             });
             let mut tracker = press.tracker();
-            (scale, press.show_all(&mut tracker).clone())
+            for frame in &frames {
+                tracker.track(frame).unwrap();
+            }
+            (scale, tracker.reading().clone())
         });
         let (_, whole) = readings[0].clone();
         assert!(whole.max_depth_mm.unwrap() > 0.2);

@@ -8,4 +8,5 @@ mod elastic_tracking;
 mod focus;
 mod fuzz;
 mod properties;
+mod solved;
 mod tracker;
