@@ -1,6 +1,6 @@
 //! A new folder for a test: makes recordings in it, runs the command, and reads the results.
 
-use std::fs::{self, File};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -75,7 +75,8 @@ impl Workbench {
 
     /// The shape of the array in a file of this folder, and its values.
     pub(crate) fn array_at<T: npyz::Deserialize>(&self, name: &str) -> (Vec<u64>, Vec<T>) {
-        let file = npyz::NpyFile::new(File::open(self.path(name)).unwrap()).unwrap();
+        let bytes = fs::read(self.path(name)).unwrap();
+        let file = npyz::NpyFile::new(&bytes[..]).unwrap();
         (file.shape().to_vec(), file.into_vec().unwrap())
     }
 
