@@ -9,13 +9,14 @@ use std::io::Write;
 use std::process::Command;
 
 /// The dependencies that a crate of the workspace may have, without the prefix `fingervision-`.
-const LAYERS: [(&str, &[&str]); 17] = [
+const LAYERS: [(&str, &[&str]); 18] = [
     // Stands apart: only tests use it.
     ("fuzz", &[]),
     ("image", &[]),
     ("settings", &[]),
     ("optics", &[]),
-    ("elastic", &[]),
+    ("fourier", &[]),
+    ("elastic", &["fourier"]),
     ("flow", &["image"]),
     ("gel", &["image", "optics", "elastic", "settings"]),
     ("touch", &["image", "flow", "optics", "elastic", "settings"]),
@@ -66,9 +67,9 @@ const HEAVY: [(&str, &[&str]); 20] = [
     ("pdf-writer", &["gel"]),
     ("png", &["gel"]),
     ("rayon", &["elastic", "evaluate", "cli"]),
-    ("realfft", &["elastic"]),
+    ("realfft", &["fourier"]),
     ("rust_h264", &["source"]),
-    ("rustfft", &["elastic"]),
+    ("rustfft", &["fourier"]),
     ("serde_json", &["cli", "xtask"]),
     ("svg", &["gel"]),
     ("tiff", &["source"]),

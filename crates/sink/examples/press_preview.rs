@@ -8,7 +8,7 @@ use fingervision_image::Rect;
 use fingervision_sink::{Preview, PreviewOptions, Sink};
 use synthetic::Press;
 
-#[path = "../tests/synthetic/mod.rs"]
+#[path = "../tests/integration/synthetic.rs"]
 mod synthetic;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

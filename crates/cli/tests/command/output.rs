@@ -13,7 +13,7 @@ fn json(ended: &Ended) -> Value {
 
 #[test]
 fn the_demo_is_tracked_close_to_its_truth() {
-    let bench = Workbench::new();
+    let bench = Workbench::with_empty_cache();
     let ended = bench.run("demo").expect_done();
     assert!(ended.out.contains("preview  fingervision-demo/run/preview.png"), "{}", ended.out);
     assert!(ended.out.contains("flow error 0.0"), "{}", ended.out);
@@ -64,7 +64,7 @@ fn the_bench_times_whole_presses_and_finds_them_close_to_their_truth() {
 }
 
 #[test]
-fn the_bench_writes_its_press_with_its_truth_once() {
+fn the_bench_writes_its_press_once_with_a_truth_to_compare_runs_with() {
     let bench = Workbench::new();
     bench.run("bench --write-frames press").expect_done();
     let mut names: Vec<_> =
@@ -76,8 +76,14 @@ fn the_bench_writes_its_press_with_its_truth_once() {
     let (shape, flow) = bench.array_at::<f32>("press/truth/flow.npy");
     assert_eq!(shape, [31, 450, 610, 2]);
     let largest = |frame: &[f32]| frame.chunks(2).map(|uv| uv[0].hypot(uv[1])).fold(0.0, f32::max);
-    let frames: Vec<_> = flow.chunks(450 * 610 * 2).map(largest).collect();
-    assert!(frames[0] == 0.0 && (frames[15] - 12.5).abs() < 0.01 && (frames[30] - 25.0).abs() < 0.01, "{frames:?}");
+    let [start, middle, end] = [0, 15, 30].map(|frame| largest(&flow[frame * 450 * 610 * 2..][..450 * 610 * 2]));
+    assert!(start == 0.0 && (middle - 12.5).abs() < 0.01 && (end - 25.0).abs() < 0.01, "{start}, {middle}, {end} px");
+
+    bench.folder("run");
+    fs::copy(bench.path("press/truth/flow.npy"), bench.path("run/flow.npy")).unwrap();
+    let report = json(&bench.run("evaluate run press --json").expect_done());
+    assert_eq!(report["pooled"]["flow_px"]["everywhere"]["largest"].as_f64(), Some(0.0));
+    assert_eq!(report["frames"], 31);
 
     bench.run("bench --write-frames press").expect_failure("press/frames exists already", "choose a new folder");
 }

@@ -38,7 +38,10 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 
 /// A bench with the press simulated into `sim`.
 fn pressed(options: &str) -> Workbench {
-    let bench = Workbench::new();
+    pressed_on(Workbench::new(), options)
+}
+
+fn pressed_on(bench: Workbench, options: &str) -> Workbench {
     bench.write("press.toml", PRESS);
     bench.run(&format!("simulate press.toml --out sim {options}")).expect_done();
     bench
@@ -113,7 +116,7 @@ fn a_scene_gives_the_same_bytes_again() {
 
 #[test]
 fn a_solved_press_is_taken_from_the_cache() {
-    let bench = pressed("");
+    let bench = pressed_on(Workbench::with_empty_cache(), "");
     let press = |options: &str| {
         let ended = bench.run(&format!("simulate press.toml --out sim --overwrite --json {options}")).expect_done();
         json(&ended)["press"].as_str().unwrap().to_owned()
@@ -207,7 +210,7 @@ fn random_scenes_are_the_same_for_the_same_seed() {
 
 #[test]
 fn the_file_of_an_indenter_is_taken_along() {
-    let bench = Workbench::new();
+    let bench = Workbench::with_empty_cache();
     let scene = PRESS.replace(
         "shape = 'sphere'\nradius_mm = 8.0",
         "shape = 'height-map'\nfile = 'coin.png'\nsize_mm = [8, 8]\nheight_mm = 1.0",

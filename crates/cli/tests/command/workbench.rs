@@ -1,6 +1,6 @@
 //! A new folder for a test: makes recordings in it, runs the command, and reads the results.
 
-use std::fs::{self, File};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -15,11 +15,20 @@ pub(crate) const AMPLITUDE_PX: f64 = 4.0;
 
 pub(crate) struct Workbench {
     folder: TempDir,
+    /// The folder of solved presses.
+    cache: PathBuf,
 }
 
 impl Workbench {
+    /// Its solved presses are those of all tests. They hold for the solver that solved them: another one solves anew.
     pub(crate) fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
+        Self { folder: tempfile::tempdir().unwrap(), cache: Path::new(env!("CARGO_TARGET_TMPDIR")).join("presses") }
+    }
+
+    /// A bench whose solved presses are in its folder `cache`, without any at first.
+    pub(crate) fn with_empty_cache() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        Self { cache: folder.path().join("cache"), folder }
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
@@ -50,7 +59,7 @@ impl Workbench {
     pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_fingervision"));
         command.args(arguments.split_whitespace()).current_dir(self.folder.path());
-        command.env("FINGERVISION_CACHE", self.path("cache"));
+        command.env("FINGERVISION_CACHE", &self.cache);
         command
     }
 
@@ -66,7 +75,8 @@ impl Workbench {
 
     /// The shape of the array in a file of this folder, and its values.
     pub(crate) fn array_at<T: npyz::Deserialize>(&self, name: &str) -> (Vec<u64>, Vec<T>) {
-        let file = npyz::NpyFile::new(File::open(self.path(name)).unwrap()).unwrap();
+        let bytes = fs::read(self.path(name)).unwrap();
+        let file = npyz::NpyFile::new(&bytes[..]).unwrap();
         (file.shape().to_vec(), file.into_vec().unwrap())
     }
 

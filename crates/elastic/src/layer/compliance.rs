@@ -1,7 +1,7 @@
 //! The compliance at one wavenumber.
 
 use crate::{BlockError, GelBlock};
-use rustfft::num_complex::Complex64;
+use fingervision_fourier::Complex64;
 use thiserror::Error;
 
 /// An elastic layer without end along x and y, bonded at its base.

@@ -31,7 +31,6 @@ mod contact;
 mod grid;
 mod half_space;
 mod operator;
-mod plans;
 mod remainder;
 mod sides;
 mod symbol;

@@ -1,6 +1,6 @@
 //! The compliance of a layer on a grid.
 
-use rustfft::num_complex::Complex64;
+use fingervision_fourier::Complex64;
 
 use super::half_space::{Influence, influence};
 use super::remainder::{REACH, Remainder};

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use rustfft::num_complex::Complex64;
+use fingervision_fourier::Complex64;
 
 use super::Layer;
 use super::half_space::Influence;

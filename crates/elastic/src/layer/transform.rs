@@ -2,11 +2,7 @@
 
 use std::sync::Arc;
 
-use realfft::{ComplexToReal, RealToComplex};
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftNum};
-
-use super::plans::Planned;
+use fingervision_fourier::{Complex, ComplexToReal, Fft, FftNum, Planned, RealToComplex};
 
 /// Rows that are transposed to columns at a time: their neighbours in a column then share a cache line.
 const BAND: usize = 8;

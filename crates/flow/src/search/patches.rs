@@ -294,23 +294,16 @@ fn compare<S: Simd>(
     }
     let (column, row) = (x as usize, y as usize);
     let (fx, fy) = (x - column as f32, y - row as f32);
-    let across = |row: usize| {
-        let values = &current.row(row)[column..][..=PATCH];
-        let near = f32x8::from_slice(simd, &values[..PATCH]);
-        let far = f32x8::from_slice(simd, &values[1..]);
-        (far - near).mul_add(fx, near)
-    };
     let zero = f32x8::splat(simd, 0.0);
     let (mut residual, mut squared, mut gradient_x, mut gradient_y) = (zero, zero, zero, zero);
-    let mut above = across(row);
+    let mut above = between(simd, &current.row(row)[column..], fx);
     for k in 0..PATCH {
-        let below = across(row + k + 1);
-        let load = |image: &Image<f32>| f32x8::from_slice(simd, &image.row(top + k)[left..][..PATCH]);
-        let r = (below - above).mul_add(fy, above) - load(&template.grey);
+        let below = between(simd, &current.row(row + k + 1)[column..], fx);
+        let r = (below - above).mul_add(fy, above) - first(simd, &template.grey.row(top + k)[left..]);
         residual += r;
         squared = r.mul_add(r, squared);
-        gradient_x = r.mul_add(load(&template.gradient_x), gradient_x);
-        gradient_y = r.mul_add(load(&template.gradient_y), gradient_y);
+        gradient_x = r.mul_add(first(simd, &template.gradient_x.row(top + k)[left..]), gradient_x);
+        gradient_y = r.mul_add(first(simd, &template.gradient_y.row(top + k)[left..]), gradient_y);
         above = below;
     }
     Some(Sums {
@@ -319,6 +312,20 @@ fn compare<S: Simd>(
         gradient_x: gradient_x.reduce_sum(),
         gradient_y: gradient_y.reduce_sum(),
     })
+}
+
+/// The first values of a row. A function, because a closure lacks the instruction set unless it is inlined.
+#[inline(always)]
+fn first<S: Simd>(simd: S, row: &[f32]) -> f32x8<S> {
+    f32x8::from_slice(simd, &row[..PATCH])
+}
+
+/// The first values of a row, sampled at a fraction of a pixel to their right.
+#[inline(always)]
+fn between<S: Simd>(simd: S, row: &[f32], fraction: f32) -> f32x8<S> {
+    let row = &row[..=PATCH];
+    let (near, far) = (first(simd, row), first(simd, &row[1..]));
+    (far - near).mul_add(fraction, near)
 }
 
 /// Central differences; one-sided at the border.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use fearless_simd::{Level, dispatch};
-use rustfft::num_complex::Complex32;
+use fingervision_fourier::Complex32;
 
 use super::correction::{Correction, Scratch};
 use super::lattice::Lattice;

@@ -47,7 +47,7 @@ fn by_waves(layer: &Layer, sigma: f64, cell: f64, traction: [f64; 3], [x, y]: [f
         let (sin, cos) = (kx * x + ky * y).sin_cos();
         let matrix = layer.compliance([kx, ky]);
         for (sum, row) in sum.iter_mut().zip(matrix) {
-            let value: rustfft::num_complex::Complex64 = row.into_iter().zip(traction).map(|(u, t)| u * t).sum();
+            let value: fingervision_fourier::Complex64 = row.into_iter().zip(traction).map(|(u, t)| u * t).sum();
             *sum += weight * (value.re * cos - value.im * sin);
         }
     }

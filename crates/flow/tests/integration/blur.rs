@@ -1,0 +1,97 @@
+//! Flow, deviation and validity if the picture is less sharp than the reference.
+
+use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowParams, Picture, Preset, Start};
+use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
+use fingervision_image::{Image, Pixels, Rect};
+
+const SIZE: (usize, usize) = (240, 180);
+
+/// An image blurred by a Gaussian with a standard deviation of `blur_px`.
+fn render(motion: &Motion, blur_px: f64, seed: u64) -> Image<[u8; 3]> {
+    let sheet = Sheet { width: SIZE.0, height: SIZE.1, blur_px, ..Sheet::default() };
+    SheetRenderer::new(&sheet).unwrap().render(motion, Light::EVEN, seed).unwrap()
+}
+
+fn load(estimator: &FlowEstimator, image: Image<[u8; 3]>) -> Picture {
+    let mut picture = estimator.picture();
+    picture.load(&Pixels::Rgb8(image), Rect::whole(SIZE.0, SIZE.1)).unwrap();
+    picture
+}
+
+/// The flow from a sharp picture at rest, starting from zero flow.
+fn follow(preset: Preset, current: Image<[u8; 3]>) -> Estimate {
+    let params = FlowParams { preset, ..FlowParams::default() };
+    let mut estimator = FlowEstimator::new(SIZE.0, SIZE.1, &params).unwrap();
+    let mut reference = estimator.reference();
+    let rest = load(&estimator, render(&Motion::STILL, SHARP_PX, 1));
+    estimator.prepare(&rest, &mut reference);
+    let mut estimate = Estimate::new(SIZE.0, SIZE.1);
+    let current = load(&estimator, current);
+    estimator.estimate(&reference, &current, Start::Flow(&FlowField::zero(SIZE.0, SIZE.1)), &mut estimate);
+    estimate
+}
+
+/// Standard deviation of the blur of a camera in focus, px.
+const SHARP_PX: f64 = 0.7;
+
+/// Mean error of the valid pixels 16 px and more from the border, px, and the part of them within two deviations.
+fn judge(estimate: &Estimate, motion: &Motion, least_valid: f32) -> (f32, f32) {
+    let truth = motion.flow(SIZE.0, SIZE.1);
+    let (mut sum, mut covered, mut count) = (0.0, 0.0, 0.0);
+    for y in 16..SIZE.1 - 16 {
+        for x in (16..SIZE.0 - 16).filter(|&x| estimate.valid.at(x, y) == 1) {
+            let (u, v) = (estimate.flow.u.at(x, y), estimate.flow.v.at(x, y));
+            let error = (u - truth.u.at(x, y)).hypot(v - truth.v.at(x, y));
+            sum += error;
+            covered += f32::from(u8::from(error <= 2.0 * estimate.deviation.at(x, y)));
+            count += 1.0;
+        }
+    }
+    assert!(count > least_valid, "only {count} pixels are valid");
+    (sum / count, covered / count)
+}
+
+#[test]
+fn errors_on_a_blurred_picture_agree_with_its_deviation() {
+    for motion in [Motion::shift(0.8), Motion::radial_bump([119.5, 89.5], 1.5)] {
+        let estimate = follow(Preset::Affine, render(&motion, SHARP_PX.hypot(1.0), 2));
+        let (error, covered) = judge(&estimate, &motion, 23_000.0);
+        assert!(error < 0.08, "{motion:?}: off by {error} px");
+        assert!(covered > 0.95, "{motion:?}: {covered} within two deviations");
+        assert!(estimate.unexplained > 0.015, "{motion:?}: {} unexplained", estimate.unexplained);
+    }
+}
+
+#[test]
+fn blur_lowers_sharpness_for_every_cell_size() {
+    for cell_px in [3.0, 6.0, 12.0] {
+        let sharpness = |blur_px: f64| {
+            let sheet = Sheet { width: SIZE.0, height: SIZE.1, blur_px, cell_size_px: cell_px, ..Sheet::default() };
+            let image = SheetRenderer::new(&sheet).unwrap().render(&Motion::STILL, Light::EVEN, 1).unwrap();
+            load(&FlowEstimator::new(SIZE.0, SIZE.1, &FlowParams::default()).unwrap(), image).sharpness()
+        };
+        let sharp = sharpness(SHARP_PX);
+        for (more_px, part) in [(1.0, 0.8), (2.0, 0.7)] {
+            let blurred = sharpness(SHARP_PX.hypot(more_px));
+            assert!(blurred < part * sharp, "cells of {cell_px} px, {more_px} px of blur: {blurred} of {sharp}");
+        }
+    }
+}
+
+#[test]
+fn a_covered_lens_matches_nothing() {
+    let estimate = follow(Preset::Affine, Image::filled(SIZE.0, SIZE.1, [90; 3]));
+    assert!(estimate.matched < 0.01, "{} of the patches match", estimate.matched);
+    assert!(estimate.valid.values().iter().all(|&valid| valid == 0));
+}
+
+#[test]
+fn the_deviation_of_the_search_alone_covers_its_error() {
+    for preset in [Preset::Ultrafast, Preset::Fast, Preset::Medium] {
+        for motion in [Motion::shift(0.6), Motion::radial_bump([119.5, 89.5], 3.0)] {
+            let estimate = follow(preset, render(&motion, SHARP_PX, 2));
+            let (error, covered) = judge(&estimate, &motion, 3_000.0);
+            assert!(covered > 0.85, "{preset:?}, {motion:?}: {covered} within two deviations, off by {error} px");
+        }
+    }
+}

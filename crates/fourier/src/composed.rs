@@ -1,0 +1,68 @@
+//! Transforms of any length in double precision, composed of the shortest ones.
+//!
+//! A length with factors is the product of two that are as equal as possible, a short prime is the sum by definition, a
+//! long one Bluestein's convolution. The planners of `rustfft` know faster transforms of many lengths, each of which is
+//! compiled: several times the machine code of this file, for transforms that are needed only once.
+
+use std::sync::Arc;
+
+use rustfft::algorithm::butterflies::{Butterfly2, Butterfly3, Butterfly4, Butterfly5, Butterfly8};
+use rustfft::algorithm::{BluesteinsAlgorithm, Dft, MixedRadix};
+use rustfft::{Fft, FftDirection};
+
+/// The longest prime length that is summed by definition.
+const LONGEST_SUM: usize = 31;
+
+/// A transform of `length` values.
+pub(crate) fn composed(length: usize, direction: FftDirection) -> Arc<dyn Fft<f64>> {
+    match length {
+        2 => Arc::new(Butterfly2::new(direction)),
+        3 => Arc::new(Butterfly3::new(direction)),
+        4 => Arc::new(Butterfly4::new(direction)),
+        5 => Arc::new(Butterfly5::new(direction)),
+        8 => Arc::new(Butterfly8::new(direction)),
+        _ => match balanced_factors(length) {
+            Some(factors) => {
+                let [width, height] = factors.map(|factor| composed(factor, direction));
+                Arc::new(MixedRadix::new(width, height))
+            }
+            None if length <= LONGEST_SUM => Arc::new(Dft::new(length, direction)),
+            None => {
+                let inner = (2 * length - 1).next_power_of_two();
+                Arc::new(BluesteinsAlgorithm::new(length, composed(inner, direction)))
+            }
+        },
+    }
+}
+
+/// Two factors above 1 that are as equal as possible; none of a prime.
+fn balanced_factors(length: usize) -> Option<[usize; 2]> {
+    let factor = (2..=length.isqrt()).rev().find(|factor| length.is_multiple_of(*factor))?;
+    Some([factor, length / factor])
+}
+
+#[cfg(test)]
+mod tests {
+    use rustfft::num_complex::Complex;
+
+    use super::*;
+
+    #[test]
+    fn every_length_gives_the_sum_by_definition() {
+        for length in (0..=64).chain([97, 120, 127, 243, 256, 360, 625, 1009, 1018]) {
+            for direction in [FftDirection::Forward, FftDirection::Inverse] {
+                let value = |index: usize| Complex::new((1.0 + 3.7 * index as f64).sin(), (2.3 * index as f64).cos());
+                let mut values: Vec<_> = (0..length).map(value).collect();
+                let mut expected = values.clone();
+                Dft::new(length, direction).process(&mut expected);
+                let plan = composed(length, direction);
+                assert_eq!((plan.len(), plan.fft_direction()), (length, direction));
+                plan.process(&mut values);
+                for (value, expected) in values.iter().zip(&expected) {
+                    let difference = (value - expected).norm();
+                    assert!(difference < 1e-10, "length {length}, {direction}: {value} and {expected}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! Mutated images and videos: frames or an error, within bounds of memory, never a panic.
+
+mod images;
+mod videos;

@@ -1,0 +1,12 @@
+//! Tests of the crate from outside, in one program: it is linked once, and its tests run side by side.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+mod elastic;
+mod elastic_depth;
+mod elastic_tracking;
+mod focus;
+mod fuzz;
+mod properties;
+mod solved;
+mod tracker;
