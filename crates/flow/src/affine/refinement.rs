@@ -31,6 +31,9 @@ const PRODUCTS: usize = 5;
 /// wrong position and its step is unreliable.
 pub(super) const CONTRASTS: (f32, f32) = (0.4, 1.5);
 
+/// Longest increment of a failed patch, px, and of its gradient, px per stride.
+const LONGEST_PULL: f32 = 4.0;
+
 /// Square of the error that remains after the last step, relative to the square of this step. Each step is three to ten
 /// times shorter than the one before.
 pub(super) const REMAINING_ERROR: f32 = 0.05;
@@ -121,8 +124,20 @@ impl Refinement {
     ) {
         let level = self.level;
         dispatch!(level, simd => self.solve(simd, template, current, field, iterations));
+        self.discard_leaps();
         self.set_remaining_error(REMAINING_ERROR);
         field.compose(&self.increment);
+    }
+
+    /// Sets the increments of failed patches that are too long to zero. Only the coupling moves such a patch. Where the flow
+    /// is rough the coupling is so weak that the few iterations leave an arbitrary increment.
+    fn discard_leaps(&mut self) {
+        let increment = &mut self.increment.planes;
+        for (node, trust) in self.trust.iter().enumerate() {
+            if *trust <= 0.0 && increment.iter().any(|plane| plane[node].abs() > LONGEST_PULL) {
+                increment.iter_mut().for_each(|plane| plane[node] = 0.0);
+            }
+        }
     }
 
     /// For every node, whether the picture matches clearly worse at `field` than at `other`.
