@@ -109,7 +109,7 @@ pub struct AffineParams {
     /// With colour, every n-th row is matched: 1, 2, 4 or 8. The three channels compensate for the rows that are left
     /// out.
     pub colour_row_step: usize,
-    /// Conjugate-gradient iterations of the steps that end an estimate; earlier steps have three.
+    /// Conjugate-gradient iterations of every step, except those at full size that others follow: these have three.
     pub iterations: usize,
     /// Expected difference between the displacements that two neighbouring patches predict half-way between them, px.
     pub continuity_px: f32,

@@ -61,7 +61,7 @@ struct LevelState {
 /// Largest number of additional steps at full size.
 const MORE_STEPS: usize = 4;
 
-/// Conjugate-gradient iterations of every step but the last ones at full size.
+/// Conjugate-gradient iterations of a step at full size that others follow.
 const QUICK_ITERATIONS: usize = 3;
 
 /// Finer patches replace a patch whose predicted deviation is above this, px; in smooth flow it is a tenth of this.
@@ -161,7 +161,7 @@ impl AffinePatches {
         for level in (1..=coarsest).rev() {
             let LevelState { refinement, field, .. } = &mut self.levels[level];
             let picture = Current { image: current.grey.level(level), gain };
-            refinement.step(&reference.grey[level], picture, field, QUICK_ITERATIONS);
+            refinement.step(&reference.grey[level], picture, field, self.params.affine.iterations);
             let (fine, coarse) = self.levels.split_at_mut(level);
             let (fine, coarse) = (&mut fine[level - 1].field, &mut coarse[0]);
             coarse.before.coarsen(fine);
@@ -189,7 +189,7 @@ impl AffinePatches {
     /// Refines a field found by a search, by steps at full size. Between two steps, failed patches are set to the
     /// prediction of their neighbours and are tried again.
     pub(crate) fn refine(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
-        self.follow(reference, current, 1, 1);
+        self.follow(reference, current, 1, 2);
         for _ in 1..steps {
             self.retry(reference, current);
         }
