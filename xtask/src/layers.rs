@@ -9,7 +9,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// The dependencies that a crate of the workspace may have, without the prefix `fingervision-`.
-const LAYERS: [(&str, &[&str]); 17] = [
+const LAYERS: [(&str, &[&str]); 18] = [
     // Stands apart: only tests use it.
     ("fuzz", &[]),
     ("image", &[]),
@@ -20,6 +20,8 @@ const LAYERS: [(&str, &[&str]); 17] = [
     ("gel", &["image", "optics", "elastic", "settings"]),
     ("touch", &["image", "flow", "optics", "elastic", "settings"]),
     ("source", &["image"]),
+    // The profile's table says how a camera captures.
+    ("camera", &["image", "source", "touch"]),
     ("plot", &["image", "flow"]),
     ("sink", &["touch", "image", "flow", "plot", "settings"]),
     // A simulated press is read like a recording and written like a run: the same arrays, tables and pictures.
@@ -55,13 +57,14 @@ const LAYERS: [(&str, &[&str]); 17] = [
 const FOR_TESTS: [(Option<&str>, &str); 3] = [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 20] = [
+const HEAVY: [(&str, &[&str]); 21] = [
     ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
     ("image", &["source", "plot", "sink", "evaluate"]),
     ("indicatif", &["cli"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel"]),
+    ("moq-v4l", &["camera"]),
     ("nalgebra", &["calibrate", "evaluate"]),
     ("pdf-writer", &["gel"]),
     ("png", &["gel"]),
