@@ -44,6 +44,7 @@ const LAYERS: [(&str, &[&str]); 18] = [
             "touch",
             "calibrate",
             "source",
+            "camera",
             "sink",
             "simulation",
             "evaluate",

@@ -4,6 +4,7 @@
 //!   as in `/dev/video0` move when something else is plugged in, so they select nothing.
 //! - [`Camera`] captures: it sets the mode and locks the controls that the profile's `[capture]` gives, numbers the
 //!   frames by the driver's own count, and survives an unplugged camera.
+//! - [`usb`] computes how much of a USB port cameras use and need.
 //!
 //! [`Device`] and [`Bus`] are the interface to the system. On Linux, [`Video4Linux`] implements it; elsewhere there are
 //! no cameras. This crate decodes frames; it does not track, and starts no threads.
@@ -19,6 +20,7 @@ mod mode;
 mod numbering;
 mod select;
 mod sysfs;
+pub mod usb;
 #[cfg(target_os = "linux")]
 mod v4l;
 #[cfg(target_os = "linux")]

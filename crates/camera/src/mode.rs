@@ -14,6 +14,8 @@ pub struct FourCc(pub [u8; 4]);
 impl FourCc {
     /// Motion JPEG.
     pub const MJPG: Self = Self(*b"MJPG");
+    /// JPEG pictures, as some drivers name them.
+    pub const JPEG: Self = Self(*b"JPEG");
     /// 4:2:2, `Y U Y V`.
     pub const YUYV: Self = Self(*b"YUYV");
     /// 8-bit grey.
@@ -44,7 +46,7 @@ impl FourCc {
 
     /// The order in which formats are tried where none is asked for: the smallest on the wire first, colour before grey.
     fn preference(self) -> Option<usize> {
-        [Self::MJPG, Self(*b"JPEG"), Self::YUYV, Self::GREY, Self::Y16].iter().position(|format| *format == self)
+        [Self::MJPG, Self::JPEG, Self::YUYV, Self::GREY, Self::Y16].iter().position(|format| *format == self)
     }
 }
 
@@ -63,6 +65,15 @@ pub struct Mode {
     pub size: [u32; 2],
     /// Frames per second.
     pub frames_per_second: f64,
+}
+
+impl Mode {
+    /// The mode in which a camera captures if nothing is asked for: 640x480 px if it offers that, at the highest rate, and
+    /// of equal rates in the format that needs the fewest bytes. `None` if it offers no format that is read.
+    #[must_use]
+    pub fn preferred(offers: &[Offer]) -> Option<Self> {
+        choose(offers, Wish::default())
+    }
 }
 
 impl fmt::Display for Mode {
