@@ -166,8 +166,8 @@ impl Camera {
     /// Opens the camera again once it is back; looks at least once.
     fn reopen(&mut self, start: Instant, wait: Duration) -> Result<Option<Captured>, CameraError> {
         loop {
-            let id = Some(self.node.id.as_str());
-            if let Ok(node) = select(self.bus.as_ref(), id) {
+            // Only by name: to open other cameras would wake them up.
+            if let Some(node) = self.bus.nodes().into_iter().find(|node| node.id == self.node.id) {
                 match open::start(self.bus.as_ref(), &node, &self.capture) {
                     Ok(started) => return Ok(Some(Captured::Event(self.go_on(node, started)))),
                     Err(error) => self.failures += u32::from(!is_away(&error)),
