@@ -31,6 +31,8 @@ struct CameraState {
 #[derive(Debug, Serialize)]
 struct FormatState {
     format: String,
+    /// Whether frames of this format can be decoded.
+    is_read: bool,
     /// At the highest rate; absent for formats that are not read, and for ranges of sizes.
     needs_mb_per_s: Option<f64>,
 }
@@ -108,6 +110,16 @@ impl CameraState {
     }
 }
 
+impl CameraState {
+    /// The codes of the formats that are not read, each once.
+    fn unread_formats(&self) -> Vec<&str> {
+        let unread = self.formats.iter().filter(|format| !format.is_read);
+        let mut codes: Vec<&str> = unread.filter_map(|format| format.format.split(' ').next()).collect();
+        codes.dedup();
+        codes
+    }
+}
+
 impl FormatState {
     fn new(offer: &Offer) -> Self {
         let fastest = match (offer.size, offer.rates.highest()) {
@@ -117,7 +129,7 @@ impl FormatState {
             _ => None,
         };
         let needs_mb_per_s = fastest.as_ref().and_then(need_bytes_per_s).map(rounded_megabytes);
-        Self { format: offer.to_string(), needs_mb_per_s }
+        Self { format: offer.to_string(), is_read: offer.format.coding(false).is_some(), needs_mb_per_s }
     }
 }
 
@@ -156,10 +168,15 @@ impl fmt::Display for CameraReport {
         for (count, camera) in self.cameras.iter().enumerate() {
             writeln!(f, "{:10} {}", if count == 0 { "cameras" } else { "" }, camera.id)?;
             let serial = camera.serial.as_ref().map(|serial| format!(", serial number {serial}")).unwrap_or_default();
-            writeln!(f, "             {}, driver {}{serial}, now {}", camera.name, camera.driver, camera.node)?;
-            for FormatState { format, needs_mb_per_s } in &camera.formats {
-                let needs = needs_mb_per_s.map(|needs| format!("; needs {needs:.1} MB/s")).unwrap_or_default();
+            let driver = if camera.driver.is_empty() { "unknown" } else { &camera.driver };
+            writeln!(f, "             {}, driver {driver}{serial}, now {}", camera.name, camera.node)?;
+            for FormatState { format, needs_mb_per_s, .. } in camera.formats.iter().filter(|format| format.is_read) {
+                let needs = needs_mb_per_s.map(|needs| format!("; needs up to {needs:.1} MB/s")).unwrap_or_default();
                 writeln!(f, "             {format}{needs}")?;
+            }
+            let unread = camera.unread_formats();
+            if !unread.is_empty() {
+                writeln!(f, "             not read: {}", unread.join(", "))?;
             }
             if let Some(mode) = &camera.mode {
                 writeln!(f, "             captures {mode} unless [capture] in the profile says otherwise")?;
@@ -231,8 +248,8 @@ mod tests {
             shown,
             "cameras    usb-Maker_Touch_SN7-video-index0\n             \
              Touch Camera, driver uvcvideo, serial number SN7, now /dev/video0\n             \
-             MJPG 640x480 at 90, 30 frames/s; needs 10.6 MB/s\n             \
-             H264 640x480 at 30 frames/s\n             \
+             MJPG 640x480 at 90, 30 frames/s; needs up to 10.6 MB/s\n             \
+             not read: H264\n             \
              captures MJPG 640x480 px at 90 frames/s unless [capture] in the profile says otherwise\n\
              USB ports  1-2, 480 Mbit/s: 28.0 MB/s left, 20.0 of 48.0 reserved; 500 of 500 mA: 1-2 Touch Camera\n"
         );
