@@ -21,6 +21,8 @@ const LAYERS: [(&str, &[&str]); 18] = [
     ("gel", &["image", "optics", "elastic", "settings"]),
     ("touch", &["image", "flow", "optics", "elastic", "settings"]),
     ("source", &["image"]),
+    // The profile's table says how a camera captures.
+    ("camera", &["image", "source", "touch"]),
     ("plot", &["image", "flow"]),
     ("sink", &["touch", "image", "flow", "plot", "settings"]),
     // A simulated press is read like a recording and written like a run: the same arrays, tables and pictures.
@@ -43,6 +45,7 @@ const LAYERS: [(&str, &[&str]); 18] = [
             "touch",
             "calibrate",
             "source",
+            "camera",
             "sink",
             "simulation",
             "evaluate",
@@ -56,13 +59,14 @@ const LAYERS: [(&str, &[&str]); 18] = [
 const FOR_TESTS: [(Option<&str>, &str); 3] = [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 20] = [
+const HEAVY: [(&str, &[&str]); 21] = [
     ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
     ("image", &["source", "plot", "sink", "evaluate"]),
     ("indicatif", &["cli"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel"]),
+    ("moq-v4l", &["camera"]),
     ("nalgebra", &["calibrate", "evaluate"]),
     ("pdf-writer", &["gel"]),
     ("png", &["gel"]),

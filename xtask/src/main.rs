@@ -1,7 +1,9 @@
 //! Checks and measurements of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask circles`,
-//! `cargo xtask check`.
+//! `cargo xtask check`, `cargo xtask camera-test`.
 
 mod accuracy;
+#[cfg(unix)]
+mod camera_test;
 mod check;
 mod circles;
 mod layers;
@@ -29,6 +31,9 @@ enum Name {
     Circles,
     /// Check format, lints, documentation, layers, circles and file lengths.
     Check,
+    /// Test cameras on a real kernel in an emulator.
+    #[cfg(unix)]
+    CameraTest(camera_test::Args),
 }
 
 fn main() -> ExitCode {
@@ -37,6 +42,8 @@ fn main() -> ExitCode {
         Name::Layers => layers::run(&mut std::io::stdout().lock()),
         Name::Circles => circles::run(&mut std::io::stdout().lock()),
         Name::Check => check::run(&mut std::io::stdout().lock()),
+        #[cfg(unix)]
+        Name::CameraTest(args) => camera_test::run(&args, &mut std::io::stdout().lock()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

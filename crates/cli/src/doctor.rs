@@ -1,5 +1,7 @@
 //! `fingervision doctor`: the capabilities of this machine.
 
+mod cameras;
+
 use std::fmt;
 use std::io::Write;
 use std::num::NonZero;
@@ -11,6 +13,8 @@ use fearless_simd::Level;
 use fingervision_gel::{CacheSize, PressCache};
 use fingervision_touch::{Fields, Profile, Tracker};
 use serde::Serialize;
+
+use cameras::CameraReport;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -30,9 +34,9 @@ const READS: [&str; 4] = [
     "motion JPEG video in AVI, MP4 and MOV",
     "simulated scenes, sim:NAME",
 ];
-const NOT_READ: &str = "cameras and recordings (MCAP): not in this version";
+const NOT_READ: &str = "recordings (MCAP), and cameras as a source of track: not in this version";
 
-/// Show the capabilities of this machine and test it on a simulated touch
+/// Show this machine's capabilities and cameras, and test it on a simulated touch
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -46,6 +50,8 @@ struct Diagnosis {
     instruction_set: String,
     reads: [&'static str; 4],
     cache: CacheState,
+    #[serde(flatten)]
+    cameras: CameraReport,
     self_test_error_px: f64,
     self_test_valid: f64,
     self_test_ms: f64,
@@ -112,6 +118,7 @@ impl Diagnosis {
             instruction_set: instruction_set(Level::new()),
             reads: READS,
             cache: CacheState::new(&PressCache::standard()),
+            cameras: CameraReport::find(),
             self_test_error_px: error.mean_px,
             self_test_valid: error.valid,
             self_test_ms,
@@ -143,6 +150,7 @@ impl fmt::Display for Diagnosis {
         }
         writeln!(f, "not read   {NOT_READ}")?;
         writeln!(f, "cache      {}", self.cache)?;
+        write!(f, "{}", self.cameras)?;
         writeln!(f, "next       fingervision demo, which needs no sensor; with one: fingervision calibrate")
     }
 }

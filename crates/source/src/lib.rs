@@ -16,10 +16,13 @@
 //! Pictures are rotated upright if the file contains the camera's orientation. A source keeps one frame in memory (a
 //! video with B-frames up to seventeen), and ends with an error, not silently, where a file is cut off.
 //!
+//! [`CameraFrameDecoder`] decodes single frames, as a camera delivers them.
+//!
 //! Not read: H.265, VP9, AV1, Matroska, `WebM`, 10-bit and 4:4:4 H.264, H.264 in AVI. The error says so, and its
 //! [hint](SourceError::hint) gives the command that converts the file.
 
 mod avi;
+mod camera_frame;
 mod compression;
 mod decoder;
 mod error;
@@ -41,6 +44,7 @@ mod track;
 mod video;
 mod yuv;
 
+pub use camera_frame::{CameraCoding, CameraFrameDecoder, CameraLayout};
 pub use error::SourceError;
 pub use format::FrameFormat;
 pub use open::open;

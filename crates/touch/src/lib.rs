@@ -35,7 +35,9 @@ pub use error::TrackError;
 pub use fields::Fields;
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
 pub use parameter_error::ParameterError;
-pub use profile::{DepthMethod, DepthSection, ImageSection, Profile, ProfileError, ProfileReview, Remark, Weight};
+pub use profile::{
+    CaptureSection, DepthMethod, DepthSection, ImageSection, Profile, ProfileError, ProfileReview, Remark, Weight,
+};
 pub use reading::{Flag, Flags, Reading};
 pub use references::{Policy, ReferenceParams};
 pub use tracker::Tracker;

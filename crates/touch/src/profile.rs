@@ -13,6 +13,7 @@
 //! # Ok::<(), fingervision_touch::ProfileError>(())
 //! ```
 
+mod capture;
 mod effect;
 mod error;
 mod remarks;
@@ -36,6 +37,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{DensityParams, DepthLaw, ElasticParams, ReferenceParams};
 
+pub use capture::CaptureSection;
 pub use error::ProfileError;
 pub use remarks::{Remark, Weight};
 pub use review::ProfileReview;
@@ -65,6 +67,9 @@ const SENSOR: &str = "
 pub struct Profile {
     /// The name of the sensor.
     pub name: String,
+    /// Which camera shows the gel, and how it captures; only live sources use it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub capture: Option<CaptureSection>,
     /// The part of the camera image that shows the gel; if absent, the whole image.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub image: Option<ImageSection>,
@@ -132,6 +137,7 @@ impl Default for Profile {
     fn default() -> Self {
         Self {
             name: "unnamed".into(),
+            capture: None,
             image: None,
             camera: None,
             gel: None,

@@ -27,6 +27,10 @@ impl Profile {
     #[must_use]
     pub fn no_effect(&self, key: &str, fields: Fields) -> Option<ProfileError> {
         let reason = match key.split_once('.') {
+            Some(("capture", _)) => Some((
+                "a recording is tracked as it was captured".into(),
+                "write it into the profile, for capture from a camera".into(),
+            )),
             Some(("flow", key)) => self.idle_flow(key),
             Some(("references", key)) => self.idle_reference(key),
             Some(("elastic" | "gel", _)) => self.idle_elastic(fields),

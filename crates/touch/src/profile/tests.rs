@@ -111,7 +111,10 @@ fn an_unknown_key_is_named_with_its_line_and_a_like_one() {
     assert_eq!(hint, "did you mean flow.finest_level?");
     let (error, hint) = refusal("[contacts]");
     assert_eq!(error, "line 1: unknown key contacts");
-    assert_eq!(hint, "a profile has the keys name, image, camera, gel, depth, flow, references, density, elastic");
+    assert_eq!(
+        hint,
+        "a profile has the keys name, capture, image, camera, gel, depth, flow, references, density, elastic"
+    );
     let (error, hint) = refusal("[depth]\nzzz = 1");
     assert_eq!(
         (error.as_str(), hint.as_str()),
@@ -308,6 +311,7 @@ fn a_setting_without_effect_is_named_with_what_would_use_it() {
     for (profile, key, hint) in [
         (&uncalibrated, "flow.finest_level", "flow.preset=medium"),
         (&uncalibrated, "references.push_error", "references.policy=stack"),
+        (&uncalibrated, "capture.gain", "into the profile"),
         (&uncalibrated, "elastic.mode", "[camera]"),
         (&uncalibrated, "gel.thickness_mm", "[camera]"),
         (&stack, "references.rest_frames", "references.policy=anchored"),

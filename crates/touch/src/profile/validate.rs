@@ -5,7 +5,7 @@ use fingervision_optics::{CameraError, CameraParams};
 
 use crate::{DepthLaw, PerspectiveGain};
 
-use super::{ImageSection, Profile, ProfileError};
+use super::{CaptureSection, ImageSection, Profile, ProfileError};
 
 /// Possible distances from a lens to a gel, mm: a value outside is assumed to be in another unit.
 const DISTANCES_MM: [f64; 2] = [1.0, 2000.0];
@@ -15,6 +15,7 @@ const SIZES_MM: [f64; 2] = [1.0, 2000.0];
 const THICKNESSES_MM: [f64; 2] = [0.1, 1000.0];
 
 pub(super) fn validate(profile: &Profile) -> Result<(), ProfileError> {
+    profile.capture.as_ref().map_or(Ok(()), CaptureSection::validate)?;
     profile.image.as_ref().map_or(Ok(()), validate_image)?;
     profile.camera.as_ref().map_or(Ok(()), validate_camera)?;
     profile.gel.as_ref().map_or(Ok(()), validate_gel)?;

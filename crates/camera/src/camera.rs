@@ -1,0 +1,200 @@
+//! Captures frames from one camera.
+//!
+//! Every frame of the driver is handed out once, decoded, with its number and its time. A camera that is unplugged, or whose
+//! driver reports an error, is closed and opened again by its stable id as soon as it is back; in the meantime there is no
+//! frame, rather than an old one.
+
+mod event;
+mod open;
+#[cfg(test)]
+mod tests;
+
+use std::io;
+use std::time::{Duration, Instant};
+
+use fingervision_image::Frame;
+use fingervision_source::CameraFrameDecoder;
+use fingervision_touch::CaptureSection;
+
+use crate::error::is_gone;
+use crate::numbering::{Arrival, Numbering};
+use crate::{Bus, CameraError, Device, Layout, Mode, Node, select};
+
+pub use event::{Captured, Counts, Event};
+
+/// Time between two looks for a camera that is away.
+const LOOK_AGAIN: Duration = Duration::from_millis(100);
+/// How often a camera that is there may fail to start before that is an error. Just after it was plugged in, the system
+/// may not have given the permission yet.
+const MOST_FAILURES: u32 = 30;
+
+/// A camera that captures.
+pub struct Camera {
+    bus: Box<dyn Bus>,
+    /// The node in use; its number may change when the camera is plugged in again, its id does not.
+    node: Node,
+    capture: CaptureSection,
+    layout: Layout,
+    /// Absent while the camera is away.
+    device: Option<Box<dyn Device>>,
+    decoder: CameraFrameDecoder,
+    numbering: Numbering,
+    counts: Counts,
+    remarks: Vec<String>,
+    /// Attempts to start since the last frame.
+    failures: u32,
+}
+
+impl Camera {
+    /// Opens the camera that `capture` names, sets its mode, locks its controls and starts it.
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError`] if there is no such camera, it may not be opened, is busy, or does not offer the mode.
+    pub fn open(bus: Box<dyn Bus>, capture: CaptureSection) -> Result<Self, CameraError> {
+        let node = select(bus.as_ref(), capture.camera.as_deref())?;
+        let open::Started { device, layout, decoder, remarks } = open::start(bus.as_ref(), &node, &capture)?;
+        let numbering = Numbering::new(layout.mode.frames_per_second);
+        Ok(Self {
+            bus,
+            node,
+            capture,
+            layout,
+            device: Some(device),
+            decoder,
+            numbering,
+            counts: Counts::default(),
+            remarks,
+            failures: 0,
+        })
+    }
+
+    /// The next frame or event. `None` if the camera is away and not back within `wait`.
+    ///
+    /// # Errors
+    ///
+    /// [`CameraError::TimedOut`] if the camera is there, but sends nothing new within `wait`; the next call starts it
+    /// again. Otherwise an error that stays when the camera is opened again and again.
+    pub fn next(&mut self, wait: Duration) -> Result<Option<Captured>, CameraError> {
+        let start = Instant::now();
+        loop {
+            let Some(device) = self.device.as_mut() else { return self.reopen(start, wait) };
+            let buffer = match device.next(wait) {
+                Ok(buffer) => buffer,
+                Err(error) => return self.lose(&error, wait).map(|event| Some(Captured::Event(event))),
+            };
+            let Arrival::New { sequence, time_s, missed, is_clock_step } =
+                self.numbering.arrive(buffer.sequence, buffer.stamp_s)
+            else {
+                self.counts.duplicates += 1;
+                if start.elapsed() < wait {
+                    continue;
+                }
+                self.device = None;
+                return Err(self.timed_out(wait));
+            };
+            self.failures = 0;
+            self.counts.dropped += missed;
+            self.counts.clock_steps += u64::from(is_clock_step);
+            let decoded = if buffer.is_damaged {
+                Err("the driver reports it as damaged".to_owned())
+            } else {
+                self.decoder.decode(buffer.bytes)
+            };
+            return Ok(Some(match decoded {
+                Ok(pixels) => {
+                    self.counts.frames += 1;
+                    Captured::Frame(Frame { sequence, capture_time_s: time_s, pixels })
+                }
+                Err(reason) => {
+                    self.counts.damaged += 1;
+                    Captured::Event(Event::Damaged { sequence, reason })
+                }
+            }));
+        }
+    }
+
+    /// The id of the camera.
+    #[must_use]
+    pub fn id(&self) -> &str {
+        &self.node.id
+    }
+
+    /// The node in use.
+    #[must_use]
+    pub fn node(&self) -> &Node {
+        &self.node
+    }
+
+    /// The mode in force.
+    #[must_use]
+    pub fn mode(&self) -> Mode {
+        self.layout.mode
+    }
+
+    /// What happened to the frames so far.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// Settings that differ from those of the profile, a sentence each.
+    #[must_use]
+    pub fn remarks(&self) -> &[String] {
+        &self.remarks
+    }
+
+    /// Closes the camera after an error.
+    fn lose(&mut self, error: &io::Error, wait: Duration) -> Result<Event, CameraError> {
+        self.device = None;
+        if error.kind() == io::ErrorKind::TimedOut {
+            return Err(self.timed_out(wait));
+        }
+        let is_gone = is_gone(error);
+        self.failures += u32::from(!is_gone);
+        if self.failures > MOST_FAILURES {
+            let error = io::Error::new(error.kind(), error.to_string());
+            return Err(CameraError::io(&self.node.id, self.node.path.clone(), "capture", error));
+        }
+        Ok(if is_gone { Event::Unplugged } else { Event::Failed { reason: error.to_string() } })
+    }
+
+    fn timed_out(&self, wait: Duration) -> CameraError {
+        CameraError::TimedOut { camera: self.node.id.clone(), waited_s: wait.as_secs_f64() }
+    }
+
+    /// Opens the camera again once it is back; looks at least once.
+    fn reopen(&mut self, start: Instant, wait: Duration) -> Result<Option<Captured>, CameraError> {
+        loop {
+            // Only by name: to open other cameras would wake them up.
+            if let Some(node) = self.bus.nodes().into_iter().find(|node| node.id == self.node.id) {
+                match open::start(self.bus.as_ref(), &node, &self.capture) {
+                    Ok(started) => return Ok(Some(Captured::Event(self.go_on(node, started)))),
+                    Err(error) => self.failures += u32::from(!is_away(&error)),
+                }
+                if self.failures > MOST_FAILURES {
+                    return open::start(self.bus.as_ref(), &node, &self.capture)
+                        .map(|started| Some(Captured::Event(self.go_on(node, started))));
+                }
+            }
+            if start.elapsed() >= wait {
+                return Ok(None);
+            }
+            self.bus.pause(LOOK_AGAIN.min(wait));
+        }
+    }
+
+    fn go_on(&mut self, node: Node, started: open::Started) -> Event {
+        let open::Started { device, layout, decoder, remarks } = started;
+        self.numbering.restart(layout.mode.frames_per_second);
+        self.counts.restarts += 1;
+        (self.node, self.device, self.layout) = (node, Some(device), layout);
+        (self.decoder, self.remarks) = (decoder, remarks);
+        Event::Restarted
+    }
+}
+
+/// Whether a camera was unplugged while it was opened.
+fn is_away(error: &CameraError) -> bool {
+    matches!(error, CameraError::Io { error, .. } if is_gone(error))
+}

@@ -1,0 +1,154 @@
+//! Why a camera cannot be used.
+
+use std::io;
+use std::path::PathBuf;
+
+use crate::Mode;
+
+/// Numbers of the system's errors, the same on every Linux.
+pub(crate) const NO_SPACE: i32 = 28;
+const BUSY: i32 = 16;
+const NO_DEVICE: [i32; 2] = [19, 6];
+
+/// Why a camera cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraError {
+    /// No camera is plugged in.
+    #[error("no camera found")]
+    NoCamera,
+    /// No camera has this id, serial number or name.
+    #[error("no camera matches {wanted:?}")]
+    NotFound {
+        /// What was asked for.
+        wanted: String,
+        /// The ids of the cameras that are there.
+        present: Vec<String>,
+    },
+    /// More than one camera matches.
+    #[error("{}: {}", several(wanted.as_deref()), matches.join(", "))]
+    Ambiguous {
+        /// What was asked for; absent if nothing was.
+        wanted: Option<String>,
+        /// The ids of the cameras that match.
+        matches: Vec<String>,
+    },
+    /// A number, which changes when cameras are plugged in.
+    #[error("{wanted:?} is a number, and numbers of cameras change")]
+    Number {
+        /// What was asked for.
+        wanted: String,
+        /// The id of the camera that has the number now.
+        now: Option<String>,
+    },
+    /// The user may not open the camera.
+    #[error("{camera}: no permission to open {}", node.display())]
+    Denied {
+        /// The camera's id.
+        camera: String,
+        /// Its node.
+        node: PathBuf,
+    },
+    /// Another program captures from the camera.
+    #[error("{camera}: busy, another program uses it")]
+    Busy {
+        /// The camera's id.
+        camera: String,
+        /// Its node.
+        node: PathBuf,
+    },
+    /// The camera does not offer what the profile asks for.
+    #[error("{camera} does not offer {wanted}")]
+    NotOffered {
+        /// The camera's id.
+        camera: String,
+        /// The mode, in words.
+        wanted: String,
+        /// What it offers, in words.
+        offered: Vec<String>,
+    },
+    /// The USB port has no bandwidth left for the mode.
+    #[error("{camera}: not enough USB bandwidth for {mode}")]
+    NoBandwidth {
+        /// The camera's id.
+        camera: String,
+        /// The mode.
+        mode: Mode,
+    },
+    /// The camera delivers nothing.
+    #[error("{camera}: no frame in {waited_s:.1} s")]
+    TimedOut {
+        /// The camera's id.
+        camera: String,
+        /// How long, s.
+        waited_s: f64,
+    },
+    /// The system refuses.
+    #[error("{camera}: {doing}: {error}")]
+    Io {
+        /// The camera's id.
+        camera: String,
+        /// What was tried, as in `open`.
+        doing: &'static str,
+        /// The system's message.
+        error: io::Error,
+    },
+}
+
+impl CameraError {
+    /// What the user can do about it.
+    #[must_use]
+    pub fn hint(&self) -> String {
+        match self {
+            Self::NoCamera if cfg!(target_os = "linux") => {
+                "plug it in, look for it in the output of `lsusb`, and try another port or cable; in a container, \
+                 /dev/video* must be passed in"
+                    .into()
+            }
+            Self::NoCamera => "cameras are read on Linux only; record a video and track that".into(),
+            Self::NotFound { present, .. } if present.is_empty() => "no camera is plugged in".into(),
+            Self::NotFound { present, .. } => format!("cameras present: {}", present.join(", ")),
+            Self::Ambiguous { .. } => "give the whole id of one of them, or its serial number".into(),
+            Self::Number { now: Some(id), .. } => format!("now it is the camera {id}: use this id"),
+            Self::Number { now: None, .. } => "`fingervision doctor` lists the ids of all cameras".into(),
+            Self::Denied { .. } => {
+                "add yourself to the group video, `sudo usermod -aG video $USER`, then log out and in again".into()
+            }
+            Self::Busy { node, .. } => format!("close it; `fuser -v {}` names the program", node.display()),
+            Self::NotOffered { offered, .. } => format!("it offers {}", offered.join("; ")),
+            Self::NoBandwidth { .. } => {
+                "use MJPG instead of a raw format, a smaller size or a lower rate, or plug the camera into a port of \
+                 another USB controller; `fingervision doctor` shows what each port has left"
+                    .into()
+            }
+            Self::TimedOut { .. } => {
+                "unplug it and plug it in again; if it happens often, use a shorter cable or a port without a hub"
+                    .into()
+            }
+            Self::Io { .. } => "unplug the camera and plug it in again; `dmesg` shows what the system says".into(),
+        }
+    }
+
+    /// The error that a system's error means, for this camera.
+    pub(crate) fn io(camera: &str, node: PathBuf, doing: &'static str, error: io::Error) -> Self {
+        let camera = camera.to_owned();
+        match error.raw_os_error() {
+            _ if error.kind() == io::ErrorKind::PermissionDenied => Self::Denied { camera, node },
+            Some(BUSY) => Self::Busy { camera, node },
+            _ => Self::Io { camera, doing, error },
+        }
+    }
+}
+
+/// Whether the camera is no longer there.
+pub(crate) fn is_gone(error: &io::Error) -> bool {
+    let is_absent = error.kind() == io::ErrorKind::NotFound;
+    is_absent || error.raw_os_error().is_some_and(|number| NO_DEVICE.contains(&number))
+}
+
+fn several(wanted: Option<&str>) -> String {
+    match wanted {
+        Some(wanted) => format!("{wanted:?} matches several cameras"),
+        None => "there are several cameras, and none was chosen".into(),
+    }
+}

@@ -1,0 +1,176 @@
+//! A camera without hardware, with every fault on demand.
+
+use std::collections::VecDeque;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use crate::controls::id;
+use crate::{Buffer, Bus, Control, Device, FourCc, Layout, Mode, Node, Offer, RateOffer, SizeOffer};
+
+/// What comes next out of the camera.
+#[derive(Debug, Clone)]
+pub(crate) enum Coming {
+    Frame {
+        sequence: u32,
+        stamp_s: f64,
+        bytes: Vec<u8>,
+        is_damaged: bool,
+    },
+    /// Nothing in time.
+    Silence,
+    /// An error of the system, by its number.
+    Error(i32),
+}
+
+/// The state of all cameras of a fake system.
+#[derive(Debug, Default)]
+pub(crate) struct World {
+    pub(crate) ids: Vec<String>,
+    /// Numbers of nodes that carry metadata.
+    pub(crate) metadata: Vec<usize>,
+    pub(crate) coming: VecDeque<Coming>,
+    pub(crate) controls: Vec<(Control, i64)>,
+    pub(crate) open_error: Option<i32>,
+    pub(crate) start_error: Option<i32>,
+    /// After so many pauses, these cameras are plugged in.
+    pub(crate) back: Option<(u32, Vec<String>)>,
+    /// Set by `set_mode`, in order.
+    pub(crate) modes: Vec<Mode>,
+    /// The rate that the driver uses, whatever it is asked for.
+    pub(crate) forced_rate: Option<f64>,
+}
+
+/// A fake system; clones share it.
+#[derive(Debug, Clone)]
+pub(crate) struct FakeBus(Arc<Mutex<World>>);
+
+impl FakeBus {
+    pub(crate) fn new(ids: &[&str]) -> Self {
+        let control = |id, most, value| (Control { id, name: "control".into(), least: 0, most }, value);
+        let controls = vec![
+            control(id::EXPOSURE_AUTO, 3, 3),
+            control(id::EXPOSURE, 10_000, 156),
+            control(id::EXPOSURE_CHANGES_RATE, 1, 1),
+            control(id::GAIN, 100, 0),
+            control(id::WHITE_BALANCE_AUTO, 1, 1),
+            control(id::WHITE_BALANCE, 6500, 4600),
+        ];
+        let ids = ids.iter().map(|id| (*id).to_owned()).collect();
+        Self(Arc::new(Mutex::new(World { ids, controls, ..World::default() })))
+    }
+
+    pub(crate) fn with<T>(&self, use_it: impl FnOnce(&mut World) -> T) -> T {
+        use_it(&mut self.0.lock().unwrap())
+    }
+
+    /// Frames of 4x2 px in 8-bit grey, 100 a second.
+    pub(crate) fn send(&self, sequences: &[u32]) {
+        self.with(|world| world.coming.extend(sequences.iter().map(|sequence| frame(*sequence, 8))));
+    }
+}
+
+/// A frame with so many bytes, which are its number.
+pub(crate) fn frame(sequence: u32, bytes: usize) -> Coming {
+    let stamp_s = 10.0 + f64::from(sequence) / 100.0;
+    Coming::Frame { sequence, stamp_s, bytes: vec![sequence as u8; bytes], is_damaged: false }
+}
+
+impl Bus for FakeBus {
+    fn nodes(&self) -> Vec<Node> {
+        let node = |(number, id): (usize, &String)| Node {
+            id: id.clone(),
+            path: PathBuf::from(format!("/dev/video{number}")),
+            card: id.trim_end_matches("-video-index0").replace('_', " "),
+            driver: "fake".into(),
+            serial: Some(format!("serial-{number}")),
+            index: 0,
+            usb_device: None,
+            device: PathBuf::new(),
+        };
+        self.with(|world| world.ids.iter().enumerate().map(node).collect())
+    }
+
+    fn is_capture(&self, node: &Path) -> io::Result<bool> {
+        let number = node.to_string_lossy().trim_start_matches("/dev/video").parse().unwrap();
+        self.with(|world| match world.open_error {
+            Some(error) => Err(io::Error::from_raw_os_error(error)),
+            None => Ok(!world.metadata.contains(&number)),
+        })
+    }
+
+    fn open(&self, _: &Path) -> io::Result<Box<dyn Device>> {
+        self.with(|world| world.open_error).map_or(Ok(()), |error| Err(io::Error::from_raw_os_error(error)))?;
+        Ok(Box::new(FakeDevice { world: self.clone(), bytes: Vec::new() }))
+    }
+
+    fn pause(&self, _: Duration) {
+        self.with(|world| match world.back.take() {
+            Some((0, ids)) => world.ids = ids,
+            Some((pauses, ids)) => world.back = Some((pauses - 1, ids)),
+            None => (),
+        });
+    }
+}
+
+struct FakeDevice {
+    world: FakeBus,
+    bytes: Vec<u8>,
+}
+
+impl Device for FakeDevice {
+    fn offers(&self) -> io::Result<Vec<Offer>> {
+        let offer = |format, size, rates: &[f64]| Offer {
+            format,
+            size: SizeOffer::One(size),
+            rates: RateOffer::List(rates.to_vec()),
+        };
+        Ok(vec![offer(FourCc::GREY, [4, 2], &[100.0, 50.0]), offer(FourCc::MJPG, [24, 16], &[90.0])])
+    }
+
+    fn controls(&self) -> io::Result<Vec<Control>> {
+        Ok(self.world.with(|world| world.controls.iter().map(|(control, _)| control.clone()).collect()))
+    }
+
+    fn control(&self, id: u32) -> io::Result<i64> {
+        let value = self
+            .world
+            .with(|world| world.controls.iter().find(|(control, _)| control.id == id).map(|(_, value)| *value));
+        value.ok_or(io::ErrorKind::InvalidInput.into())
+    }
+
+    fn set_control(&mut self, id: u32, value: i64) -> io::Result<()> {
+        self.world.with(|world| {
+            let found = world.controls.iter_mut().find(|(control, _)| control.id == id);
+            let (control, current) = found.ok_or(io::ErrorKind::InvalidInput)?;
+            *current = value.clamp(control.least, control.most);
+            Ok(())
+        })
+    }
+
+    fn set_mode(&mut self, mode: Mode) -> io::Result<Layout> {
+        self.world.with(|world| {
+            world.modes.push(mode);
+            let mode = Mode { frames_per_second: world.forced_rate.unwrap_or(mode.frames_per_second), ..mode };
+            Ok(Layout { mode, row_bytes: 0, is_full_range: false })
+        })
+    }
+
+    fn start(&mut self) -> io::Result<()> {
+        self.world.with(|world| world.start_error).map_or(Ok(()), |error| Err(io::Error::from_raw_os_error(error)))
+    }
+
+    fn next(&mut self, _: Duration) -> io::Result<Buffer<'_>> {
+        match self.world.with(|world| world.coming.pop_front()) {
+            Some(Coming::Frame { sequence, stamp_s, bytes, is_damaged }) => {
+                self.bytes = bytes;
+                Ok(Buffer { bytes: &self.bytes, sequence, stamp_s, is_damaged })
+            }
+            Some(Coming::Silence) | None => Err(io::ErrorKind::TimedOut.into()),
+            Some(Coming::Error(number)) => Err(io::Error::from_raw_os_error(number)),
+        }
+    }
+
+    fn stop(&mut self) {}
+}

@@ -1,0 +1,37 @@
+//! Cameras: which are plugged in, what they offer, and their frames.
+//!
+//! - [`cameras`] lists them and [`select`] finds one by its stable id, its serial number or a part of its name. Numbers
+//!   as in `/dev/video0` move when something else is plugged in, so they select nothing.
+//! - [`Camera`] captures: it sets the mode and locks the controls that the profile's `[capture]` gives, numbers the
+//!   frames by the driver's own count, and survives an unplugged camera.
+//! - [`usb`] computes how much of a USB port cameras use and need.
+//!
+//! [`Device`] and [`Bus`] are the interface to the system. On Linux, [`Video4Linux`] implements it; elsewhere there are
+//! no cameras. This crate decodes frames; it does not track, and starts no threads.
+
+mod camera;
+mod controls;
+mod device;
+mod error;
+#[cfg(test)]
+mod fake;
+mod info;
+mod mode;
+mod numbering;
+mod select;
+mod sysfs;
+pub mod usb;
+#[cfg(target_os = "linux")]
+mod v4l;
+#[cfg(target_os = "linux")]
+mod v4l_offers;
+
+pub use camera::{Camera, Captured, Counts, Event};
+pub use device::{Buffer, Bus, Control, Device, Layout};
+pub use error::CameraError;
+pub use info::{Access, CameraInfo, cameras};
+pub use mode::{FourCc, Mode, Offer, RateOffer, SizeOffer};
+pub use select::select;
+pub use sysfs::{Node, nodes};
+#[cfg(target_os = "linux")]
+pub use v4l::Video4Linux;

@@ -1,0 +1,223 @@
+//! Decodes the single frames of a camera: JPEG pictures, packed luma and chroma, grey.
+//!
+//! A camera delivers bytes in a layout that was agreed on before. Bytes that do not fit this layout are a damaged frame,
+//! never pixels: a frame that is cut off must not pass for a dark one.
+
+use crate::FrameFormat;
+use crate::decoder::Decoder;
+use crate::fault::guarded;
+use crate::motion_jpeg::MotionJpeg;
+use crate::track::Colour;
+use crate::yuv::YuvToRgb;
+use fingervision_image::{Image, Pixels};
+use rust_h264::decoder::{ChromaFormat, Frame};
+
+/// BT.601, by its number in ITU-T H.273: the matrix of USB cameras that name none.
+const BT_601: u16 = 6;
+
+/// How a camera codes the pixels of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CameraCoding {
+    /// A JPEG picture, possibly without its Huffman tables.
+    MotionJpeg,
+    /// 4:2:2 in bytes `Y U Y V`; `is_full_range` if luma spans 0 to 255, not 16 to 235.
+    Yuyv {
+        /// Luma spans 0 to 255, not 16 to 235.
+        is_full_range: bool,
+    },
+    /// A byte of luma per pixel.
+    Grey8,
+    /// 16 bits of luma per pixel, the low byte first.
+    Grey16,
+}
+
+/// The layout of a camera's frames, as agreed on with its driver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CameraLayout {
+    /// How pixels are coded.
+    pub coding: CameraCoding,
+    /// Columns, px.
+    pub width: usize,
+    /// Rows, px.
+    pub height: usize,
+    /// Bytes from a row to the next; no meaning for JPEG. Zero: the rows follow each other without padding.
+    pub row_bytes: usize,
+}
+
+impl CameraLayout {
+    /// The bytes of a row that hold pixels; `None` for JPEG.
+    fn used_row_bytes(&self) -> Option<usize> {
+        match self.coding {
+            CameraCoding::MotionJpeg => None,
+            CameraCoding::Yuyv { .. } => Some(4 * self.width.div_ceil(2)),
+            CameraCoding::Grey8 => Some(self.width),
+            CameraCoding::Grey16 => Some(2 * self.width),
+        }
+    }
+}
+
+/// Turns the bytes of a camera's frames into pixels; owns its scratch.
+pub struct CameraFrameDecoder {
+    layout: CameraLayout,
+    yuv: Option<(YuvToRgb, Frame)>,
+}
+
+impl CameraFrameDecoder {
+    /// A decoder for frames of this layout.
+    #[must_use]
+    pub fn new(layout: CameraLayout) -> Self {
+        let CameraLayout { coding, width, height, .. } = layout;
+        let yuv = match coding {
+            CameraCoding::Yuyv { is_full_range } => {
+                YuvToRgb::new(width, height, Colour { matrix: BT_601, is_full_range })
+                    .map(|conversion| (conversion, planes(width, height)))
+            }
+            _ => None,
+        };
+        Self { layout, yuv }
+    }
+
+    /// The pixels of one frame. Bytes behind the last row are ignored, because some drivers append padding.
+    ///
+    /// # Errors
+    ///
+    /// A sentence on what is wrong with a damaged frame: not a JPEG picture, cut off, of another size.
+    pub fn decode(&mut self, bytes: &[u8]) -> Result<Pixels, String> {
+        let Some(used) = self.layout.used_row_bytes() else { return self.decode_jpeg(bytes) };
+        let rows = self.rows(bytes, used)?;
+        let (width, height) = (self.layout.width, self.layout.height);
+        let image = |error: fingervision_image::ImageError| error.to_string();
+        match (&mut self.yuv, self.layout.coding) {
+            (Some((conversion, frame)), _) => {
+                unpack(rows, width, frame);
+                conversion.convert(frame).map(Pixels::Rgb8)
+            }
+            (None, CameraCoding::Grey16) => {
+                let values = rows.flat_map(|row| row.as_chunks().0.iter().map(|pair| u16::from_le_bytes(*pair)));
+                Image::from_vec(width, height, values.collect()).map(Pixels::Grey16).map_err(image)
+            }
+            (None, _) => {
+                let values = rows.flatten().copied();
+                Image::from_vec(width, height, values.collect()).map(Pixels::Grey8).map_err(image)
+            }
+        }
+    }
+
+    /// The used bytes of every row, if all rows are there.
+    fn rows<'a>(&self, bytes: &'a [u8], used: usize) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, String> {
+        let height = self.layout.height;
+        let step = self.layout.row_bytes.max(used);
+        let needed = step * height.saturating_sub(1) + used;
+        if bytes.len() < needed {
+            return Err(format!("cut off: {} of {needed} bytes", bytes.len()));
+        }
+        Ok(bytes.chunks(step.max(1)).take(height).map(move |row| &row[..used]))
+    }
+
+    fn decode_jpeg(&self, bytes: &[u8]) -> Result<Pixels, String> {
+        if !bytes.starts_with(&[0xff, 0xd8]) {
+            return Err("not a JPEG picture".into());
+        }
+        let pixels = guarded(|| MotionJpeg.decode(bytes)).flatten()?;
+        let (width, height) = pixels.size();
+        if (width, height) == (self.layout.width, self.layout.height) {
+            return Ok(pixels);
+        }
+        let found = FrameFormat::from(&pixels);
+        Err(format!("{found}, expected {}x{} px", self.layout.width, self.layout.height))
+    }
+}
+
+/// Planes of 4:2:2 for frames of this size.
+fn planes(width: usize, height: usize) -> Frame {
+    let pairs = width.div_ceil(2);
+    let chroma = vec![0; pairs * height];
+    Frame {
+        width: 2 * pairs as u32, // an odd width has chroma for one column more
+        height: height as u32,
+        y: vec![0; width * height],
+        u: chroma.clone(),
+        v: chroma,
+        pic_order_cnt: 0,
+        chroma_format: ChromaFormat::Yuv422,
+        bit_depth: 8,
+    }
+}
+
+/// Separates packed luma and chroma into planes. Of an odd width, the last luma is left out.
+fn unpack<'a>(rows: impl Iterator<Item = &'a [u8]>, width: usize, frame: &mut Frame) {
+    let pairs = width.div_ceil(2);
+    for (number, row) in rows.enumerate() {
+        let luma = &mut frame.y[number * width..][..width];
+        let (u, v) = (&mut frame.u[number * pairs..][..pairs], &mut frame.v[number * pairs..][..pairs]);
+        let chroma = u.iter_mut().zip(v);
+        for ((luma, chroma), &[y0, cb, y1, cr]) in luma.chunks_mut(2).zip(chroma).zip(row.as_chunks().0) {
+            (*chroma.0, *chroma.1) = (cb, cr);
+            luma[0] = y0;
+            if let Some(second) = luma.get_mut(1) {
+                *second = y1;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::codecs::jpeg::JpegEncoder;
+    use image::{GrayImage, Luma};
+
+    fn layout(coding: CameraCoding, width: usize, height: usize, row_bytes: usize) -> CameraLayout {
+        CameraLayout { coding, width, height, row_bytes }
+    }
+
+    fn jpeg(width: u32, height: u32) -> Vec<u8> {
+        let picture = GrayImage::from_fn(width, height, |x, y| Luma([(7 * x + 5 * y) as u8]));
+        let mut bytes = Vec::new();
+        JpegEncoder::new(&mut bytes).encode_image(&picture).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn grey_rows_with_padding_are_taken_apart() {
+        let mut decoder = CameraFrameDecoder::new(layout(CameraCoding::Grey8, 2, 2, 4));
+        let pixels = decoder.decode(&[1, 2, 99, 99, 3, 4]).unwrap();
+        assert_eq!(pixels, Pixels::Grey8(Image::from_vec(2, 2, vec![1, 2, 3, 4]).unwrap()));
+        let mut decoder = CameraFrameDecoder::new(layout(CameraCoding::Grey16, 2, 1, 0));
+        let pixels = decoder.decode(&[0x34, 0x12, 0xff, 0xff, 0, 0]).unwrap();
+        assert_eq!(pixels, Pixels::Grey16(Image::from_vec(2, 1, vec![0x1234, 0xffff]).unwrap()));
+    }
+
+    #[test]
+    fn packed_chroma_becomes_colour_in_both_ranges() {
+        let wanted = [(false, 235, 255), (true, 235, 235), (false, 16, 0), (true, 255, 255)];
+        for (is_full_range, luma, level) in wanted {
+            let mut decoder = CameraFrameDecoder::new(layout(CameraCoding::Yuyv { is_full_range }, 3, 2, 8));
+            let row = [luma, 128, luma, 128, luma, 128, 7, 128];
+            let Pixels::Rgb8(image) = decoder.decode(&[row, row].concat()).unwrap() else { panic!("colour") };
+            assert_eq!(image.at(2, 1), [level; 3], "full range {is_full_range}, luma {luma}");
+        }
+        // Pure red in limited range: Y 81, U 90, V 240.
+        let mut decoder = CameraFrameDecoder::new(layout(CameraCoding::Yuyv { is_full_range: false }, 2, 1, 0));
+        let Pixels::Rgb8(image) = decoder.decode(&[81, 90, 81, 240]).unwrap() else { panic!("colour") };
+        let [red, green, blue] = image.at(0, 0);
+        assert!(red >= 252 && green <= 3 && blue <= 3, "{:?}", image.at(0, 0));
+    }
+
+    #[test]
+    fn a_frame_that_lacks_bytes_is_refused() {
+        let mut decoder = CameraFrameDecoder::new(layout(CameraCoding::Yuyv { is_full_range: false }, 4, 2, 0));
+        assert_eq!(decoder.decode(&[0; 15]).unwrap_err(), "cut off: 15 of 16 bytes");
+    }
+
+    #[test]
+    fn a_damaged_jpeg_is_refused_and_a_whole_one_read() {
+        let whole = jpeg(24, 16);
+        let mut decoder = CameraFrameDecoder::new(layout(CameraCoding::MotionJpeg, 24, 16, 0));
+        assert_eq!(decoder.decode(&whole).unwrap().size(), (24, 16));
+        assert_eq!(decoder.decode(&whole[..whole.len() / 2]).unwrap_err(), "the JPEG picture is cut off");
+        assert_eq!(decoder.decode(&[0; 100]).unwrap_err(), "not a JPEG picture");
+        assert_eq!(decoder.decode(&[]).unwrap_err(), "not a JPEG picture");
+        assert_eq!(decoder.decode(&jpeg(16, 16)).unwrap_err(), "16x16 px 8-bit grey, expected 24x16 px");
+    }
+}

@@ -1,0 +1,91 @@
+//! `cargo xtask camera-test`: the camera crate's device tests on a real kernel.
+//!
+//! A Debian kernel with test cameras boots in QEMU, without hardware and without root: vivid makes pictures itself, and
+//! v4l2loopback sends what a program writes. Everything is downloaded as Debian packages and unpacked in the target
+//! folder; nothing is installed. Where the packages cannot be had, the tests are skipped, and a line says why.
+
+mod guest;
+mod packages;
+
+use std::fs;
+use std::io::Write;
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result, bail, ensure};
+use serde::Deserialize;
+
+use packages::Packages;
+
+/// A program is ended after this time, s; a boot with all tests takes half a minute.
+const LONGEST_RUN_S: u32 = 600;
+
+/// Options of the tests.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Fail instead of skipping the tests where packages are missing.
+    #[arg(long)]
+    required: bool,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
+    let folder = target_folder().join("camera-test");
+    fs::create_dir_all(&folder)?;
+    let packages = match Packages::get(&folder, out) {
+        Ok(packages) => packages,
+        Err(why) if !args.required => {
+            writeln!(out, "camera-test: skipped, {why:#}")?;
+            return Ok(());
+        }
+        Err(why) => return Err(why),
+    };
+    let tests = build_tests()?;
+    let initrd = guest::initrd(&folder, &packages, &tests)?;
+    let log = guest::boot(&packages, &initrd, LONGEST_RUN_S)?;
+    fs::write(folder.join("console.log"), &log)?;
+    let text = String::from_utf8_lossy(&log);
+    for line in text.lines().filter(|line| line.starts_with("test ")) {
+        writeln!(out, "{}", line.trim_end())?;
+    }
+    if text.contains("GUEST: tests ended with 0 and 0") {
+        return Ok(());
+    }
+    let shown: Vec<&str> = text.lines().skip_while(|line| !line.starts_with("running")).collect();
+    bail!("the device tests failed; the console is in {}\n{}", folder.join("console.log").display(), shown.join("\n"))
+}
+
+/// The folder of everything that is built.
+fn target_folder() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| crate::workspace().join("target"), PathBuf::from)
+}
+
+/// Runs a program to its end.
+fn expect_success(command: &mut Command) -> Result<Vec<u8>> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let output = command.output().with_context(|| format!("{name} cannot be run"))?;
+    ensure!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr).trim());
+    Ok(output.stdout)
+}
+
+#[derive(Debug, Deserialize)]
+struct Message {
+    executable: Option<PathBuf>,
+    target: Option<Target>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Target {
+    name: String,
+}
+
+/// Builds the device tests and returns the program.
+fn build_tests() -> Result<PathBuf> {
+    let arguments = ["test", "--package", "fingervision-camera", "--test", "devices", "--no-run", "--locked"];
+    let mut cargo = Command::new(env!("CARGO"));
+    cargo.args(arguments).args(["--message-format", "json"]).current_dir(crate::workspace());
+    let messages = expect_success(&mut cargo)?;
+    let messages = String::from_utf8_lossy(&messages).into_owned();
+    let is_tests = |message: &Message| message.target.as_ref().is_some_and(|target| target.name == "devices");
+    let programs = messages.lines().filter_map(|line| serde_json::from_str::<Message>(line).ok());
+    programs.filter(is_tests).find_map(|message| message.executable).context("cargo built no device tests")
+}
