@@ -3,6 +3,7 @@
 mod bonds;
 mod coarse_grids;
 pub(crate) mod coupling;
+mod expander;
 mod fine;
 pub(crate) mod grid;
 mod judge;

@@ -6,9 +6,10 @@
 
 use super::bonds::Stiffness;
 use super::coupling::{Coupling, System};
+use super::expander::Expander;
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows, sum_rows_twice};
-use super::nodes::{Expander, NodeField, UNKNOWNS};
+use super::nodes::{NodeField, UNKNOWNS};
 use super::own_variance::own_variances;
 use super::template::Template;
 use super::texel::{Taps, Texel, products};
@@ -135,7 +136,9 @@ impl Refinement {
         let increment = &mut self.increment.planes;
         for (node, trust) in self.trust.iter().enumerate() {
             if *trust <= 0.0 && increment.iter().any(|plane| plane[node].abs() > LONGEST_PULL) {
-                increment.iter_mut().for_each(|plane| plane[node] = 0.0);
+                for plane in increment.iter_mut() {
+                    plane[node] = 0.0;
+                }
             }
         }
     }

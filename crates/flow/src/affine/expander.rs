@@ -1,0 +1,188 @@
+//! The flow at pixels, interpolated between the nodes of the patch grid.
+//!
+//! Between nodes the field is the bicubic Hermite interpolant, which is continuous with its gradient and represents any
+//! quadratic without error; beyond the outermost nodes it is extrapolated linearly.
+
+use super::grid::{PatchGrid, STRIDE};
+use super::nodes::NodeField;
+
+/// Hermite basis at the eight pixels between two nodes.
+#[derive(Debug, Clone)]
+struct HermiteBasis {
+    value_0: [f32; STRIDE],
+    slope_0: [f32; STRIDE],
+    value_1: [f32; STRIDE],
+    slope_1: [f32; STRIDE],
+}
+
+impl HermiteBasis {
+    fn new() -> Self {
+        let at = |f: fn(f32) -> f32| std::array::from_fn(|k| f((k as f32 + 0.5) / STRIDE as f32));
+        Self {
+            value_0: at(|t| (1.0 + 2.0 * t) * (1.0 - t) * (1.0 - t)),
+            slope_0: at(|t| t * (1.0 - t) * (1.0 - t)),
+            value_1: at(|t| t * t * (3.0 - 2.0 * t)),
+            slope_1: at(|t| t * t * (t - 1.0)),
+        }
+    }
+}
+
+/// Interpolates node fields at rows of pixels.
+#[derive(Debug, Clone)]
+pub(crate) struct Expander {
+    grid: PatchGrid,
+    basis: HermiteBasis,
+    /// Mixed second derivative of u and v at the nodes, per stride².
+    twist: [Vec<f32>; 2],
+    /// Value and x slope of u and v along one row of pixels, with one extrapolated node on either side.
+    line: [Vec<f32>; 4],
+}
+
+impl Expander {
+    pub(crate) fn new(grid: PatchGrid) -> Self {
+        Self {
+            grid,
+            basis: HermiteBasis::new(),
+            twist: std::array::from_fn(|_| vec![0.0; grid.plane_len()]),
+            line: std::array::from_fn(|_| vec![0.0; grid.columns + 2]),
+        }
+    }
+
+    /// Sets a new field: call before [`Expander::row`].
+    pub(crate) fn prepare(&mut self, field: &NodeField) {
+        let (columns, rows) = (self.grid.columns, self.grid.rows);
+        for (twist, first) in self.twist.iter_mut().zip([0, 3]) {
+            let (slope_x, slope_y) = (&field.planes[first + 1], &field.planes[first + 2]);
+            for j in 0..rows {
+                let (above, below) = (j.saturating_sub(1), (j + 1).min(rows - 1));
+                let span_y = (below - above).max(1) as f32;
+                for i in 0..columns {
+                    let (left, right) = (i.saturating_sub(1), (i + 1).min(columns - 1));
+                    let span_x = (right - left).max(1) as f32;
+                    let along_y = (slope_x[below * columns + i] - slope_x[above * columns + i]) / span_y;
+                    let along_x = (slope_y[j * columns + right] - slope_y[j * columns + left]) / span_x;
+                    twist[j * columns + i] = 0.5 * (along_x + along_y);
+                }
+            }
+        }
+    }
+
+    /// Writes the displacement along padded row `row`: `out[0]` to the right and `out[1]` downwards, px, at every
+    /// padded column up to `STRIDE·(columns + 1)`.
+    #[inline(always)]
+    pub(crate) fn row(&mut self, field: &NodeField, row: usize, out: [&mut [f32]; 2]) {
+        self.interpolate_line(field, row);
+        for (component, out) in out.into_iter().enumerate() {
+            let (value, slope) = (&self.line[2 * component], &self.line[2 * component + 1]);
+            let nodes = value.windows(2).zip(slope.windows(2));
+            let (cells, _) = out.as_chunks_mut::<STRIDE>();
+            for (cell, (value, slope)) in cells.iter_mut().zip(nodes) {
+                for k in 0..STRIDE {
+                    cell[k] = self.basis.value_0[k] * value[0]
+                        + self.basis.slope_0[k] * slope[0]
+                        + self.basis.value_1[k] * value[1]
+                        + self.basis.slope_1[k] * slope[1];
+                }
+            }
+        }
+    }
+
+    /// Interpolates value and x slope vertically at every node column.
+    #[inline(always)]
+    fn interpolate_line(&mut self, field: &NodeField, row: usize) {
+        let columns = self.grid.columns;
+        let (below, k) = (row / STRIDE, row % STRIDE);
+        let outside = below == 0 || below == self.grid.rows;
+        for component in 0..2 {
+            let [value, slope_x, slope_y] =
+                field.planes[3 * component..].first_chunk().expect("three planes of one component");
+            let twist = &self.twist[component];
+            let (line_value, line_slope) = {
+                let (a, b) = self.line.split_at_mut(2 * component + 1);
+                (&mut a[2 * component], &mut b[0])
+            };
+            let inner_value = &mut line_value[1..=columns];
+            let inner_slope = &mut line_slope[1..=columns];
+            if outside {
+                let start = columns * below.min(self.grid.rows - 1);
+                let distance = (k as f32 + 0.5) / STRIDE as f32 - if below == 0 { 1.0 } else { 0.0 };
+                for i in 0..columns {
+                    inner_value[i] = value[start + i] + distance * slope_y[start + i];
+                    inner_slope[i] = slope_x[start + i] + distance * twist[start + i];
+                }
+            } else {
+                let (a, b) = ((below - 1) * columns, below * columns);
+                let HermiteBasis { value_0, slope_0, value_1, slope_1 } = &self.basis;
+                let (h0, g0, h1, g1) = (value_0[k], slope_0[k], value_1[k], slope_1[k]);
+                for i in 0..columns {
+                    inner_value[i] = h0 * value[a + i] + g0 * slope_y[a + i] + h1 * value[b + i] + g1 * slope_y[b + i];
+                    inner_slope[i] = h0 * slope_x[a + i] + g0 * twist[a + i] + h1 * slope_x[b + i] + g1 * twist[b + i];
+                }
+            }
+            line_value[0] = line_value[1] - line_slope[1];
+            line_slope[0] = line_slope[1];
+            line_value[columns + 1] = line_value[columns] + line_slope[columns];
+            line_slope[columns + 1] = line_slope[columns];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FlowField;
+    use crate::affine::grid::MARGIN;
+    use fingervision_image::Image;
+
+    #[test]
+    fn a_quadratic_field_is_reproduced_between_nodes() {
+        let (width, height) = (61, 45);
+        let u = |x: f32, y: f32| 2.0 + 0.03 * x - 0.02 * y + 1e-3 * (x * x - 2.0 * y * y + x * y);
+        let grid = PatchGrid::over(width, height);
+        let mut field = NodeField::zero(grid);
+        for j in 0..grid.rows {
+            for i in 0..grid.columns {
+                let (x, y) = (PatchGrid::centre(i), PatchGrid::centre(j));
+                let n = j * grid.columns + i;
+                field.planes[0][n] = u(x, y);
+                field.planes[1][n] = STRIDE as f32 * (0.03 + 1e-3 * (2.0 * x + y));
+                field.planes[2][n] = STRIDE as f32 * (-0.02 + 1e-3 * (-4.0 * y + x));
+            }
+        }
+        let mut expander = Expander::new(grid);
+        expander.prepare(&field);
+        let mut out = [vec![0.0; grid.padded_width()], vec![0.0; grid.padded_width()]];
+        for row in 2 * STRIDE..STRIDE * (grid.rows - 1) {
+            let [a, b] = &mut out;
+            expander.row(&field, row, [a, b]);
+            for column in 2 * STRIDE..STRIDE * (grid.columns - 1) {
+                let (x, y) = (column as f32 - MARGIN as f32, row as f32 - MARGIN as f32);
+                assert!((a[column] - u(x, y)).abs() < 1e-3, "({x}, {y}): {} against {}", a[column], u(x, y));
+            }
+        }
+    }
+
+    #[test]
+    fn an_affine_field_is_sampled_and_extrapolated_beyond_the_border() {
+        let (width, height) = (50, 37);
+        let v = |x: f32, y: f32| 1.0 - 0.05 * x + 0.04 * y;
+        let flow = FlowField {
+            u: Image::filled(width, height, 0.0),
+            v: Image::from_fn(width, height, |x, y| v(x as f32, y as f32)),
+        };
+        let grid = PatchGrid::over(width, height);
+        let mut field = NodeField::zero(grid);
+        field.sample(&flow);
+        let mut expander = Expander::new(grid);
+        expander.prepare(&field);
+        let mut out = [vec![0.0; grid.padded_width()], vec![0.0; grid.padded_width()]];
+        for y in 0..height {
+            let [a, b] = &mut out;
+            expander.row(&field, y + MARGIN, [a, b]);
+            for x in 0..width - MARGIN {
+                let expected = v(x as f32, y as f32);
+                assert!((b[x + MARGIN] - expected).abs() < 0.08, "({x}, {y}): {} against {expected}", b[x + MARGIN]);
+            }
+        }
+    }
+}
