@@ -9,7 +9,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// The dependencies that a crate of the workspace may have, without the prefix `fingervision-`.
-const LAYERS: [(&str, &[&str]); 18] = [
+const LAYERS: [(&str, &[&str]); 19] = [
     // Stands apart: only tests use it.
     ("fuzz", &[]),
     ("image", &[]),
