@@ -47,7 +47,8 @@ pub enum Start<'a> {
     Search(Option<&'a FlowField>),
     /// Warm start: from a flow with errors of a few px at most, such as that of the previous frame.
     Flow(&'a FlowField),
-    /// Warm start of a frame that follows others: from the last flow, or from its extrapolation where that matches better.
+    /// Warm start of a frame that follows others: from the last flow and its last change, or from the last flow alone where
+    /// the picture then matches clearly better.
     History(&'a FlowHistory),
 }
 

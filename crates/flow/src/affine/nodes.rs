@@ -11,11 +11,16 @@ use crate::search::local::CellMotion;
 /// Unknowns of a node.
 pub(crate) const UNKNOWNS: usize = 6;
 
-/// Fourth power of the change, px of the coarser level, that is damped to half.
-const FADE: f32 = 1e-4;
-
 /// One value per unknown and node.
 pub(crate) type Planes = [Vec<f32>; UNKNOWNS];
+
+/// How much a change counts, given the square of its length in pixels of the level that it was found on:
+/// `m⁴/(m⁴ + z⁴)` with `z` a tenth of a pixel. Smaller changes are mostly noise.
+fn trust_of(square: f32) -> f32 {
+    const HALF: f32 = 1e-4;
+    let fourth = square * square;
+    fourth / (fourth + HALF)
+}
 
 /// Six planes over the nodes, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,8 +97,7 @@ impl NodeField {
     /// Adds `change`, an increment found on the next coarser level.
     ///
     /// A coarse level cannot distinguish a change that is small relative to its pixels from its own error. Such changes
-    /// are damped by `m⁴/(m⁴ + z⁴)`, with the length `m` of the change and `z` a tenth of a coarse pixel. The finer
-    /// levels then find them.
+    /// are damped; the finer levels then find them.
     pub(crate) fn add_change(&mut self, change: &Self) {
         let columns = change.grid.columns;
         for j in 0..self.grid.rows {
@@ -108,8 +112,7 @@ impl NodeField {
                 ];
                 let at = |p: usize| corners.iter().map(|&(node, weight)| weight * change.planes[p][node]).sum::<f32>();
                 let changes: [f32; UNKNOWNS] = std::array::from_fn(at);
-                let length = (changes[0] * changes[0] + changes[3] * changes[3]).powi(2);
-                let trust = length / (length + FADE);
+                let trust = trust_of(changes[0] * changes[0] + changes[3] * changes[3]);
                 for (p, plane) in self.planes.iter_mut().enumerate() {
                     let scale = if p % 3 == 0 { 2.0 } else { 1.0 };
                     plane[j * self.grid.columns + i] += trust * scale * changes[p];
@@ -119,16 +122,14 @@ impl NodeField {
     }
 
     /// Converts the field of the frame before `last` to a prediction of the next one: `last` and its change since then.
-    /// Returns whether any node moves fast enough for a prediction to help.
-    ///
-    /// Small changes are mostly noise. They are damped like those of a coarse level, with `z` a tenth of a pixel.
+    /// Returns whether any node moves fast enough for a prediction to help. Small changes are damped.
     pub(crate) fn extrapolate(&mut self, last: &Self) -> bool {
         let mut is_moving = false;
         for node in 0..self.grid.nodes() {
             let square = (0..2).map(|c| (last.planes[3 * c][node] - self.planes[3 * c][node]).powi(2)).sum::<f32>();
-            is_moving |= square > FADE.sqrt();
-            let length = square * square;
-            let share = 1.0 + length / (length + FADE);
+            let trust = trust_of(square);
+            is_moving |= trust > 0.5;
+            let share = 1.0 + trust;
             for (plane, last) in self.planes.iter_mut().zip(&last.planes) {
                 plane[node] += share * (last[node] - plane[node]);
             }

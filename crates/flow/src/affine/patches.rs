@@ -146,8 +146,10 @@ impl AffinePatches {
         self.descend(reference, current, coarsest);
         if steps > 1 {
             self.approach(reference, current);
+        } else {
+            self.levels[0].refinement.trust_all();
         }
-        self.finish(reference, current, steps);
+        self.take_full_steps(reference, current, steps.saturating_sub(1).max(1));
     }
 
     /// Finds the motion since the start on the coarse levels.
@@ -176,14 +178,6 @@ impl AffinePatches {
         let picture = Current { image: current.grey.level(0), gain: reference.gain(current) };
         self.take_steps(&reference.grey[0], picture, 1, QUICK_ITERATIONS);
         self.fill_failed();
-    }
-
-    /// The other steps at full size, of `steps` in total.
-    fn finish(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
-        if steps == 1 {
-            self.levels[0].refinement.trust_all();
-        }
-        self.take_full_steps(reference, current, steps.saturating_sub(1).max(1));
     }
 
     /// Refines a field found by a search, by steps at full size. Between two steps, failed patches are set to the

@@ -143,7 +143,8 @@ impl Refinement {
         }
     }
 
-    /// For every node, whether the picture matches clearly worse at `field` than at `other`.
+    /// For every node, whether the picture matches clearly worse at `field` than at `other`. Uses the mean energy as scratch
+    /// memory, until the patches are judged again.
     pub(crate) fn is_worse_at<T: Texel>(
         &mut self,
         template: &Template,

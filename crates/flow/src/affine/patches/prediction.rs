@@ -62,7 +62,7 @@ impl AffinePatches {
             self.descend(reference, current, coarsest);
             self.approach(reference, current);
         }
-        self.finish(reference, current, steps);
+        self.take_full_steps(reference, current, steps - 1);
     }
 }
 
