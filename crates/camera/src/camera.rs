@@ -50,7 +50,7 @@ impl Camera {
     ///
     /// # Errors
     ///
-    /// [`CameraError`] if there is no such camera, it may not be opened, is busy, or does not offer the mode.
+    /// [`CameraError`] if no camera matches, if it cannot be opened, or if it does not offer the mode.
     pub fn open(bus: Box<dyn Bus>, capture: CaptureSection) -> Result<Self, CameraError> {
         let node = select(bus.as_ref(), capture.camera.as_deref())?;
         let open::Started { device, layout, decoder, remarks } = open::start(bus.as_ref(), &node, &capture)?;
@@ -170,11 +170,12 @@ impl Camera {
             if let Some(node) = self.bus.nodes().into_iter().find(|node| node.id == self.node.id) {
                 match open::start(self.bus.as_ref(), &node, &self.capture) {
                     Ok(started) => return Ok(Some(Captured::Event(self.go_on(node, started)))),
-                    Err(error) => self.failures += u32::from(!is_away(&error)),
-                }
-                if self.failures > MOST_FAILURES {
-                    return open::start(self.bus.as_ref(), &node, &self.capture)
-                        .map(|started| Some(Captured::Event(self.go_on(node, started))));
+                    Err(error) => {
+                        self.failures += u32::from(!is_away(&error));
+                        if self.failures > MOST_FAILURES {
+                            return Err(error);
+                        }
+                    }
                 }
             }
             if start.elapsed() >= wait {

@@ -8,7 +8,7 @@ use crate::{Mode, Node, Offer};
 
 /// An open camera.
 ///
-/// Errors are those of the system: their number tells an unplugged camera from a busy one.
+/// Errors keep the number that the system gives them, by which an unplugged camera and a busy one are distinguished.
 pub trait Device: Send {
     /// Formats, sizes and rates.
     ///
@@ -38,7 +38,7 @@ pub trait Device: Send {
     /// The system's.
     fn set_control(&mut self, id: u32, value: i64) -> io::Result<()>;
 
-    /// Sets format, size and rate; the layout tells what the driver made of them.
+    /// Sets format, size and rate. Returns the values that the driver accepted, and how the frames lie in memory.
     ///
     /// # Errors
     ///
@@ -93,7 +93,7 @@ pub trait Bus: Send {
 pub struct Layout {
     /// The mode in force; it may differ from the requested one.
     pub mode: Mode,
-    /// Bytes from a row to the next; 0 if there is no padding.
+    /// Distance from one row to the next, bytes; 0 if the rows follow each other without padding.
     pub row_bytes: u32,
     /// Luma spans 0 to 255.
     pub is_full_range: bool,

@@ -85,7 +85,12 @@ impl fmt::Display for Mode {
 
 /// A rate in words.
 pub(crate) fn rate(frames_per_second: f64) -> String {
-    format!("{} frames/s", (100.0 * frames_per_second).round() / 100.0)
+    format!("{} frames/s", rounded(frames_per_second))
+}
+
+/// A rate with at most two decimals.
+fn rounded(frames_per_second: f64) -> f64 {
+    (100.0 * frames_per_second).round() / 100.0
 }
 
 /// A format, a size or a range of sizes, and their rates.
@@ -173,14 +178,13 @@ impl fmt::Display for Offer {
                 write!(f, "{} {}x{} to {}x{}", self.format, least[0], least[1], most[0], most[1])?;
             }
         }
-        let short = |rate: f64| (100.0 * rate).round() / 100.0;
         match &self.rates {
             RateOffer::List(rates) if rates.is_empty() => Ok(()),
             RateOffer::List(rates) => {
-                let rates: Vec<String> = rates.iter().map(|rate| short(*rate).to_string()).collect();
+                let rates: Vec<String> = rates.iter().map(|rate| rounded(*rate).to_string()).collect();
                 write!(f, " at {} frames/s", rates.join(", "))
             }
-            RateOffer::Range { least, most } => write!(f, " at {} to {} frames/s", short(*least), short(*most)),
+            RateOffer::Range { least, most } => write!(f, " at {} to {} frames/s", rounded(*least), rounded(*most)),
             RateOffer::Unknown => Ok(()),
         }
     }
@@ -221,11 +225,12 @@ pub(crate) fn choose(offers: &[Offer], wish: Wish) -> Option<Mode> {
     };
     let modes = offers.iter().filter_map(mode);
     let better = |(a_order, a): (usize, Mode), (b_order, b): (usize, Mode)| {
-        let is_faster =
-            b.frames_per_second > a.frames_per_second && !is_same_rate(a.frames_per_second, b.frames_per_second);
-        let is_slower =
-            a.frames_per_second > b.frames_per_second && !is_same_rate(a.frames_per_second, b.frames_per_second);
-        if is_faster || !is_slower && b_order < a_order { (b_order, b) } else { (a_order, a) }
+        let is_better = if is_same_rate(a.frames_per_second, b.frames_per_second) {
+            b_order < a_order
+        } else {
+            b.frames_per_second > a.frames_per_second
+        };
+        if is_better { (b_order, b) } else { (a_order, a) }
     };
     modes.reduce(better).map(|(_, mode)| mode)
 }

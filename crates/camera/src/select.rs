@@ -26,8 +26,8 @@ pub fn select(bus: &dyn Bus, wanted: Option<&str>) -> Result<Node, CameraError> 
     if !with_serial.is_empty() {
         return only(with_serial, Some(wanted));
     }
-    if is_number(text) {
-        let path = format!("video{}", text.trim_start_matches("/dev/").trim_start_matches("video"));
+    if let Some(number) = number_in(text) {
+        let path = format!("video{number}");
         let now = nodes.into_iter().find(|node| node.path.ends_with(&path)).map(|node| node.id);
         return Err(CameraError::Number { wanted: wanted.into(), now });
     }
@@ -43,10 +43,11 @@ pub fn select(bus: &dyn Bus, wanted: Option<&str>) -> Result<Node, CameraError> 
     only(matches, Some(wanted))
 }
 
-/// Whether a text is a number of a node, which also a short part of an id may be.
-fn is_number(text: &str) -> bool {
+/// The number of a node, as in `/dev/video1` or `1`. Digits alone are one only if they are few; more may be a part of an id.
+fn number_in(text: &str) -> Option<&str> {
     let number = text.trim_start_matches("/dev/").trim_start_matches("video");
-    number.bytes().all(|byte| byte.is_ascii_digit()) && !text.is_empty() && (number != text || text.len() <= 2)
+    let is_number = number.bytes().all(|byte| byte.is_ascii_digit());
+    (is_number && !text.is_empty() && (number != text || text.len() <= 2)).then_some(number)
 }
 
 fn keep(nodes: &[Node], is_wanted: impl Fn(&Node) -> bool) -> Vec<Node> {

@@ -31,7 +31,7 @@ pub enum Event {
         /// The system's message.
         reason: String,
     },
-    /// The camera captures again; the number of the next frame tells how many are missing.
+    /// The camera captures again. The gap before the number of the next frame is the number of frames that are missing.
     Restarted,
 }
 

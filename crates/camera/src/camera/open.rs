@@ -22,7 +22,7 @@ pub(super) fn start(bus: &dyn Bus, node: &Node, capture: &CaptureSection) -> Res
     let mut device = bus.open(&node.path).map_err(io("open"))?;
     let offers = device.offers().map_err(io("list formats"))?;
     let not_offered = || not_offered(node, capture, &offers);
-    // A name that is no format is not offered.
+    // An unknown name counts as a format that the camera does not offer.
     let format = capture.format.as_deref().map(|name| FourCc::from_name(name).ok_or_else(not_offered)).transpose()?;
     let wish = Wish { format, size: capture.size_px, frames_per_second: capture.frames_per_second };
     let mode = choose(&offers, wish).ok_or_else(not_offered)?;

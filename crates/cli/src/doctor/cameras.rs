@@ -67,11 +67,9 @@ impl CameraReport {
     fn new(infos: &[CameraInfo], ports: &[RootPort]) -> Self {
         let mut problems: Vec<String> = infos.iter().filter_map(access_problem).collect();
         problems.extend(findings(ports, infos));
-        let has_camera = |port: &&RootPort| {
-            let names = infos.iter().filter_map(|info| info.node.usb_device.as_ref()?.file_name());
-            let names: Vec<_> = names.map(|name| name.to_string_lossy().into_owned()).collect();
-            port.devices.iter().any(|device| names.contains(&device.name))
-        };
+        let names = infos.iter().filter_map(|info| info.node.usb_device.as_ref()?.file_name());
+        let names: Vec<_> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+        let has_camera = |port: &&RootPort| port.devices.iter().any(|device| names.contains(&device.name));
         Self {
             cameras: infos.iter().map(CameraState::new).collect(),
             usb_ports: ports.iter().filter(has_camera).map(PortState::new).collect(),
@@ -108,9 +106,7 @@ impl CameraState {
             mode: Mode::preferred(&info.offers).map(|mode| mode.to_string()),
         }
     }
-}
 
-impl CameraState {
     /// The codes of the formats that are not read, each once.
     fn unread_formats(&self) -> Vec<&str> {
         let unread = self.formats.iter().filter(|format| !format.is_read);
