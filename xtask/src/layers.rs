@@ -9,7 +9,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// The dependencies that a crate of the workspace may have, without the prefix `fingervision-`.
-const LAYERS: [(&str, &[&str]); 19] = [
+const LAYERS: [(&str, &[&str]); 20] = [
     // Stands apart: only tests use it.
     ("fuzz", &[]),
     ("image", &[]),
@@ -23,6 +23,7 @@ const LAYERS: [(&str, &[&str]); 19] = [
     ("source", &["image"]),
     // The profile's table says how a camera captures.
     ("camera", &["image", "source", "touch"]),
+    ("pipeline", &["image", "source", "camera", "touch"]),
     ("plot", &["image", "flow"]),
     ("sink", &["touch", "image", "flow", "plot", "settings"]),
     // A simulated press is read like a recording and written like a run: the same arrays, tables and pictures.
@@ -46,6 +47,7 @@ const LAYERS: [(&str, &[&str]); 19] = [
             "calibrate",
             "source",
             "camera",
+            "pipeline",
             "sink",
             "simulation",
             "evaluate",

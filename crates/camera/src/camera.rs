@@ -10,17 +10,18 @@ mod open;
 mod tests;
 
 use std::io;
+use std::mem;
 use std::time::{Duration, Instant};
 
 use fingervision_image::Frame;
-use fingervision_source::CameraFrameDecoder;
+use fingervision_source::{CameraFrameDecoder, CameraLayout, EncodedFrame};
 use fingervision_touch::CaptureSection;
 
 use crate::error::is_gone;
 use crate::numbering::{Arrival, Numbering};
 use crate::{Bus, CameraError, Device, Layout, Mode, Node, select};
 
-pub use event::{Captured, Counts, Event};
+pub use event::{Arrived, Captured, Counts, Event};
 
 /// Time between two looks for a camera that is away.
 const LOOK_AGAIN: Duration = Duration::from_millis(100);
@@ -37,7 +38,10 @@ pub struct Camera {
     layout: Layout,
     /// Absent while the camera is away.
     device: Option<Box<dyn Device>>,
+    frame_layout: CameraLayout,
     decoder: CameraFrameDecoder,
+    /// The frame that [`Camera::next`] decodes.
+    encoded: EncodedFrame,
     numbering: Numbering,
     counts: Counts,
     remarks: Vec<String>,
@@ -53,7 +57,7 @@ impl Camera {
     /// [`CameraError`] if no camera matches, if it cannot be opened, or if it does not offer the mode.
     pub fn open(bus: Box<dyn Bus>, capture: CaptureSection) -> Result<Self, CameraError> {
         let node = select(bus.as_ref(), capture.camera.as_deref())?;
-        let open::Started { device, layout, decoder, remarks } = open::start(bus.as_ref(), &node, &capture)?;
+        let open::Started { device, layout, frame_layout, remarks } = open::start(bus.as_ref(), &node, &capture)?;
         let numbering = Numbering::new(layout.mode.frames_per_second);
         Ok(Self {
             bus,
@@ -61,7 +65,9 @@ impl Camera {
             capture,
             layout,
             device: Some(device),
-            decoder,
+            frame_layout,
+            decoder: CameraFrameDecoder::new(frame_layout),
+            encoded: EncodedFrame::empty(),
             numbering,
             counts: Counts::default(),
             remarks,
@@ -76,12 +82,29 @@ impl Camera {
     /// [`CameraError::TimedOut`] if the camera is there, but sends nothing new within `wait`; the next call starts it
     /// again. Otherwise an error that stays when the camera is opened again and again.
     pub fn next(&mut self, wait: Duration) -> Result<Option<Captured>, CameraError> {
+        let mut encoded = mem::replace(&mut self.encoded, EncodedFrame::empty());
+        let arrived = self.next_encoded(wait, &mut encoded);
+        self.encoded = encoded;
+        Ok(match arrived? {
+            None => None,
+            Some(Arrived::Event(event)) => Some(Captured::Event(event)),
+            Some(Arrived::Frame) => Some(self.decoded()),
+        })
+    }
+
+    /// As [`next`](Self::next), but the frame is written to `frame` as the camera sent it. Allocates nothing if the
+    /// bytes fit into those of `frame`.
+    ///
+    /// # Errors
+    ///
+    /// As [`next`](Self::next).
+    pub fn next_encoded(&mut self, wait: Duration, frame: &mut EncodedFrame) -> Result<Option<Arrived>, CameraError> {
         let start = Instant::now();
         loop {
             let Some(device) = self.device.as_mut() else { return self.reopen(start, wait) };
             let buffer = match device.next(wait) {
                 Ok(buffer) => buffer,
-                Err(error) => return self.lose(&error, wait).map(|event| Some(Captured::Event(event))),
+                Err(error) => return self.lose(&error, wait).map(|event| Some(Arrived::Event(event))),
             };
             let Arrival::New { sequence, time_s, missed, is_clock_step } =
                 self.numbering.arrive(buffer.sequence, buffer.stamp_s)
@@ -96,21 +119,29 @@ impl Camera {
             self.failures = 0;
             self.counts.dropped += missed;
             self.counts.clock_steps += u64::from(is_clock_step);
-            let decoded = if buffer.is_damaged {
-                Err("the driver reports it as damaged".to_owned())
-            } else {
-                self.decoder.decode(buffer.bytes)
-            };
-            return Ok(Some(match decoded {
-                Ok(pixels) => {
-                    self.counts.frames += 1;
-                    Captured::Frame(Frame { sequence, capture_time_s: time_s, pixels })
-                }
-                Err(reason) => {
-                    self.counts.damaged += 1;
-                    Captured::Event(Event::Damaged { sequence, reason })
-                }
-            }));
+            if buffer.is_damaged {
+                self.counts.damaged += 1;
+                let reason = "the driver reports it as damaged".to_owned();
+                return Ok(Some(Arrived::Event(Event::Damaged { sequence, reason })));
+            }
+            self.counts.frames += 1;
+            (frame.sequence, frame.capture_time_s, frame.layout) = (sequence, time_s, self.frame_layout);
+            frame.bytes.clear();
+            frame.bytes.extend_from_slice(buffer.bytes);
+            return Ok(Some(Arrived::Frame));
+        }
+    }
+
+    /// The pixels of the frame that arrived.
+    fn decoded(&mut self) -> Captured {
+        let EncodedFrame { sequence, capture_time_s, ref bytes, .. } = self.encoded;
+        match self.decoder.decode(bytes) {
+            Ok(pixels) => Captured::Frame(Frame { sequence, capture_time_s, pixels }),
+            Err(reason) => {
+                self.counts.frames -= 1;
+                self.counts.damaged += 1;
+                Captured::Event(Event::Damaged { sequence, reason })
+            }
         }
     }
 
@@ -124,6 +155,12 @@ impl Camera {
     #[must_use]
     pub fn node(&self) -> &Node {
         &self.node
+    }
+
+    /// How the bytes of its frames lie in memory.
+    #[must_use]
+    pub fn frame_layout(&self) -> CameraLayout {
+        self.frame_layout
     }
 
     /// The mode in force.
@@ -164,12 +201,12 @@ impl Camera {
     }
 
     /// Opens the camera again once it is back; looks at least once.
-    fn reopen(&mut self, start: Instant, wait: Duration) -> Result<Option<Captured>, CameraError> {
+    fn reopen(&mut self, start: Instant, wait: Duration) -> Result<Option<Arrived>, CameraError> {
         loop {
             // Only by name: to open other cameras would wake them up.
             if let Some(node) = self.bus.nodes().into_iter().find(|node| node.id == self.node.id) {
                 match open::start(self.bus.as_ref(), &node, &self.capture) {
-                    Ok(started) => return Ok(Some(Captured::Event(self.go_on(node, started)))),
+                    Ok(started) => return Ok(Some(Arrived::Event(self.go_on(node, started)))),
                     Err(error) => {
                         self.failures += u32::from(!is_away(&error));
                         if self.failures > MOST_FAILURES {
@@ -186,11 +223,12 @@ impl Camera {
     }
 
     fn go_on(&mut self, node: Node, started: open::Started) -> Event {
-        let open::Started { device, layout, decoder, remarks } = started;
+        let open::Started { device, layout, frame_layout, remarks } = started;
         self.numbering.restart(layout.mode.frames_per_second);
         self.counts.restarts += 1;
         (self.node, self.device, self.layout) = (node, Some(device), layout);
-        (self.decoder, self.remarks) = (decoder, remarks);
+        (self.frame_layout, self.decoder) = (frame_layout, CameraFrameDecoder::new(frame_layout));
+        self.remarks = remarks;
         Event::Restarted
     }
 }

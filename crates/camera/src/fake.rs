@@ -1,4 +1,6 @@
-//! A camera without hardware, with every fault on demand.
+//! A camera without hardware, with every fault on demand, for tests of programs that use cameras.
+
+#![allow(clippy::unwrap_used, reason = "part of tests")]
 
 use std::collections::VecDeque;
 use std::io;
@@ -9,13 +11,21 @@ use std::time::Duration;
 use crate::controls::id;
 use crate::{Buffer, Bus, Control, Device, FourCc, Layout, Mode, Node, Offer, RateOffer, SizeOffer};
 
+/// The time after which a silent camera times out, if it is waited for.
+const SHORT: Duration = Duration::from_millis(10);
+
 /// What comes next out of the camera.
 #[derive(Debug, Clone)]
-pub(crate) enum Coming {
+pub enum Coming {
+    /// A frame.
     Frame {
+        /// The driver's count.
         sequence: u32,
+        /// The driver's time stamp, s.
         stamp_s: f64,
+        /// The bytes.
         bytes: Vec<u8>,
+        /// The driver reports it as damaged.
         is_damaged: bool,
     },
     /// Nothing in time.
@@ -26,28 +36,37 @@ pub(crate) enum Coming {
 
 /// The state of all cameras of a fake system.
 #[derive(Debug, Default)]
-pub(crate) struct World {
-    pub(crate) ids: Vec<String>,
+pub struct World {
+    /// The ids of the cameras that are plugged in.
+    pub ids: Vec<String>,
     /// Numbers of nodes that carry metadata.
-    pub(crate) metadata: Vec<usize>,
-    pub(crate) coming: VecDeque<Coming>,
-    pub(crate) controls: Vec<(Control, i64)>,
-    pub(crate) open_error: Option<i32>,
-    pub(crate) start_error: Option<i32>,
+    pub metadata: Vec<usize>,
+    /// What comes next, in order.
+    pub coming: VecDeque<Coming>,
+    /// The controls and their values.
+    pub controls: Vec<(Control, i64)>,
+    /// The error of opening, by its number.
+    pub open_error: Option<i32>,
+    /// The error of starting, by its number.
+    pub start_error: Option<i32>,
     /// After so many pauses, these cameras are plugged in.
-    pub(crate) back: Option<(u32, Vec<String>)>,
+    pub back: Option<(u32, Vec<String>)>,
     /// Set by `set_mode`, in order.
-    pub(crate) modes: Vec<Mode>,
+    pub modes: Vec<Mode>,
+    /// Columns and rows of the grey frames that every camera offers, px.
+    pub grey_size: [u32; 2],
     /// The rate that the driver uses, whatever it is asked for.
-    pub(crate) forced_rate: Option<f64>,
+    pub forced_rate: Option<f64>,
 }
 
 /// A fake system; clones share it.
 #[derive(Debug, Clone)]
-pub(crate) struct FakeBus(Arc<Mutex<World>>);
+pub struct FakeBus(Arc<Mutex<World>>);
 
 impl FakeBus {
-    pub(crate) fn new(ids: &[&str]) -> Self {
+    /// With these cameras, which offer 4x2 px in 8-bit grey and 24x16 px as motion JPEG, and send nothing yet.
+    #[must_use]
+    pub fn new(ids: &[&str]) -> Self {
         let control = |id, most, value| (Control { id, name: "control".into(), least: 0, most }, value);
         let controls = vec![
             control(id::EXPOSURE_AUTO, 3, 3),
@@ -58,21 +77,27 @@ impl FakeBus {
             control(id::WHITE_BALANCE, 6500, 4600),
         ];
         let ids = ids.iter().map(|id| (*id).to_owned()).collect();
-        Self(Arc::new(Mutex::new(World { ids, controls, ..World::default() })))
+        Self(Arc::new(Mutex::new(World { ids, controls, grey_size: [4, 2], ..World::default() })))
     }
 
-    pub(crate) fn with<T>(&self, use_it: impl FnOnce(&mut World) -> T) -> T {
+    /// Uses or changes the state.
+    ///
+    /// # Panics
+    ///
+    /// If a test panicked while it used the state.
+    pub fn with<T>(&self, use_it: impl FnOnce(&mut World) -> T) -> T {
         use_it(&mut self.0.lock().unwrap())
     }
 
     /// Frames of 4x2 px in 8-bit grey, 100 a second.
-    pub(crate) fn send(&self, sequences: &[u32]) {
+    pub fn send(&self, sequences: &[u32]) {
         self.with(|world| world.coming.extend(sequences.iter().map(|sequence| frame(*sequence, 8))));
     }
 }
 
 /// A frame with so many bytes, which are its number.
-pub(crate) fn frame(sequence: u32, bytes: usize) -> Coming {
+#[must_use]
+pub fn frame(sequence: u32, bytes: usize) -> Coming {
     let stamp_s = 10.0 + f64::from(sequence) / 100.0;
     Coming::Frame { sequence, stamp_s, bytes: vec![sequence as u8; bytes], is_damaged: false }
 }
@@ -126,7 +151,8 @@ impl Device for FakeDevice {
             size: SizeOffer::One(size),
             rates: RateOffer::List(rates.to_vec()),
         };
-        Ok(vec![offer(FourCc::GREY, [4, 2], &[100.0, 50.0]), offer(FourCc::MJPG, [24, 16], &[90.0])])
+        let grey_size = self.world.with(|world| world.grey_size);
+        Ok(vec![offer(FourCc::GREY, grey_size, &[100.0, 50.0]), offer(FourCc::MJPG, [24, 16], &[90.0])])
     }
 
     fn controls(&self) -> io::Result<Vec<Control>> {
@@ -161,13 +187,16 @@ impl Device for FakeDevice {
         self.world.with(|world| world.start_error).map_or(Ok(()), |error| Err(io::Error::from_raw_os_error(error)))
     }
 
-    fn next(&mut self, _: Duration) -> io::Result<Buffer<'_>> {
+    fn next(&mut self, wait: Duration) -> io::Result<Buffer<'_>> {
         match self.world.with(|world| world.coming.pop_front()) {
             Some(Coming::Frame { sequence, stamp_s, bytes, is_damaged }) => {
                 self.bytes = bytes;
                 Ok(Buffer { bytes: &self.bytes, sequence, stamp_s, is_damaged })
             }
-            Some(Coming::Silence) | None => Err(io::ErrorKind::TimedOut.into()),
+            Some(Coming::Silence) | None => {
+                std::thread::sleep(wait.min(SHORT));
+                Err(io::ErrorKind::TimedOut.into())
+            }
             Some(Coming::Error(number)) => Err(io::Error::from_raw_os_error(number)),
         }
     }

@@ -13,8 +13,8 @@ mod camera;
 mod controls;
 mod device;
 mod error;
-#[cfg(test)]
-mod fake;
+#[cfg(any(test, feature = "fake"))]
+pub mod fake;
 mod info;
 mod mode;
 mod numbering;
@@ -26,7 +26,7 @@ mod v4l;
 #[cfg(target_os = "linux")]
 mod v4l_offers;
 
-pub use camera::{Camera, Captured, Counts, Event};
+pub use camera::{Arrived, Camera, Captured, Counts, Event};
 pub use device::{Buffer, Bus, Control, Device, Layout};
 pub use error::CameraError;
 pub use info::{Access, CameraInfo, cameras};

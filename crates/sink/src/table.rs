@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use fingervision_touch::{
-    CONTACT_AREA_COLUMN, FORCE_COLUMNS, MAX_DEPTH_COLUMN, Reading, SEQUENCE_COLUMN, TORQUE_COLUMN,
+    CONTACT_AREA_COLUMN, FORCE_COLUMNS, MAX_DEPTH_COLUMN, ReadingNumbers, SEQUENCE_COLUMN, TORQUE_COLUMN,
 };
 
 use crate::SinkError;
@@ -51,7 +51,7 @@ impl Table {
     /// # Errors
     ///
     /// [`SinkError::Write`] if the file cannot take it.
-    pub fn write(&mut self, reading: &Reading) -> Result<(), SinkError> {
+    pub fn write(&mut self, reading: &ReadingNumbers) -> Result<(), SinkError> {
         self.rows.write(|row| write_row(row, reading))
     }
 
@@ -71,7 +71,7 @@ impl Table {
     }
 }
 
-fn write_row(row: &mut String, reading: &Reading) -> std::fmt::Result {
+fn write_row(row: &mut String, reading: &ReadingNumbers) -> std::fmt::Result {
     write!(row, "{},{},", reading.sequence, reading.capture_time_s)?;
     write!(row, "{},{},", reading.reference_id, reading.reference_count)?;
     write!(row, "{},", reading.photometric_error)?;

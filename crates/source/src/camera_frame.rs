@@ -1,4 +1,4 @@
-//! Decodes the single frames of a camera: JPEG pictures, packed luma and chroma, grey.
+//! Decodes the single frames of a camera: JPEG pictures, packed luma and chroma, grey, RGB.
 //!
 //! A camera delivers bytes in a layout that was agreed on before. Bytes that do not fit this layout are a damaged frame,
 //! never pixels: a frame that is cut off must not pass for a dark one.
@@ -29,6 +29,10 @@ pub enum CameraCoding {
     Grey8,
     /// 16 bits of luma per pixel, the low byte first.
     Grey16,
+    /// Bytes `R G B`.
+    Rgb8,
+    /// 16 bits each of red, green and blue, the low byte first.
+    Rgb16,
 }
 
 /// The layout of a camera's frames, as agreed on with its driver.
@@ -52,6 +56,8 @@ impl CameraLayout {
             CameraCoding::Yuyv { .. } => Some(4 * self.width.div_ceil(2)),
             CameraCoding::Grey8 => Some(self.width),
             CameraCoding::Grey16 => Some(2 * self.width),
+            CameraCoding::Rgb8 => Some(3 * self.width),
+            CameraCoding::Rgb16 => Some(6 * self.width),
         }
     }
 }
@@ -95,6 +101,18 @@ impl CameraFrameDecoder {
             (None, CameraCoding::Grey16) => {
                 let values = rows.flat_map(|row| row.as_chunks().0.iter().map(|pair| u16::from_le_bytes(*pair)));
                 Image::from_vec(width, height, values.collect()).map(Pixels::Grey16).map_err(image)
+            }
+            (None, CameraCoding::Rgb8) => {
+                let values = rows.flat_map(|row| row.as_chunks::<3>().0.iter().copied());
+                Image::from_vec(width, height, values.collect()).map(Pixels::Rgb8).map_err(image)
+            }
+            (None, CameraCoding::Rgb16) => {
+                let of_pixel = |bytes: &[u8; 6]| {
+                    let [r0, r1, g0, g1, b0, b1] = *bytes;
+                    [[r0, r1], [g0, g1], [b0, b1]].map(u16::from_le_bytes)
+                };
+                let values = rows.flat_map(|row| row.as_chunks().0.iter().map(of_pixel));
+                Image::from_vec(width, height, values.collect()).map(Pixels::Rgb16).map_err(image)
             }
             (None, _) => {
                 let values = rows.flatten().copied();

@@ -16,7 +16,7 @@
 //! Pictures are rotated upright if the file contains the camera's orientation. A source keeps one frame in memory (a
 //! video with B-frames up to seventeen), and ends with an error, not silently, where a file is cut off.
 //!
-//! [`CameraFrameDecoder`] decodes single frames, as a camera delivers them.
+//! [`CameraFrameDecoder`] decodes single frames, as a camera delivers them: an [`EncodedFrame`] is such a frame.
 //!
 //! Not read: H.265, VP9, AV1, Matroska, `WebM`, 10-bit and 4:4:4 H.264, H.264 in AVI. The error says so, and its
 //! [hint](SourceError::hint) gives the command that converts the file.
@@ -25,6 +25,7 @@ mod avi;
 mod camera_frame;
 mod compression;
 mod decoder;
+mod encoded_frame;
 mod error;
 mod fault;
 mod folder;
@@ -45,6 +46,7 @@ mod video;
 mod yuv;
 
 pub use camera_frame::{CameraCoding, CameraFrameDecoder, CameraLayout};
+pub use encoded_frame::EncodedFrame;
 pub use error::SourceError;
 pub use format::FrameFormat;
 pub use open::open;

@@ -19,6 +19,7 @@ mod guided_filter;
 mod parameter_error;
 mod profile;
 mod reading;
+mod reading_numbers;
 mod references;
 mod tracker;
 
@@ -39,5 +40,6 @@ pub use profile::{
     CaptureSection, DepthMethod, DepthSection, ImageSection, Profile, ProfileError, ProfileReview, Remark, Weight,
 };
 pub use reading::{Flag, Flags, Reading};
+pub use reading_numbers::ReadingNumbers;
 pub use references::{Policy, ReferenceParams};
 pub use tracker::Tracker;

@@ -3,7 +3,7 @@
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
-use crate::TractionGrid;
+use crate::{ReadingNumbers, TractionGrid};
 
 /// Every quantity computed from one frame. All fields lie on the reference grid.
 #[derive(Debug, Clone)]
@@ -86,6 +86,52 @@ impl Reading {
             force_n: None,
             torque_nmm: None,
         }
+    }
+
+    /// Takes over all values of `other`; allocates nothing if both are readings of the same tracker.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.flow.copy_from(&other.flow);
+        self.deviation.copy_from(&other.deviation);
+        self.valid.copy_from(&other.valid);
+        copy_image(&mut self.density, other.density.as_ref());
+        copy_image(&mut self.depth, other.depth.as_ref());
+        copy_image(&mut self.depth_deviation, other.depth_deviation.as_ref());
+        copy_image(&mut self.contact, other.contact.as_ref());
+        match (&mut self.displacement, &other.displacement) {
+            (Some(to), Some(from)) => to.iter_mut().zip(from).for_each(|(to, from)| to.copy_from(from)),
+            (to, from) => to.clone_from(from),
+        }
+        match (&mut self.traction, &other.traction) {
+            (Some(to), Some(from)) => {
+                (to.columns, to.rows, to.cell_mm) = (from.columns, from.rows, from.cell_mm);
+                to.traction_mpa.clone_from(&from.traction_mpa);
+            }
+            (to, from) => to.clone_from(from),
+        }
+        self.take_numbers(&other.numbers());
+    }
+
+    /// Takes over everything but the fields.
+    fn take_numbers(&mut self, numbers: &ReadingNumbers) {
+        self.sequence = numbers.sequence;
+        self.capture_time_s = numbers.capture_time_s;
+        self.dropped_frames = numbers.dropped_frames;
+        self.reference_id = numbers.reference_id;
+        self.reference_count = numbers.reference_count;
+        self.photometric_error = numbers.photometric_error;
+        self.latency_ms = numbers.latency_ms;
+        self.flags = numbers.flags;
+        self.max_depth_mm = numbers.max_depth_mm;
+        self.contact_area_mm2 = numbers.contact_area_mm2;
+        self.force_n = numbers.force_n;
+        self.torque_nmm = numbers.torque_nmm;
+    }
+}
+
+fn copy_image<T: Clone>(to: &mut Option<Image<T>>, from: Option<&Image<T>>) {
+    match (to, from) {
+        (Some(to), Some(from)) => to.copy_from(from),
+        (to, from) => *to = from.cloned(),
     }
 }
 

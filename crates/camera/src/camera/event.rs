@@ -13,6 +13,15 @@ pub enum Captured {
     Event(Event),
 }
 
+/// What [`Camera::next_encoded`](crate::Camera::next_encoded) brings.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Arrived {
+    /// A frame, which is not decoded.
+    Frame,
+    /// Something that a user should know.
+    Event(Event),
+}
+
 /// Something that happened to a camera.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]

@@ -1,6 +1,6 @@
 //! Opens a camera and starts it.
 
-use fingervision_source::{CameraFrameDecoder, CameraLayout};
+use fingervision_source::CameraLayout;
 use fingervision_touch::CaptureSection;
 
 use crate::controls::lock;
@@ -12,7 +12,7 @@ use crate::{Bus, CameraError, Device, FourCc, Layout, Node, Offer};
 pub(super) struct Started {
     pub(super) device: Box<dyn Device>,
     pub(super) layout: Layout,
-    pub(super) decoder: CameraFrameDecoder,
+    pub(super) frame_layout: CameraLayout,
     /// Settings that differ from what was asked for.
     pub(super) remarks: Vec<String>,
 }
@@ -40,14 +40,14 @@ pub(super) fn start(bus: &dyn Bus, node: &Node, capture: &CaptureSection) -> Res
         Some(NO_SPACE) => CameraError::NoBandwidth { camera: node.id.clone(), mode },
         _ => io("start")(error),
     })?;
-    let decoder = decoder(&layout).ok_or_else(not_offered)?;
-    Ok(Started { device, layout, decoder, remarks })
+    let frame_layout = frame_layout(&layout).ok_or_else(not_offered)?;
+    Ok(Started { device, layout, frame_layout, remarks })
 }
 
-fn decoder(layout: &Layout) -> Option<CameraFrameDecoder> {
+fn frame_layout(layout: &Layout) -> Option<CameraLayout> {
     let coding = layout.mode.format.coding(layout.is_full_range)?;
     let [width, height] = layout.mode.size.map(|side| side as usize);
-    Some(CameraFrameDecoder::new(CameraLayout { coding, width, height, row_bytes: layout.row_bytes as usize }))
+    Some(CameraLayout { coding, width, height, row_bytes: layout.row_bytes as usize })
 }
 
 /// The most offers that an error names.

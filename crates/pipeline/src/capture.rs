@@ -1,0 +1,97 @@
+//! The capturing thread of a sensor.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use fingervision_source::EncodedFrame;
+
+use crate::hub::Hub;
+use crate::input::Next;
+use crate::pool::Pool;
+use crate::queue::Queue;
+use crate::sensor::SensorHandle;
+use crate::{Input, Message, host_time_s};
+
+/// Frames that may be held by subscribers. A recorder of 90 frames/s may fall behind by two seconds.
+const MOST_FRAMES: usize = 192;
+
+/// A frame on its way to the tracker.
+#[derive(Clone)]
+pub(crate) struct Captured {
+    pub(crate) frame: Arc<EncodedFrame>,
+    pub(crate) captured_s: f64,
+}
+
+/// Captures until the source ends or the sensor is stopped.
+pub(crate) struct Capture {
+    pub(crate) index: usize,
+    pub(crate) input: Input,
+    pub(crate) handle: SensorHandle,
+    /// The first frame, which the tracker already has.
+    pub(crate) first: Captured,
+    pub(crate) hub: Arc<Hub>,
+    pub(crate) queue: Arc<Queue<Captured>>,
+    pub(crate) is_stopped: Arc<AtomicBool>,
+}
+
+impl Capture {
+    pub(crate) fn run(mut self) {
+        let mut pool = Pool::new(MOST_FRAMES);
+        self.publish(&self.first);
+        self.count(false);
+        while !self.is_stopped.load(Ordering::Acquire) && self.step(&mut pool) {}
+        self.queue.close();
+    }
+
+    /// Takes one frame or event; false at the end.
+    fn step(&mut self, pool: &mut Pool<EncodedFrame>) -> bool {
+        let wait = self.input.patience();
+        let Some(slot) = pool.free(EncodedFrame::empty) else {
+            // Subscribers hold every frame: the frame that comes now is dropped.
+            self.handle.shared.count(|counts| counts.dropped += 1);
+            let mut unused = EncodedFrame::empty();
+            return !matches!(self.input.next(wait, &mut unused), Next::End(_));
+        };
+        let Some(frame) = Arc::get_mut(slot) else { return true };
+        match self.input.next(wait, frame) {
+            Next::Frame { captured_s } => {
+                let frame = Arc::clone(slot);
+                self.hand_on(Captured { frame, captured_s });
+            }
+            Next::Event(text) => self.event(text),
+            Next::Nothing => {}
+            Next::End(reason) => {
+                if let Some(reason) = reason {
+                    self.event(format!("capture has ended: {reason}"));
+                }
+                return false;
+            }
+        }
+        true
+    }
+
+    fn hand_on(&self, captured: Captured) {
+        self.publish(&captured);
+        let dropped = self.queue.push(captured).is_some();
+        self.count(dropped);
+    }
+
+    fn publish(&self, captured: &Captured) {
+        let Captured { frame, captured_s } = captured.clone();
+        self.hub.publish(&Message::Frame { sensor: self.index, frame, captured_s });
+    }
+
+    /// Counts a frame for which another one may have been dropped.
+    fn count(&self, dropped: bool) {
+        let camera = self.input.camera_counts();
+        self.handle.shared.count(|counts| {
+            counts.captured += 1;
+            counts.dropped += u64::from(dropped);
+            counts.camera = camera.unwrap_or_default();
+        });
+    }
+
+    fn event(&self, text: String) {
+        self.hub.publish(&Message::Event { sensor: self.index, host_time_s: host_time_s(), text });
+    }
+}

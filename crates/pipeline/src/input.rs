@@ -1,0 +1,153 @@
+//! Where a sensor's frames come from.
+
+use std::time::{Duration, Instant};
+
+use fingervision_camera::{Arrived, Camera, CameraError};
+use fingervision_image::Frame;
+use fingervision_source::{EncodedFrame, Source};
+
+use crate::clock::captured_s;
+use crate::{PipelineError, host_time_s};
+
+/// A camera is silent if it sends nothing for so many periods, within these limits: an exposure may take longer than a
+/// period.
+const PERIODS: f64 = 20.0;
+const LEAST_PATIENCE: Duration = Duration::from_secs(1);
+const MOST_PATIENCE: Duration = Duration::from_secs(10);
+
+/// How fast frames that exist already are handed out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pace {
+    /// At their recorded times. If tracking is too slow, frames are dropped, as a camera's are.
+    Recorded,
+    /// As fast as they are tracked; no frame is dropped.
+    Lossless,
+}
+
+/// A camera, or frames that exist already.
+pub struct Input {
+    kind: Kind,
+    pace: Pace,
+}
+
+enum Kind {
+    Camera(Box<Camera>),
+    Source(Box<Player>),
+}
+
+/// What comes next.
+pub(crate) enum Next {
+    /// A frame was written, which was captured at this time.
+    Frame { captured_s: f64 },
+    /// Something happened.
+    Event(String),
+    /// Nothing yet.
+    Nothing,
+    /// The end, and why it came early.
+    End(Option<PipelineError>),
+}
+
+impl Input {
+    /// A camera.
+    #[must_use]
+    pub fn camera(camera: Camera) -> Self {
+        Self { kind: Kind::Camera(Box::new(camera)), pace: Pace::Recorded }
+    }
+
+    /// A file, a folder or a simulation.
+    #[must_use]
+    pub fn source(source: Box<dyn Source>, pace: Pace) -> Self {
+        Self { kind: Kind::Source(Box::new(Player { source, start: None, waiting: None })), pace }
+    }
+
+    /// How long the next frame is waited for; a camera that sends nothing for so long is started again. A stop takes up
+    /// to this time.
+    pub(crate) fn patience(&self) -> Duration {
+        let period_s = match &self.kind {
+            Kind::Camera(camera) => 1.0 / camera.mode().frames_per_second,
+            Kind::Source(_) => 0.0,
+        };
+        Duration::try_from_secs_f64(PERIODS * period_s).unwrap_or(MOST_PATIENCE).clamp(LEAST_PATIENCE, MOST_PATIENCE)
+    }
+
+    pub(crate) fn pace(&self) -> Pace {
+        self.pace
+    }
+
+    /// One line on where the frames come from.
+    #[must_use]
+    pub fn description(&self) -> String {
+        match &self.kind {
+            Kind::Camera(camera) => format!("{}: {}", camera.id(), camera.mode()),
+            Kind::Source(player) => player.source.description(),
+        }
+    }
+
+    /// Remarks that do not prevent reading, one sentence each.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        match &self.kind {
+            Kind::Camera(camera) => camera.remarks().to_vec(),
+            Kind::Source(player) => player.source.remarks(),
+        }
+    }
+
+    /// The camera's counts.
+    pub(crate) fn camera_counts(&self) -> Option<fingervision_camera::Counts> {
+        match &self.kind {
+            Kind::Camera(camera) => Some(camera.counts()),
+            Kind::Source(_) => None,
+        }
+    }
+
+    /// Waits for the next frame and writes it to `frame`.
+    pub(crate) fn next(&mut self, wait: Duration, frame: &mut EncodedFrame) -> Next {
+        match &mut self.kind {
+            Kind::Camera(camera) => next_of_camera(camera, wait, frame),
+            Kind::Source(player) => player.next(self.pace, wait, frame),
+        }
+    }
+}
+
+fn next_of_camera(camera: &mut Camera, wait: Duration, frame: &mut EncodedFrame) -> Next {
+    match camera.next_encoded(wait, frame) {
+        Ok(Some(Arrived::Frame)) => Next::Frame { captured_s: captured_s(frame.capture_time_s) },
+        Ok(Some(Arrived::Event(event))) => Next::Event(event.to_string()),
+        Ok(None) => Next::Nothing,
+        // The next call starts the camera again.
+        Err(error @ CameraError::TimedOut { .. }) => Next::Event(error.to_string()),
+        Err(error) => Next::End(Some(error.into())),
+    }
+}
+
+/// Hands out the frames of a source at their times.
+struct Player {
+    source: Box<dyn Source>,
+    /// When the first frame was handed out, and its recorded time.
+    start: Option<(Instant, f64)>,
+    /// A frame whose time has not come.
+    waiting: Option<Frame>,
+}
+
+impl Player {
+    fn next(&mut self, pace: Pace, wait: Duration, into: &mut EncodedFrame) -> Next {
+        let frame = match self.waiting.take().map_or_else(|| self.source.next_frame(), |frame| Ok(Some(frame))) {
+            Ok(Some(frame)) => frame,
+            Ok(None) => return Next::End(None),
+            Err(error) if self.source.resume() => return Next::Event(error.to_string()),
+            Err(error) => return Next::End(Some(error.into())),
+        };
+        let (start, first_s) = *self.start.get_or_insert((Instant::now(), frame.capture_time_s));
+        if pace == Pace::Recorded {
+            let due = Duration::try_from_secs_f64(frame.capture_time_s - first_s).unwrap_or_default();
+            let left = due.saturating_sub(start.elapsed());
+            std::thread::sleep(left.min(wait));
+            if left > wait {
+                self.waiting = Some(frame);
+                return Next::Nothing;
+            }
+        }
+        into.load(&frame);
+        Next::Frame { captured_s: host_time_s() }
+    }
+}

@@ -1,0 +1,61 @@
+//! Sensors live: threads that capture and track, and hand their results to whoever subscribes.
+//!
+//! Every sensor has two threads. One *captures*: it takes frames from a camera as they come, or from a file or a
+//! simulation at their recorded times. The other one decodes and *tracks* them, with the same [`Tracker`] as offline, so
+//! the same frames give the same bits.
+//!
+//! Between them is a queue of two frames. If tracking is slower than the camera, the oldest frame is dropped and counted,
+//! and the next reading is flagged `dropped`: a reading is late by at most the time of two frames, never by more and more.
+//! Recordings may also be tracked without loss ([`Pace::Lossless`]); then capture waits.
+//!
+//! Whoever [subscribes](Pipeline::subscribe) gets frames as they were captured, numbers of readings, and whole readings
+//! at a limited rate, through a queue of its own. A slow subscriber loses the oldest messages, which are counted, and
+//! slows nothing. Fields are copied only for those who asked for them, and all memory is used again.
+//!
+//! Times are seconds of the host's monotonic clock ([`host_time_s`]), the same for all sensors and for the time stamps of
+//! V4L2 cameras.
+//!
+//! ```no_run
+//! use std::time::Duration;
+//! use fingervision_pipeline::{Input, Interest, Message, Pace, Pipeline, Sensor};
+//! use fingervision_touch::{Fields, Profile};
+//!
+//! let profile = Profile::load("sensor.toml".as_ref())?;
+//! let source = fingervision_source::open("press.mp4", &Default::default())?;
+//! let sensor = Sensor::open("finger", profile, Input::source(source, Pace::Recorded), Fields::default())?;
+//! let pipeline = Pipeline::prepare(vec![sensor]);
+//! let readings = pipeline.subscribe(Interest::readings());
+//! let running = pipeline.start()?;
+//! while let Some(message) = readings.next(Duration::from_secs(1)) {
+//!     match message {
+//!         Message::Reading { numbers, .. } => println!("{:?} N", numbers.force_n),
+//!         Message::End { .. } => break,
+//!         _ => {}
+//!     }
+//! }
+//! running.stop();
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod capture;
+mod clock;
+mod error;
+mod hub;
+mod input;
+mod message;
+mod pipeline;
+mod pool;
+mod queue;
+mod sensor;
+mod shared;
+mod subscription;
+mod track;
+
+pub use clock::host_time_s;
+pub use error::PipelineError;
+pub use input::{Input, Pace};
+pub use message::{Interest, Message, Snapshot};
+pub use pipeline::{Pipeline, Running};
+pub use sensor::{Sensor, SensorHandle};
+pub use shared::SensorCounts;
+pub use subscription::Subscription;

@@ -1,0 +1,165 @@
+//! One sensor: where its frames come from, its profile and its tracker.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use fingervision_image::{Frame, Pixels};
+use fingervision_source::{CameraFrameDecoder, EncodedFrame};
+use fingervision_touch::{Fields, Profile, Tracker};
+
+use crate::capture::Captured;
+use crate::input::Next;
+use crate::shared::Shared;
+use crate::{Input, PipelineError, SensorCounts};
+
+/// How long the first frame may take.
+const FIRST_FRAME: Duration = Duration::from_secs(5);
+/// No further frame is waited for after this time.
+const LONGEST_START: Duration = Duration::from_secs(10);
+/// Frames that may fail to decode before the first one that does: a camera's first frames are often cut off.
+const MOST_DAMAGED: usize = 10;
+
+/// A sensor that is ready to start: its first frame has come, and its profile fits it.
+pub struct Sensor {
+    pub(crate) input: Input,
+    pub(crate) tracker: Tracker,
+    pub(crate) decoder: CameraFrameDecoder,
+    /// The first frame, which was not tracked yet.
+    pub(crate) first: Captured,
+    pub(crate) handle: SensorHandle,
+}
+
+/// What is known of a running sensor, and what it can be asked for. Clones are the same sensor.
+#[derive(Debug, Clone)]
+pub struct SensorHandle {
+    name: Arc<str>,
+    description: Arc<str>,
+    profile: Arc<Profile>,
+    fields: Fields,
+    size: (usize, usize),
+    frame_size: (usize, usize),
+    pub(crate) shared: Arc<Shared>,
+}
+
+impl Sensor {
+    /// Waits for the first frame, and makes the tracker for it.
+    ///
+    /// # Errors
+    ///
+    /// [`PipelineError`] if no frame comes that can be decoded, or the profile does not fit it.
+    pub fn open(name: &str, profile: Profile, mut input: Input, fields: Fields) -> Result<Self, PipelineError> {
+        let mut first = EncodedFrame::empty();
+        let (start, mut failure) = (Instant::now(), None);
+        for _ in 0..MOST_DAMAGED {
+            if start.elapsed() > LONGEST_START {
+                break;
+            }
+            let captured_s = match input.next(FIRST_FRAME, &mut first) {
+                Next::Frame { captured_s } => captured_s,
+                Next::Event(text) => {
+                    failure.get_or_insert(text);
+                    continue;
+                }
+                Next::Nothing => continue,
+                Next::End(Some(error)) => return Err(error),
+                Next::End(None) => break,
+            };
+            let mut decoder = CameraFrameDecoder::new(first.layout);
+            match decoder.decode(&first.bytes) {
+                Ok(pixels) => {
+                    let tracker = Tracker::new(&profile, pixels.size(), pixels.is_colour(), fields)?;
+                    let handle = SensorHandle::new(name, &input, profile, fields, &tracker, &pixels);
+                    let first = Captured { frame: Arc::new(first), captured_s };
+                    return Ok(Self { input, tracker, decoder, first, handle });
+                }
+                Err(reason) => failure = Some(reason),
+            }
+        }
+        let reason = failure.unwrap_or_else(|| "nothing came".into());
+        Err(PipelineError::NoFrame { sensor: name.into(), reason })
+    }
+
+    /// The sensor's handle.
+    #[must_use]
+    pub fn handle(&self) -> &SensorHandle {
+        &self.handle
+    }
+
+    /// Remarks of the camera or the source, one sentence each.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        self.input.remarks()
+    }
+}
+
+/// A frame of these pixels.
+pub(crate) fn frame_of(encoded: &EncodedFrame, pixels: Pixels) -> Frame {
+    Frame { sequence: encoded.sequence, capture_time_s: encoded.capture_time_s, pixels }
+}
+
+impl SensorHandle {
+    fn new(name: &str, input: &Input, profile: Profile, fields: Fields, tracker: &Tracker, pixels: &Pixels) -> Self {
+        Self {
+            name: name.into(),
+            description: input.description().into(),
+            profile: Arc::new(profile),
+            fields,
+            size: tracker.size(),
+            frame_size: pixels.size(),
+            shared: Arc::default(),
+        }
+    }
+
+    /// The sensor's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// One line on where its frames come from.
+    #[must_use]
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// The profile in force.
+    #[must_use]
+    pub fn profile(&self) -> &Profile {
+        &self.profile
+    }
+
+    /// The fields that its readings have.
+    #[must_use]
+    pub fn fields(&self) -> Fields {
+        self.fields
+    }
+
+    /// Columns and rows of the reference grid, px.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        self.size
+    }
+
+    /// Columns and rows of the camera's frames, px.
+    #[must_use]
+    pub fn frame_size(&self) -> (usize, usize) {
+        self.frame_size
+    }
+
+    /// What happened to its frames so far.
+    #[must_use]
+    pub fn counts(&self) -> SensorCounts {
+        self.shared.counts()
+    }
+
+    /// Makes the next frame the new reference: from there on displacement, depth and force are relative to it.
+    pub fn rezero(&self) {
+        self.shared.ask_rezero();
+    }
+
+    /// Whether the sensor has ended.
+    #[must_use]
+    pub fn is_ended(&self) -> bool {
+        self.shared.is_ended()
+    }
+}

@@ -1,0 +1,51 @@
+//! A moving pattern as a source.
+
+use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
+use fingervision_image::{Frame, Pixels};
+use fingervision_source::{Source, SourceError};
+
+/// Columns and rows, px.
+pub(crate) const SIZE: (usize, usize) = (96, 80);
+
+/// Frames that exist already.
+pub(crate) struct Film {
+    frames: std::vec::IntoIter<Frame>,
+}
+
+impl Film {
+    /// A pattern that is pushed further in every frame, `rate` frames a second.
+    pub(crate) fn of(count: u64, rate: f64) -> Vec<Frame> {
+        let sheet = Sheet { width: SIZE.0, height: SIZE.1, ..Sheet::default() };
+        let renderer = SheetRenderer::new(&sheet).unwrap();
+        let frame = |sequence: u64| Frame {
+            sequence,
+            capture_time_s: sequence as f64 / rate,
+            pixels: Pixels::Rgb8(
+                renderer.render(&Motion::shift(0.3 * sequence as f64), Light::EVEN, sequence).unwrap(),
+            ),
+        };
+        (0..count).map(frame).collect()
+    }
+
+    pub(crate) fn source(frames: Vec<Frame>) -> Box<dyn Source> {
+        Box::new(Self { frames: frames.into_iter() })
+    }
+}
+
+impl Source for Film {
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        Ok(self.frames.next())
+    }
+
+    fn frame_count(&self) -> Option<u64> {
+        Some(self.frames.len() as u64)
+    }
+
+    fn size(&self) -> (usize, usize) {
+        SIZE
+    }
+
+    fn description(&self) -> String {
+        "a film".into()
+    }
+}
