@@ -1,7 +1,7 @@
 //! Sensors live: threads that capture and track, and hand their results to whoever subscribes.
 //!
 //! Every sensor has two threads. One *captures*: it takes frames from a camera as they come, or from a file or a
-//! simulation at their recorded times. The other one decodes and *tracks* them, with the same [`Tracker`] as offline, so
+//! simulation at their recorded times. The other one decodes and *tracks* them, with the same tracker as offline, so
 //! the same frames give the same bits.
 //!
 //! Between them is a queue of two frames. If tracking is slower than the camera, the oldest frame is dropped and counted,
