@@ -181,6 +181,11 @@ impl Camera {
         &self.remarks
     }
 
+    /// The error of a camera that is away for too long.
+    pub(crate) fn unplugged(&self) -> CameraError {
+        CameraError::Unplugged { camera: self.node.id.clone() }
+    }
+
     /// Closes the camera after an error.
     fn lose(&mut self, error: &io::Error, wait: Duration) -> Result<Event, CameraError> {
         self.device = None;

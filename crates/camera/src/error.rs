@@ -3,6 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
+use fingervision_source::SourceError;
+
 use crate::Mode;
 
 /// Numbers of the system's errors, the same on every Linux.
@@ -75,6 +77,12 @@ pub enum CameraError {
         /// The mode.
         mode: Mode,
     },
+    /// The camera is not plugged in any more.
+    #[error("{camera}: unplugged")]
+    Unplugged {
+        /// The camera's id.
+        camera: String,
+    },
     /// The camera delivers nothing.
     #[error("{camera}: no frame in {waited_s:.1} s")]
     TimedOut {
@@ -121,6 +129,7 @@ impl CameraError {
                  another USB controller; `fingervision doctor` shows what each port has left"
                     .into()
             }
+            Self::Unplugged { .. } => "plug it in again; check the cable".into(),
             Self::TimedOut { .. } => {
                 "unplug it and plug it in again; if it happens often, use a shorter cable or a port without a hub"
                     .into()
@@ -137,6 +146,12 @@ impl CameraError {
             Some(BUSY) => Self::Busy { camera, node },
             _ => Self::Io { camera, doing, error },
         }
+    }
+}
+
+impl From<CameraError> for SourceError {
+    fn from(error: CameraError) -> Self {
+        Self::Camera { hint: error.hint(), reason: error.to_string() }
     }
 }
 

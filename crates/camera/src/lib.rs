@@ -6,6 +6,8 @@
 //!   frames by the driver's own count, and survives an unplugged camera.
 //! - [`usb`] computes how much of a USB port cameras use and need.
 //!
+//! [`open`] opens a camera of this machine, and [`CameraSource`] reads it like a recording.
+//!
 //! [`Device`] and [`Bus`] are the interface to the system. On Linux, [`Video4Linux`] implements it; elsewhere there are
 //! no cameras. This crate decodes frames; it does not track, and starts no threads.
 
@@ -16,10 +18,12 @@ mod error;
 #[cfg(any(test, feature = "fake"))]
 pub mod fake;
 mod info;
+mod live_source;
 mod mode;
 mod numbering;
 mod select;
 mod sysfs;
+mod system;
 pub mod usb;
 #[cfg(target_os = "linux")]
 mod v4l;
@@ -30,8 +34,10 @@ pub use camera::{Arrived, Camera, Captured, Counts, Event};
 pub use device::{Buffer, Bus, Control, Device, Layout};
 pub use error::CameraError;
 pub use info::{Access, CameraInfo, cameras};
+pub use live_source::CameraSource;
 pub use mode::{FourCc, Mode, Offer, RateOffer, SizeOffer};
 pub use select::select;
 pub use sysfs::{Node, nodes};
+pub use system::open;
 #[cfg(target_os = "linux")]
 pub use v4l::Video4Linux;

@@ -8,10 +8,12 @@ use fingervision_calibrate::ProfileFileError;
 use fingervision_calibrate::camera::BoardError;
 use fingervision_calibrate::depth::DepthFitError;
 use fingervision_calibrate::gel::GelFitError;
+use fingervision_camera::CameraError;
 use fingervision_evaluate::experiment::ExperimentError;
 use fingervision_evaluate::run::RunError;
 use fingervision_gel::{GelError, PatternError, SceneError};
 use fingervision_image::ImageError;
+use fingervision_pipeline::PipelineError;
 use fingervision_sink::SinkError;
 use fingervision_source::SourceError;
 use fingervision_touch::{ProfileError, TrackError};
@@ -106,6 +108,18 @@ impl From<SourceError> for Failure {
 impl From<SinkError> for Failure {
     fn from(error: SinkError) -> Self {
         Self::Stated { message: error.to_string(), hint: error.hint().map(Into::into) }
+    }
+}
+
+impl From<CameraError> for Failure {
+    fn from(error: CameraError) -> Self {
+        Self::Stated { message: error.to_string(), hint: Some(error.hint()) }
+    }
+}
+
+impl From<PipelineError> for Failure {
+    fn from(error: PipelineError) -> Self {
+        Self::Stated { message: error.to_string(), hint: error.hint() }
     }
 }
 

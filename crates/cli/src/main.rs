@@ -13,9 +13,11 @@ mod doctor;
 mod evaluate;
 mod failure;
 mod interrupt;
+mod live;
 mod output;
 mod part;
 mod pattern;
+mod place;
 mod profile;
 mod profile_args;
 mod report_folder;
@@ -67,6 +69,7 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Live(live::Args),
     Track(track::Args),
     Simulate(simulate::Args),
     Evaluate(evaluate::Args),
@@ -84,6 +87,7 @@ enum Command {
 impl Command {
     fn run(&self, out: &mut impl Write) -> Result<(), Failure> {
         match self {
+            Self::Live(args) => live::run(args, out)?,
             Self::Track(args) => track::run(args, out)?,
             Self::Simulate(args) => simulate::run(args, out)?,
             Self::Evaluate(args) => evaluate::run(args, out)?,

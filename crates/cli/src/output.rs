@@ -60,6 +60,14 @@ impl OutputArgs {
         ticking(ProgressBar::new(count), doing, "{spinner} {prefix} {pos}/{len}, {elapsed} {wide_msg}")
     }
 
+    /// A line on standard error that is written anew while something runs. Nothing is shown without a terminal.
+    pub(crate) fn line(self) -> ProgressBar {
+        if self.quiet {
+            return ProgressBar::hidden();
+        }
+        ticking(ProgressBar::new_spinner(), "", "{spinner} {wide_msg}")
+    }
+
     /// A bar on standard error over `count` frames, labelled with the work being done; a counter if their number is not
     /// known. Nothing is shown without a terminal.
     pub(crate) fn progress(self, doing: &'static str, count: Option<u64>) -> ProgressBar {

@@ -2,12 +2,11 @@
 
 use std::fs;
 use std::io::Write;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValue;
-use fingervision_gel::PressCache;
-use fingervision_simulation::{SimulatedLocation, SimulatedSource, open, simulated_profile};
+use fingervision_camera::CameraSource;
+use fingervision_simulation::{open, simulated_profile};
 use fingervision_sink::{Field, Precision};
 use fingervision_source::{Options, Source};
 use fingervision_touch::Profile;
@@ -15,6 +14,7 @@ use fingervision_touch::Profile;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 use crate::part::{Part, PartArgs};
+use crate::place::{Place, solve};
 use crate::profile_args::ProfileArgs;
 use crate::tracking::{Run, fields_to_compute};
 
@@ -24,12 +24,13 @@ use crate::tracking::{Run, fields_to_compute};
 /// Without --profile the whole image is tracked, without depth.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV) or a
-    /// simulated scene
+    /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV), a
+    /// simulated scene or a camera
     ///
     /// A scene is sim:NAME or sim:FILE, as in sim:letter; `fingervision simulate --list` lists the ready-made ones.
     /// Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft selects a coarse mesh. Without --profile
-    /// the scene's own camera and gel are used.
+    /// the scene's own camera and gel are used. A camera is camera:ID, or `camera` if only one is plugged in; tracking
+    /// then goes on until Ctrl-C.
     source: PathBuf,
     /// The folder to write, as in run: new, empty, or with --overwrite a previous run
     #[arg(long, value_name = "DIR")]
@@ -160,12 +161,18 @@ fn keep_recording(args: &Args) -> Result<(), Failure> {
 /// The profile in force and the frames. A simulated scene has its own sensor.
 fn sensor(args: &Args, part: Part) -> Result<(Profile, Box<dyn Source>), Failure> {
     let options = args.fps.map_or_else(Options::default, |frames_per_second| Options { frames_per_second });
-    let Some(location) = SimulatedLocation::of(&args.source)? else {
-        if args.fps.is_some() && args.source.is_file() {
-            let message = format!("--fps has no effect: {} has its own time stamps", args.source.display());
-            return Err(Failure::new(message, "leave --fps out"));
+    let location = match Place::of(&args.source)? {
+        Place::Simulated(location) => location,
+        Place::Camera(id) => {
+            args.expect_no_rate(true, "a camera has")?;
+            let profile = args.profile.load()?;
+            let camera = fingervision_camera::open(profile.capture_from(id.as_deref()))?;
+            return Ok((profile, Box::new(CameraSource::new(camera))));
         }
-        return Ok((args.profile.load()?, open(&args.source, &options)?));
+        Place::File(path) => {
+            args.expect_no_rate(path.is_file(), &format!("{} has", path.display()))?;
+            return Ok((args.profile.load()?, open(&path, &options)?));
+        }
     };
     if args.fps.is_some() && location.has_rate() {
         let message = format!("--fps has no effect: {} already contains a rate", args.source.display());
@@ -175,14 +182,17 @@ fn sensor(args: &Args, part: Part) -> Result<(Profile, Box<dyn Source>), Failure
     let frames = scene.motion.frames as u64;
     part.expect_within(frames.saturating_sub(1))?;
     let profile = args.profile.load_or(simulated_profile(&scene))?;
-    let bar = args.output.progress("solving", Some(frames));
-    let mut progress = |frames: usize| {
-        bar.set_position(frames as u64);
-        ControlFlow::Continue(())
-    };
-    let source = SimulatedSource::open(&location, &options, &PressCache::standard(), &mut progress)?;
-    bar.finish_and_clear();
-    Ok((profile, Box::new(source)))
+    Ok((profile, solve(&location, options, args.output)?))
+}
+
+impl Args {
+    /// Refuses `--fps` for frames that have times of their own.
+    fn expect_no_rate(&self, has_times: bool, who: &str) -> Result<(), Failure> {
+        if !(self.fps.is_some() && has_times) {
+            return Ok(());
+        }
+        Err(Failure::new(format!("--fps has no effect: {who} its own time stamps"), "leave --fps out"))
+    }
 }
 
 fn overlay_name(text: &str) -> Result<PathBuf, String> {

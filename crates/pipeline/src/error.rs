@@ -34,3 +34,19 @@ pub enum PipelineError {
         error: std::io::Error,
     },
 }
+
+impl PipelineError {
+    /// What the user can do about it, if anything.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Camera(error) => Some(error.hint()),
+            Self::Source(error) => error.hint(),
+            Self::Track(error) => error.hint(),
+            Self::NoFrame { .. } => {
+                Some("unplug the camera and plug it in again; `fingervision doctor` shows what it offers".into())
+            }
+            Self::Thread { .. } => Some("close other programs, or raise the limit of `ulimit -u`".into()),
+        }
+    }
+}

@@ -7,6 +7,8 @@ use fingervision_gel::{EarlyEnd, PressCache, Progress, Scene, SceneError, Simula
 use fingervision_image::Frame;
 use fingervision_source::{FrameFormat, Options, Source, SourceError};
 
+use crate::PressFilm;
+
 const PREFIX: &str = "sim:";
 
 /// Opens a simulated scene, `sim:SCENE`, or whatever [`fingervision_source::open`] does.
@@ -22,14 +24,13 @@ pub fn open(location: impl AsRef<Path>, options: &Options) -> Result<Box<dyn Sou
     let Some(scene) = SimulatedLocation::of(location.as_ref())? else {
         return fingervision_source::open(location, options);
     };
-    let progress: Progress = &mut |_| ControlFlow::Continue(());
-    Ok(Box::new(SimulatedSource::open(&scene, options, &PressCache::standard(), progress)?))
+    scene.open(options, &PressCache::standard(), &mut |_| ControlFlow::Continue(()))
 }
 
 /// A simulated press given by a location.
 ///
 /// `sim:SCENE`, where the scene is a ready-made one or a file, then `?` and options separated by `&`: `fps=60` sets the
-/// rate, `draft` selects a coarse mesh.
+/// rate, `draft` selects a coarse mesh, `loop` repeats the press, in and out, without end ([`PressFilm`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedLocation {
     /// The whole location.
@@ -38,6 +39,7 @@ pub struct SimulatedLocation {
     scene: String,
     frames_per_second: Option<f64>,
     is_draft: bool,
+    is_repeated: bool,
 }
 
 impl SimulatedLocation {
@@ -51,17 +53,18 @@ impl SimulatedLocation {
         let Some(location) = location.to_str().filter(|location| location.starts_with(PREFIX)) else { return Ok(None) };
         let rest = &location[PREFIX.len()..];
         let (scene, options) = rest.split_once('?').unwrap_or((rest, ""));
-        let mut asked =
-            Self { location: location.into(), scene: scene.into(), frames_per_second: None, is_draft: false };
+        let (location, scene) = (location.to_owned(), scene.to_owned());
+        let mut asked = Self { location, scene, frames_per_second: None, is_draft: false, is_repeated: false };
         for option in options.split('&').filter(|option| !option.is_empty()) {
             match option.split_once('=') {
                 Some(("fps", rate)) => {
-                    let not_a_number = |_| SourceError::Option { location: location.into(), value: rate.into() };
+                    let not_a_number = |_| SourceError::Option { location: asked.location.clone(), value: rate.into() };
                     let frames_per_second = rate.parse().map_err(not_a_number)?;
                     Options { frames_per_second }.validate()?;
                     asked.frames_per_second = Some(frames_per_second);
                 }
                 None if option == "draft" => asked.is_draft = true,
+                None if option == "loop" => asked.is_repeated = true,
                 _ => return Err(asked.unknown(option)),
             }
         }
@@ -72,6 +75,12 @@ impl SimulatedLocation {
     #[must_use]
     pub fn has_rate(&self) -> bool {
         self.frames_per_second.is_some()
+    }
+
+    /// The name or file of the scene.
+    #[must_use]
+    pub fn scene_name(&self) -> &str {
+        &self.scene
     }
 
     /// The scene of the location.
@@ -87,9 +96,32 @@ impl SimulatedLocation {
         Ok(scene)
     }
 
+    /// Solves the press, or takes it from the cache, and opens it; `progress` gets the state of the solution.
+    ///
+    /// # Errors
+    ///
+    /// As [`SimulatedSource::open`].
+    pub fn open(
+        &self,
+        options: &Options,
+        cache: &PressCache,
+        progress: Progress,
+    ) -> Result<Box<dyn Source>, SourceError> {
+        let source = SimulatedSource::open(self, options, cache, progress)?;
+        if !self.is_repeated {
+            return Ok(Box::new(source));
+        }
+        let options = Options { frames_per_second: source.frames_per_second };
+        Ok(Box::new(PressFilm::new(source.simulation, None, &options)?))
+    }
+
     fn unknown(&self, option: &str) -> SourceError {
         let (path, what) = (self.location.clone().into(), format!("the option {option}"));
-        SourceError::NotRead { path, what, hint: "a simulated scene takes fps=RATE and draft, separated by &".into() }
+        SourceError::NotRead {
+            path,
+            what,
+            hint: "a simulated scene takes fps=RATE, draft and loop, separated by &".into(),
+        }
     }
 
     fn refused(&self, error: &SceneError) -> SourceError {

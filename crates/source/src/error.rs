@@ -98,6 +98,14 @@ pub enum SourceError {
         /// What to do about it, if anything.
         hint: Option<String>,
     },
+    /// A camera that delivers no more frames.
+    #[error("{reason}")]
+    Camera {
+        /// What is wrong; it names the camera.
+        reason: String,
+        /// What to do about it.
+        hint: String,
+    },
     /// An impossible frame rate.
     #[error("{frames_per_second} frames per second: a rate is a positive number")]
     Rate {
@@ -120,7 +128,7 @@ impl SourceError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::NotFound { .. } => Some(READ.into()),
-            Self::NotRead { hint, .. } => Some(hint.clone()),
+            Self::NotRead { hint, .. } | Self::Camera { hint, .. } => Some(hint.clone()),
             Self::TooFewFrames { path, count } => Some(too_few_hint(path, *count)),
             Self::Container { .. } => Some("the recording may not have been closed: record again".into()),
             Self::Frame { sequence: 0, .. } => {

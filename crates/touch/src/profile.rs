@@ -217,6 +217,13 @@ impl Profile {
         Ok(())
     }
 
+    /// How this sensor is captured, by this camera instead of the profile's if one is named.
+    #[must_use]
+    pub fn capture_from(&self, camera: Option<&str>) -> CaptureSection {
+        let section = self.capture.clone().unwrap_or_default();
+        CaptureSection { camera: camera.map(Into::into).or(section.camera), ..section }
+    }
+
     /// Checks that every value is possible.
     ///
     /// # Errors

@@ -73,6 +73,7 @@ fn the_help_is_as_recorded() {
     let bench = Workbench::new();
     for name in [
         "fingervision",
+        "live",
         "track",
         "evaluate",
         "demo",

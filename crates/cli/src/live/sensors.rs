@@ -1,0 +1,160 @@
+//! Opens the sensors that a live command names.
+
+use std::path::{Path, PathBuf};
+
+use fingervision_pipeline::{Input, Pace, Sensor};
+use fingervision_simulation::simulated_profile;
+use fingervision_source::Options;
+use fingervision_touch::{DepthMethod, ElasticMode, Fields, Profile};
+
+use crate::failure::Failure;
+use crate::output::OutputArgs;
+use crate::place::{Place, solve};
+use crate::profile_args::assignment;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct SensorArgs {
+    /// What to track: a camera, a recording or a simulated scene; several for several sensors
+    ///
+    /// `camera` is the only camera that is plugged in, camera:ID one of several: `fingervision doctor` lists the ids. A
+    /// scene is sim:NAME, as in sim:letter?loop, which repeats the press without end. Without any, the cameras that the
+    /// profiles name, or the only one.
+    #[arg(value_name = "SOURCE")]
+    sources: Vec<PathBuf>,
+    /// The profile of the sensor, as in sensor.toml; with several sensors one for each, in the same order, or one for all
+    #[arg(long = "profile", value_name = "FILE")]
+    profiles: Vec<PathBuf>,
+    /// Set one value of all profiles, as in `capture.frames_per_second=90`; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
+    assignments: Vec<(String, String)>,
+    /// Compute depth exactly as `track` does; without it faster, with an error up to a tenth larger
+    ///
+    /// It sets `elastic.mode` of the profile, which recordings contain: tracking them gives the same values.
+    #[arg(long)]
+    exact: bool,
+}
+
+/// A sensor that was named, not opened yet.
+#[derive(Debug)]
+struct Named {
+    place: Place,
+    profile: Option<PathBuf>,
+}
+
+impl SensorArgs {
+    /// Opens all sensors: every one has delivered a frame, and its profile fits.
+    pub(crate) fn open(&self, output: OutputArgs) -> Result<Vec<Sensor>, Failure> {
+        let mut sensors: Vec<Sensor> = Vec::new();
+        for named in self.named()? {
+            let taken: Vec<&str> = sensors.iter().map(|sensor| sensor.handle().name()).collect();
+            let sensor = self.open_one(&named, &taken, output)?;
+            for remark in sensor.remarks() {
+                output.note(&format!("{}: {remark}", sensor.handle().name()));
+            }
+            sensors.push(sensor);
+        }
+        Ok(sensors)
+    }
+
+    /// Pairs sources with profiles.
+    fn named(&self) -> Result<Vec<Named>, Failure> {
+        let (sources, profiles) = (self.sources.len(), self.profiles.len());
+        if sources == 0 {
+            let of_profile = |profile: &PathBuf| Named { place: Place::Camera(None), profile: Some(profile.clone()) };
+            let only = || vec![Named { place: Place::Camera(None), profile: None }];
+            return Ok(if profiles == 0 { only() } else { self.profiles.iter().map(of_profile).collect() });
+        }
+        if profiles > 1 && profiles != sources {
+            let message = format!("{sources} sources and {profiles} profiles");
+            return Err(Failure::new(message, "name one profile for each source, in the same order, or one for all"));
+        }
+        let named = |(index, source): (usize, &PathBuf)| {
+            let profile = self.profiles.get(index).or(self.profiles.first()).cloned();
+            Ok(Named { place: Place::of(source)?, profile })
+        };
+        self.sources.iter().enumerate().map(named).collect()
+    }
+
+    fn open_one(&self, named: &Named, taken: &[&str], output: OutputArgs) -> Result<Sensor, Failure> {
+        let own = match &named.place {
+            Place::Simulated(location) => Some(simulated_profile(&location.scene()?)),
+            _ => None,
+        };
+        let profile = self.profile(named.profile.as_deref(), own)?;
+        let input = match &named.place {
+            Place::Camera(id) => Input::camera(fingervision_camera::open(profile.capture_from(id.as_deref()))?),
+            Place::Simulated(location) => Input::source(solve(location, Options::default(), output)?, Pace::Recorded),
+            Place::File(path) => {
+                Input::source(fingervision_simulation::open(path, &Options::default())?, Pace::Recorded)
+            }
+        };
+        let name = free_name(&name(&named.place, &profile), taken);
+        let fields = fields(&profile);
+        Ok(Sensor::open(&name, profile, input, fields)?)
+    }
+
+    fn profile(&self, file: Option<&Path>, own: Option<Profile>) -> Result<Profile, Failure> {
+        let fallback = own.unwrap_or_default();
+        let mut profile = file.map_or(Ok(fallback), Profile::load)?;
+        if !self.exact {
+            profile.elastic.mode = ElasticMode::Live;
+        }
+        profile.set_all(self.assignments.iter().map(|(key, value)| (key.as_str(), value.as_str())))?;
+        Ok(profile)
+    }
+}
+
+/// Everything that a page can show.
+fn fields(profile: &Profile) -> Fields {
+    let is_elastic = profile.depth_method() == DepthMethod::Elastic;
+    let has_traction = is_elastic && profile.gel.is_some_and(|gel| gel.youngs_modulus_mpa.is_some());
+    Fields { density: !is_elastic, depth: true, displacement: is_elastic, traction: has_traction }
+}
+
+/// A short name for a sensor: that of its profile, or of what it is.
+fn name(place: &Place, profile: &Profile) -> String {
+    if profile.name != Profile::default().name && !matches!(place, Place::Simulated(_)) {
+        return profile.name.clone();
+    }
+    match place {
+        Place::Camera(Some(id)) => id.clone(),
+        Place::Camera(None) => "camera".into(),
+        Place::Simulated(location) => location.scene_name().into(),
+        Place::File(path) => path.file_stem().map_or_else(|| "recording".into(), |name| name.display().to_string()),
+    }
+}
+
+/// The name, with a number behind it if another sensor has it.
+fn free_name(name: &str, taken: &[&str]) -> String {
+    let numbered = (2..).map(|number| format!("{name} {number}"));
+    std::iter::once(name.to_owned()).chain(numbered).find(|name| !taken.contains(&name.as_str())).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn args(sources: &[&str], profiles: &[&str]) -> SensorArgs {
+        let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect();
+        SensorArgs { sources: paths(sources), profiles: paths(profiles), assignments: Vec::new(), exact: false }
+    }
+
+    #[test]
+    fn sources_and_profiles_are_paired() {
+        let pairs = |sources: &[&str], profiles: &[&str]| -> Vec<(Place, Option<PathBuf>)> {
+            args(sources, profiles).named().unwrap().into_iter().map(|named| (named.place, named.profile)).collect()
+        };
+        assert_eq!(pairs(&[], &[]), [(Place::Camera(None), None)]);
+        assert_eq!(pairs(&[], &["a", "b"])[1], (Place::Camera(None), Some("b".into())));
+        assert_eq!(pairs(&["x", "y"], &["a"])[1], (Place::File("y".into()), Some("a".into())));
+        assert_eq!(pairs(&["x", "y"], &["a", "b"])[1], (Place::File("y".into()), Some("b".into())));
+        let error = args(&["x"], &["a", "b"]).named().unwrap_err();
+        assert_eq!(error.to_string(), "1 sources and 2 profiles");
+    }
+
+    #[test]
+    fn no_two_sensors_have_the_same_name() {
+        assert_eq!(free_name("left", &["right"]), "left");
+        assert_eq!(free_name("left", &["left", "left 2"]), "left 3");
+    }
+}

@@ -1,0 +1,134 @@
+//! What the terminal shows while sensors run: a line that is kept up to date, and events as notes.
+
+use std::fmt::{self, Write};
+use std::time::Duration;
+
+use fingervision_pipeline::{Message, SensorHandle, Subscription};
+use fingervision_touch::ReadingNumbers;
+use indicatif::ProgressBar;
+use serde::Serialize;
+
+use crate::interrupt::Interrupt;
+use crate::output::OutputArgs;
+
+/// How often the line is written anew and the signal tested.
+const REFRESH: Duration = Duration::from_millis(200);
+
+/// The state of a sensor, as the terminal shows it.
+#[derive(Debug, Default)]
+struct Shown {
+    last: Option<ReadingNumbers>,
+    readings: u64,
+    /// Capture times of the first and the last reading, s.
+    times_s: Option<[f64; 2]>,
+    /// Time from capture to reading of every reading since the last refresh, ms.
+    latencies_ms: Vec<f64>,
+}
+
+/// What a sensor did, for the result.
+#[derive(Debug, Serialize)]
+pub(crate) struct SensorSummary {
+    pub(crate) sensor: String,
+    source: String,
+    readings: u64,
+    frames_per_second: f64,
+    dropped_by_camera: u64,
+    dropped_before_tracking: u64,
+    damaged: u64,
+}
+
+/// Shows messages until all sensors have ended, or the user wants to stop.
+pub(crate) fn show(handles: &[SensorHandle], messages: &Subscription, output: OutputArgs) -> Vec<SensorSummary> {
+    let interrupt = Interrupt::listen();
+    let line = output.line();
+    let mut shown: Vec<Shown> = handles.iter().map(|_| Shown::default()).collect();
+    let mut refreshed_s = fingervision_pipeline::host_time_s();
+    while !interrupt.is_asked() && !messages.is_done() {
+        if let Some(message) = messages.next(REFRESH) {
+            take(message, &mut shown, handles, &line, output);
+        }
+        let now_s = fingervision_pipeline::host_time_s();
+        if now_s - refreshed_s >= REFRESH.as_secs_f64() {
+            refreshed_s = now_s;
+            line.set_message(text(&mut shown, handles));
+        }
+    }
+    line.finish_and_clear();
+    handles.iter().zip(&shown).map(|(handle, shown)| shown.summary(handle)).collect()
+}
+
+fn take(message: Message, shown: &mut [Shown], handles: &[SensorHandle], line: &ProgressBar, output: OutputArgs) {
+    match message {
+        Message::Reading { sensor, numbers, captured_s, ready_s } => {
+            let shown = &mut shown[sensor];
+            let [first_s, _] = shown.times_s.unwrap_or([captured_s; 2]);
+            shown.times_s = Some([first_s, captured_s]);
+            shown.latencies_ms.push(1e3 * (ready_s - captured_s));
+            shown.last = Some(numbers);
+            shown.readings += 1;
+        }
+        Message::Event { sensor, text, .. } => {
+            line.suspend(|| output.note(&format!("{}: {text}", handles[sensor].name())));
+        }
+        _ => {}
+    }
+}
+
+/// One line on all sensors.
+fn text(shown: &mut [Shown], handles: &[SensorHandle]) -> String {
+    let parts = shown.iter_mut().zip(handles).map(|(shown, handle)| format!("{}: {}", handle.name(), shown.text()));
+    parts.collect::<Vec<_>>().join(" | ")
+}
+
+impl Shown {
+    fn text(&mut self) -> String {
+        let Some(last) = self.last else { return "waiting".into() };
+        let latency_ms = self.latencies_ms.iter().copied().fold(0.0, f64::max);
+        self.latencies_ms.clear();
+        // Writing to a String cannot fail.
+        let mut text = format!("{:.0} frames/s, {latency_ms:.0} ms", self.frames_per_second());
+        if let Some(depth) = last.max_depth_mm {
+            let _ = write!(text, ", {depth:.2} mm");
+        }
+        if let Some([_, _, force]) = last.force_n {
+            let _ = write!(text, ", {force:.2} N");
+        }
+        for flag in last.flags.iter() {
+            let _ = write!(text, ", {}", flag.name());
+        }
+        text
+    }
+
+    fn frames_per_second(&self) -> f64 {
+        let Some([first_s, last_s]) = self.times_s.filter(|[first_s, last_s]| last_s > first_s) else { return 0.0 };
+        (self.readings.saturating_sub(1)) as f64 / (last_s - first_s)
+    }
+
+    fn summary(&self, handle: &SensorHandle) -> SensorSummary {
+        let counts = handle.counts();
+        SensorSummary {
+            sensor: handle.name().into(),
+            source: handle.description().into(),
+            readings: self.readings,
+            frames_per_second: self.frames_per_second(),
+            dropped_by_camera: counts.camera.dropped,
+            dropped_before_tracking: counts.dropped,
+            damaged: counts.damaged + counts.camera.damaged,
+        }
+    }
+}
+
+impl fmt::Display for SensorSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { sensor, readings, frames_per_second, .. } = self;
+        write!(f, "{sensor}: {readings} readings, {frames_per_second:.1} a second")?;
+        let (camera, tracking) = (self.dropped_by_camera, self.dropped_before_tracking);
+        if camera + tracking > 0 {
+            write!(f, "; dropped {camera} by the camera, {tracking} because tracking was busy")?;
+        }
+        if self.damaged > 0 {
+            write!(f, "; {} damaged", self.damaged)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,82 @@
+//! What a command reads frames from: a camera, a simulated scene, a recording.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use fingervision_gel::PressCache;
+use fingervision_simulation::SimulatedLocation;
+use fingervision_source::{Options, Source, SourceError};
+
+use crate::failure::Failure;
+use crate::output::OutputArgs;
+
+/// The prefix of a camera; without anything behind it, the only one that is plugged in.
+const CAMERA: &str = "camera";
+
+/// A place that frames come from.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Place {
+    /// A camera, with what names it; absent: the one that the profile names, or else the only one.
+    Camera(Option<String>),
+    /// A simulated scene.
+    Simulated(SimulatedLocation),
+    /// A file or a folder.
+    File(PathBuf),
+}
+
+impl Place {
+    /// The place that a user names: `camera`, `camera:ID`, `/dev/video0`, `sim:SCENE`, a path.
+    ///
+    /// # Errors
+    ///
+    /// As [`SimulatedLocation::of`].
+    pub(crate) fn of(location: &Path) -> Result<Self, SourceError> {
+        if let Some(scene) = SimulatedLocation::of(location)? {
+            return Ok(Self::Simulated(scene));
+        }
+        let text = location.to_str().unwrap_or_default();
+        if text.starts_with("/dev/video") || text.starts_with("/dev/v4l/") {
+            return Ok(Self::Camera(Some(text.into())));
+        }
+        Ok(match text.strip_prefix(CAMERA) {
+            // A folder of this name is meant if there is one.
+            Some("") if location.exists() => Self::File(location.into()),
+            Some("" | ":") => Self::Camera(None),
+            Some(rest) if rest.starts_with(':') => Self::Camera(Some(rest[1..].into())),
+            _ => Self::File(location.into()),
+        })
+    }
+}
+
+/// Solves a simulated press, with a bar, or takes it from the cache.
+pub(crate) fn solve(
+    location: &SimulatedLocation,
+    options: Options,
+    output: OutputArgs,
+) -> Result<Box<dyn Source>, Failure> {
+    let bar = output.progress("solving", Some(location.scene()?.motion.frames as u64));
+    let mut progress = |frames: usize| {
+        bar.set_position(frames as u64);
+        ControlFlow::Continue(())
+    };
+    let source = location.open(&options, &PressCache::standard(), &mut progress)?;
+    bar.finish_and_clear();
+    Ok(source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_told_apart() {
+        let place = |text: &str| Place::of(Path::new(text)).unwrap();
+        let camera = |name: Option<&str>| Place::Camera(name.map(Into::into));
+        assert_eq!([place("camera"), place("camera:")], [camera(None), camera(None)]);
+        assert_eq!(place("camera:SN7"), camera(Some("SN7")));
+        assert_eq!(place("/dev/video0"), camera(Some("/dev/video0")));
+        assert_eq!(place("cameras/left"), Place::File("cameras/left".into()));
+        assert_eq!(place("press.mp4"), Place::File("press.mp4".into()));
+        assert!(matches!(place("sim:letter"), Place::Simulated(_)));
+    }
+}

@@ -1,0 +1,163 @@
+//! Simulated presses without end, for a page that shows something: `sim:letter?loop`.
+
+use std::sync::mpsc::Receiver;
+
+use fingervision_gel::{Scene, Simulation};
+use fingervision_image::{Frame, Pixels};
+use fingervision_source::{FrameFormat, Options, Source, SourceError};
+
+use crate::simulated_profile;
+
+/// Frames at rest before each press.
+const REST: usize = 12;
+
+/// Presses one after another, each in and out again, without end.
+///
+/// Every press begins at rest and all have the same gel, camera and pattern, so they are one recording. Frames are
+/// rendered once and kept.
+pub struct PressFilm {
+    /// The presses so far; the first one is there from the beginning.
+    presses: Vec<Press>,
+    /// Presses that are still being solved.
+    more: Option<Receiver<Simulation>>,
+    frames_per_second: f64,
+    next_sequence: u64,
+    press: usize,
+    /// The next frame of this cycle.
+    step: usize,
+}
+
+struct Press {
+    simulation: Simulation,
+    frames: Vec<Option<Pixels>>,
+}
+
+impl Press {
+    fn new(simulation: Simulation) -> Option<Self> {
+        let count = simulation.states().len();
+        (count > 0).then(|| Self { simulation, frames: vec![None; count] })
+    }
+
+    /// Frames of a cycle: at rest, in, and out again.
+    fn cycle(&self) -> usize {
+        REST + 2 * (self.frames.len() - 1)
+    }
+
+    fn pixels(&mut self, step: usize) -> Result<Pixels, SourceError> {
+        let last = self.frames.len() - 1;
+        let place = step.saturating_sub(REST);
+        let index = if place <= last { place } else { 2 * last - place };
+        if let Some(pixels) = &self.frames[index] {
+            return Ok(pixels.clone());
+        }
+        let rendered = match self.simulation.frame(index) {
+            Ok(pixels) => pixels.clone(),
+            Err(error) => {
+                let (location, reason) = (self.simulation.scene().name.clone(), error.to_string());
+                return Err(SourceError::Simulated { location, reason, hint: error.hint() });
+            }
+        };
+        Ok(self.frames[index].insert(rendered).clone())
+    }
+}
+
+impl PressFilm {
+    /// Begins with a press that is solved; others join as they come through `more`, if they show the same sensor.
+    ///
+    /// # Errors
+    ///
+    /// [`SourceError::Rate`] if the rate makes no sense, [`SourceError::Simulated`] if no frame of the press is solved.
+    pub fn new(first: Simulation, more: Option<Receiver<Simulation>>, options: &Options) -> Result<Self, SourceError> {
+        options.validate()?;
+        let location = first.scene().name.clone();
+        let unsolved = || SourceError::Simulated { location, reason: "no frame is solved".into(), hint: None };
+        let presses = vec![Press::new(first).ok_or_else(unsolved)?];
+        let frames_per_second = options.frames_per_second;
+        Ok(Self { presses, more, frames_per_second, next_sequence: 0, press: 0, step: 0 })
+    }
+
+    fn first_scene(&self) -> &Scene {
+        self.presses[0].simulation.scene()
+    }
+
+    /// Takes the presses that were solved in the meantime.
+    fn collect(&mut self) {
+        let Some(more) = &self.more else { return };
+        let arrived: Vec<Simulation> = more.try_iter().collect();
+        let sensor = |scene: &Scene| (simulated_sensor(scene), scene.pattern.clone(), scene.render.clone());
+        for simulation in arrived {
+            if sensor(simulation.scene()) == sensor(self.first_scene()) {
+                self.presses.extend(Press::new(simulation));
+            }
+        }
+    }
+}
+
+/// The profile without its name.
+fn simulated_sensor(scene: &Scene) -> fingervision_touch::Profile {
+    fingervision_touch::Profile { name: String::new(), ..simulated_profile(scene) }
+}
+
+impl Source for PressFilm {
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        if self.step >= self.presses[self.press].cycle() {
+            self.collect();
+            (self.press, self.step) = ((self.press + 1) % self.presses.len(), 0);
+        }
+        let pixels = self.presses[self.press].pixels(self.step)?;
+        let sequence = self.next_sequence;
+        self.step += 1;
+        self.next_sequence += 1;
+        Ok(Some(Frame { sequence, capture_time_s: sequence as f64 / self.frames_per_second, pixels }))
+    }
+
+    fn frame_count(&self) -> Option<u64> {
+        None
+    }
+
+    fn size(&self) -> (usize, usize) {
+        self.presses[0].simulation.size()
+    }
+
+    fn description(&self) -> String {
+        let ((width, height), scene) = (self.size(), self.first_scene());
+        let format = FrameFormat { width, height, is_colour: scene.render.colour, bits: 8 };
+        let (name, rate) = (&scene.name, self.frames_per_second);
+        format!("simulated presses without end, first {name}: {format}, {rate} frames per second")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fingervision_gel::PressCache;
+    use std::ops::ControlFlow;
+    use std::sync::mpsc;
+
+    fn solved(name: &str, seed: u64) -> Simulation {
+        let mut scene = Scene::find("board").unwrap();
+        let sets = [("render.width", "32"), ("render.height", "24"), ("motion.frames", "4")];
+        scene.set_all(sets).unwrap();
+        scene.set_seed(seed);
+        scene.name = name.into();
+        let mut simulation = Simulation::new(&scene).unwrap();
+        simulation.solve(&PressCache::OFF, &mut |_| ControlFlow::Continue(())).unwrap();
+        simulation
+    }
+
+    #[test]
+    fn a_press_goes_in_and_out_and_the_next_one_follows() {
+        let (sender, more) = mpsc::channel();
+        sender.send(solved("second", 1)).unwrap();
+        sender.send(solved("of another pattern", 2)).unwrap();
+        let mut film = PressFilm::new(solved("first", 1), Some(more), &Options { frames_per_second: 10.0 }).unwrap();
+        let frames: Vec<Frame> = (0..60).map(|_| film.next_frame().unwrap().unwrap()).collect();
+        assert_eq!(film.presses.len(), 2);
+        assert!(frames.iter().zip(0..).all(|(frame, number)| frame.sequence == number));
+        assert!((frames[7].capture_time_s - 0.7).abs() < 1e-12);
+        // At rest, three steps in, three out, at rest again.
+        let is_same = |a: usize, b: usize| frames[a].pixels == frames[b].pixels;
+        assert!(is_same(0, REST) && is_same(REST + 1, REST + 5) && is_same(REST + 2, REST + 4));
+        assert!(!is_same(REST + 2, REST + 3) && is_same(0, REST + 6));
+    }
+}
