@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use fingervision_source::EncodedFrame;
 
+use crate::captured::Captured;
 use crate::hub::Hub;
 use crate::input::Next;
 use crate::pool::Pool;
@@ -14,13 +15,6 @@ use crate::{Input, Message, host_time_s};
 
 /// Frames that may be held by subscribers. A recorder of 90 frames/s may fall behind by two seconds.
 const MOST_FRAMES: usize = 192;
-
-/// A frame on its way to the tracker.
-#[derive(Clone)]
-pub(crate) struct Captured {
-    pub(crate) frame: Arc<EncodedFrame>,
-    pub(crate) captured_s: f64,
-}
 
 /// Captures until the source ends or the sensor is stopped.
 pub(crate) struct Capture {

@@ -38,6 +38,7 @@
 //! ```
 
 mod capture;
+mod captured;
 mod clock;
 mod error;
 mod hub;

@@ -7,7 +7,7 @@ use fingervision_image::{Frame, Pixels};
 use fingervision_source::{CameraFrameDecoder, EncodedFrame};
 use fingervision_touch::{Fields, Profile, Tracker};
 
-use crate::capture::Captured;
+use crate::captured::Captured;
 use crate::input::Next;
 use crate::shared::Shared;
 use crate::{Input, PipelineError, SensorCounts};

@@ -6,7 +6,7 @@ use std::time::Duration;
 use fingervision_source::{CameraFrameDecoder, CameraLayout, EncodedFrame};
 use fingervision_touch::{ReadingNumbers, Tracker};
 
-use crate::capture::Captured;
+use crate::captured::Captured;
 use crate::hub::Hub;
 use crate::pool::Pool;
 use crate::queue::Queue;

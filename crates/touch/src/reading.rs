@@ -3,7 +3,7 @@
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
-use crate::{ReadingNumbers, TractionGrid};
+use crate::TractionGrid;
 
 /// Every quantity computed from one frame. All fields lie on the reference grid.
 #[derive(Debug, Clone)]
@@ -109,22 +109,6 @@ impl Reading {
             (to, from) => to.clone_from(from),
         }
         self.take_numbers(&other.numbers());
-    }
-
-    /// Takes over everything but the fields.
-    fn take_numbers(&mut self, numbers: &ReadingNumbers) {
-        self.sequence = numbers.sequence;
-        self.capture_time_s = numbers.capture_time_s;
-        self.dropped_frames = numbers.dropped_frames;
-        self.reference_id = numbers.reference_id;
-        self.reference_count = numbers.reference_count;
-        self.photometric_error = numbers.photometric_error;
-        self.latency_ms = numbers.latency_ms;
-        self.flags = numbers.flags;
-        self.max_depth_mm = numbers.max_depth_mm;
-        self.contact_area_mm2 = numbers.contact_area_mm2;
-        self.force_n = numbers.force_n;
-        self.torque_nmm = numbers.torque_nmm;
     }
 }
 

@@ -51,4 +51,20 @@ impl Reading {
             torque_nmm: self.torque_nmm,
         }
     }
+
+    /// Takes over everything but the fields.
+    pub(crate) fn take_numbers(&mut self, numbers: &ReadingNumbers) {
+        self.sequence = numbers.sequence;
+        self.capture_time_s = numbers.capture_time_s;
+        self.dropped_frames = numbers.dropped_frames;
+        self.reference_id = numbers.reference_id;
+        self.reference_count = numbers.reference_count;
+        self.photometric_error = numbers.photometric_error;
+        self.latency_ms = numbers.latency_ms;
+        self.flags = numbers.flags;
+        self.max_depth_mm = numbers.max_depth_mm;
+        self.contact_area_mm2 = numbers.contact_area_mm2;
+        self.force_n = numbers.force_n;
+        self.torque_nmm = numbers.torque_nmm;
+    }
 }
