@@ -9,7 +9,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// The dependencies that a crate of the workspace may have, without the prefix `fingervision-`.
-const LAYERS: [(&str, &[&str]); 20] = [
+const LAYERS: [(&str, &[&str]); 21] = [
     // Stands apart: only tests use it.
     ("fuzz", &[]),
     ("image", &[]),
@@ -24,6 +24,7 @@ const LAYERS: [(&str, &[&str]); 20] = [
     // The profile's table says how a camera captures.
     ("camera", &["image", "source", "touch"]),
     ("pipeline", &["image", "source", "camera", "touch"]),
+    ("page", &["image", "optics", "source", "touch", "pipeline"]),
     ("plot", &["image", "flow"]),
     ("sink", &["touch", "image", "flow", "plot", "settings"]),
     // A simulated press is read like a recording and written like a run: the same arrays, tables and pictures.
@@ -48,6 +49,7 @@ const LAYERS: [(&str, &[&str]); 20] = [
             "source",
             "camera",
             "pipeline",
+            "page",
             "sink",
             "simulation",
             "evaluate",
@@ -61,11 +63,13 @@ const LAYERS: [(&str, &[&str]); 20] = [
 const FOR_TESTS: [(Option<&str>, &str); 3] = [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 21] = [
+const HEAVY: [(&str, &[&str]); 24] = [
+    ("axum", &["page"]),
     ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
     ("image", &["source", "plot", "sink", "evaluate"]),
     ("indicatif", &["cli"]),
+    ("jpeg-encoder", &["page"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel"]),
     ("moq-v4l", &["camera"]),
@@ -76,9 +80,10 @@ const HEAVY: [(&str, &[&str]); 21] = [
     ("realfft", &["fourier"]),
     ("rust_h264", &["source"]),
     ("rustfft", &["fourier"]),
-    ("serde_json", &["cli", "xtask"]),
+    ("serde_json", &["cli", "page", "xtask"]),
     ("svg", &["gel"]),
     ("tiff", &["source"]),
+    ("tokio", &["page"]),
     ("tiny-skia", &["plot"]),
     ("ttf-parser", &["gel", "plot"]),
     ("zune-core", &["source"]),

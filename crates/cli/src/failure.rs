@@ -13,6 +13,7 @@ use fingervision_evaluate::experiment::ExperimentError;
 use fingervision_evaluate::run::RunError;
 use fingervision_gel::{GelError, PatternError, SceneError};
 use fingervision_image::ImageError;
+use fingervision_page::PageError;
 use fingervision_pipeline::PipelineError;
 use fingervision_sink::SinkError;
 use fingervision_source::SourceError;
@@ -120,6 +121,12 @@ impl From<CameraError> for Failure {
 impl From<PipelineError> for Failure {
     fn from(error: PipelineError) -> Self {
         Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<PageError> for Failure {
+    fn from(error: PageError) -> Self {
+        Self::Stated { message: error.to_string(), hint: Some(error.hint().into()) }
     }
 }
 

@@ -27,7 +27,7 @@ pub(crate) struct SensorArgs {
     /// Set one value of all profiles, as in `capture.frames_per_second=90`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     assignments: Vec<(String, String)>,
-    /// Compute depth exactly as `track` does; without it faster, with an error up to a tenth larger
+    /// Compute depth exactly as `track` does; without it faster, with an error about a tenth larger
     ///
     /// It sets `elastic.mode` of the profile, which recordings contain: tracking them gives the same values.
     #[arg(long)]

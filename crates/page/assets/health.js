@@ -1,0 +1,46 @@
+// What is wrong with a sensor, in words, and the numbers of the present reading.
+
+const HOLD_S = 4; // a flag is shown this long after it was last raised
+const SILENT_S = 1;
+
+/** The share of sorted values that the index stands for. */
+export const quantile = (sorted, part) => (sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))] : null);
+
+const number = (value, digits) => (value == null || !Number.isFinite(value) ? '–' : value.toFixed(digits));
+
+/** The numbers of a row as label, value and unit. */
+export function readouts(row, rate, delays) {
+  const shear = row?.force_n ? Math.hypot(row.force_n[0], row.force_n[1]) : null;
+  return [
+    ['Depth', number(row?.depth_mm, 2), 'mm'],
+    ['Contact', number(row?.area_mm2, 1), 'mm²'],
+    ['Force, pressing', number(row?.force_n?.[2], 2), 'N'],
+    ['Force, shear', number(shear, 2), 'N'],
+    ['Torque', number(row?.torque_nmm, 1), 'N mm'],
+    ['Readings', number(rate, 0), 'per s'],
+    ['To reading, p50 / p99', `${number(delays.reading[0], 0)} / ${number(delays.reading[1], 0)}`, 'ms'],
+    ['To screen, p50 / p99', `${number(delays.screen[0], 0)} / ${number(delays.screen[1], 0)}`, 'ms'],
+  ];
+}
+
+/** Sentences on the state of a sensor, each with how serious it is: bad, warn, past or good. */
+export function sentences({ row, flagTimes, counts, now, isPast, words }) {
+  const out = [];
+  if (!row) out.push(['warn', 'no reading yet']);
+  else if (!isPast && counts?.is_ended) out.push(['bad', 'the source has ended; the values are the last ones']);
+  else if (!isPast && now - row.captured_s > SILENT_S) out.push(['bad', `no new reading for ${(now - row.captured_s).toFixed(0)} s; the values are old`]);
+  for (const flag of row?.flags ?? []) out.push([flag === 'lost' || flag === 'gel-misfit' ? 'bad' : 'warn', words.get(flag) ?? flag]);
+  if (!isPast) {
+    for (const [flag, time] of flagTimes) {
+      if (!row?.flags.includes(flag) && now - time < HOLD_S) out.push(['past', `${words.get(flag) ?? flag}, ${(now - time).toFixed(0)} s ago`]);
+    }
+  }
+  if (out.length === 0) out.push(['good', 'no problem found']);
+  if (counts && !isPast) {
+    const dropped = [[counts.dropped, 'because tracking was busy'], [counts.dropped_by_camera, 'by the camera'], [counts.damaged, 'because they were damaged']];
+    const words = dropped.filter(([count]) => count > 0).map(([count, why]) => `${count} ${why}`);
+    if (words.length) out.push(['past', `frames left out so far: ${words.join(', ')}`]);
+    if (counts.restarts) out.push(['past', `the camera was started again ${counts.restarts} times`]);
+  }
+  return out;
+}
