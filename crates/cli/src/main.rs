@@ -51,9 +51,10 @@ const WRONG_USAGE: u8 = 2;
 /// The first commands to try.
 const NEXT_STEPS: &str = "\
 Start:
-  fingervision demo                        simulated press, no hardware needed
+  fingervision demo                        simulated presses on a page, no hardware needed
   fingervision doctor                      check this machine
   fingervision profile new --out s.toml    describe your sensor, then: fingervision calibrate
+  fingervision live --profile s.toml       show what your sensor measures
   fingervision track RECORDING --out run   track a folder of images or a video
 `fingervision COMMAND --help` explains a command.";
 

@@ -125,7 +125,7 @@ export class SensorView {
     drawMap(this.map, fields, this.largest, this.scratch);
     drawOutline(this.map, fields);
     const longest = drawArrows(this.map, fields, this.arrows.value), unit = this.arrows.value === 'traction' ? 'MPa' : fields.isDisplacement ? 'px' : 'mm';
-    this.arrowNote.textContent = longest === null ? '' : `longest arrow ${longest.toFixed(unit === 'px' ? 1 : 3)} ${unit}`;
+    this.arrowNote.textContent = longest === null ? '\u00a0' : `longest arrow ${longest.toFixed(unit === 'px' ? 1 : 3)} ${unit}`;
     const bottom = Math.min(0, least * fields.step);
     drawBar(this.barCanvas, bottom < -.02 * this.largest ? bottom : 0, this.largest);
     this.barLeast.textContent = bottom < -.02 * this.largest ? bottom.toFixed(2) : '0';

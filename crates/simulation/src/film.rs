@@ -10,6 +10,8 @@ use crate::simulated_profile;
 
 /// Frames at rest before each press.
 const REST: usize = 12;
+/// Frames at the end of the motion, before it is reversed.
+const HOLD: usize = 12;
 
 /// Presses one after another, each in and out again, without end.
 ///
@@ -38,15 +40,15 @@ impl Press {
         (count > 0).then(|| Self { simulation, frames: vec![None; count] })
     }
 
-    /// Frames of a cycle: at rest, in, and out again.
+    /// Frames of a cycle: at rest, in, held, and out again.
     fn cycle(&self) -> usize {
-        REST + 2 * (self.frames.len() - 1)
+        REST + HOLD + 2 * (self.frames.len() - 1)
     }
 
     fn pixels(&mut self, step: usize) -> Result<Pixels, SourceError> {
         let last = self.frames.len() - 1;
         let place = step.saturating_sub(REST);
-        let index = if place <= last { place } else { 2 * last - place };
+        let index = if place <= last + HOLD { place.min(last) } else { 2 * last + HOLD - place };
         if let Some(pixels) = &self.frames[index] {
             return Ok(pixels.clone());
         }
@@ -151,13 +153,14 @@ mod tests {
         sender.send(solved("second", 1)).unwrap();
         sender.send(solved("of another pattern", 2)).unwrap();
         let mut film = PressFilm::new(solved("first", 1), Some(more), &Options { frames_per_second: 10.0 }).unwrap();
-        let frames: Vec<Frame> = (0..60).map(|_| film.next_frame().unwrap().unwrap()).collect();
+        let frames: Vec<Frame> = (0..80).map(|_| film.next_frame().unwrap().unwrap()).collect();
         assert_eq!(film.presses.len(), 2);
         assert!(frames.iter().zip(0..).all(|(frame, number)| frame.sequence == number));
         assert!((frames[7].capture_time_s - 0.7).abs() < 1e-12);
-        // At rest, three steps in, three out, at rest again.
+        // At rest, three steps in, held, three out, at rest again.
         let is_same = |a: usize, b: usize| frames[a].pixels == frames[b].pixels;
-        assert!(is_same(0, REST) && is_same(REST + 1, REST + 5) && is_same(REST + 2, REST + 4));
-        assert!(!is_same(REST + 2, REST + 3) && is_same(0, REST + 6));
+        let (deepest, out) = (REST + 3, REST + 3 + HOLD);
+        assert!(is_same(0, REST) && is_same(deepest, out) && !is_same(deepest - 1, deepest));
+        assert!(is_same(deepest - 1, out + 1) && is_same(deepest - 2, out + 2) && is_same(0, out + 3));
     }
 }

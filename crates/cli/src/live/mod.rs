@@ -1,6 +1,7 @@
 //! `fingervision live`: sensors that run, on a page and in the terminal.
 
 mod actions;
+mod browser;
 mod sensors;
 mod status;
 
@@ -9,13 +10,14 @@ use std::net::IpAddr;
 use std::sync::Arc;
 
 use fingervision_page::{Page, PageOptions};
-use fingervision_pipeline::{Interest, Pipeline, Running, Sensor};
+use fingervision_pipeline::{Interest, Pipeline, Running, Sensor, Subscription};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 use actions::LiveActions;
 use sensors::SensorArgs;
+pub(crate) use sensors::fields;
 use status::SensorSummary;
 
 /// Messages that may wait for the page.
@@ -30,6 +32,12 @@ pub(crate) struct Args {
     sensors: SensorArgs,
     #[command(flatten)]
     page: PageArgs,
+    /// Track without a page
+    #[arg(long, conflicts_with_all = ["port", "bind", "open"])]
+    no_page: bool,
+    /// Open the page in the browser
+    #[arg(long)]
+    open: bool,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -42,9 +50,6 @@ pub(crate) struct PageArgs {
     /// Serve the page at this address instead of 127.0.0.1; other machines can then open it with the printed token
     #[arg(long, value_name = "ADDRESS")]
     bind: Option<IpAddr>,
-    /// Track without a page
-    #[arg(long, conflicts_with_all = ["port", "bind"])]
-    no_page: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -54,13 +59,15 @@ struct LiveSummary {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let sensors = args.sensors.open(args.output)?;
-    run_sensors(sensors, args.page, args.output, out)
+    let page = (!args.no_page).then_some(args.page);
+    run_sensors(sensors, page, args.open, args.output, out)
 }
 
-/// Runs until all sensors have ended or the user stops it.
+/// Runs until all sensors have ended or the user stops it, with a page if one is given.
 pub(crate) fn run_sensors(
     sensors: Vec<Sensor>,
-    page: PageArgs,
+    page: Option<PageArgs>,
+    opens_browser: bool,
     output: OutputArgs,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
@@ -68,7 +75,13 @@ pub(crate) fn run_sensors(
     let messages = pipeline.subscribe(Interest::readings());
     let page_messages = pipeline.subscribe(Interest { capacity: PAGE_MESSAGES, ..Interest::readings() });
     let running = pipeline.start()?;
-    let page = page.start(&running, page_messages, output)?;
+    let page = page.map(|page| page.start(&running, page_messages)).transpose()?;
+    if let Some(page) = &page {
+        output.note(&format!("the page: {}", page.url()));
+        if opens_browser && !browser::open(&page.url()) {
+            output.note("no browser was found; open this address in one");
+        }
+    }
     let sensors = status::show(running.handles(), &messages, output);
     if let Some(page) = page {
         page.stop();
@@ -79,19 +92,9 @@ pub(crate) fn run_sensors(
 }
 
 impl PageArgs {
-    fn start(
-        self,
-        running: &Running,
-        messages: fingervision_pipeline::Subscription,
-        output: OutputArgs,
-    ) -> Result<Option<Page>, Failure> {
-        if self.no_page {
-            return Ok(None);
-        }
+    fn start(self, running: &Running, messages: Subscription) -> Result<Page, Failure> {
         let default = PageOptions::default();
         let options = PageOptions { address: self.bind.unwrap_or(default.address), port: self.port };
-        let page = Page::start(options, running.handles(), messages, Arc::new(LiveActions))?;
-        output.note(&format!("the page: {}", page.url()));
-        Ok(Some(page))
+        Ok(Page::start(options, running.handles(), messages, Arc::new(LiveActions))?)
     }
 }

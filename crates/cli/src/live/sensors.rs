@@ -105,7 +105,7 @@ impl SensorArgs {
 }
 
 /// Everything that a page can show.
-fn fields(profile: &Profile) -> Fields {
+pub(crate) fn fields(profile: &Profile) -> Fields {
     let is_elastic = profile.depth_method() == DepthMethod::Elastic;
     let has_traction = is_elastic && profile.gel.is_some_and(|gel| gel.youngs_modulus_mpa.is_some());
     Fields { density: !is_elastic, depth: true, displacement: is_elastic, traction: has_traction }

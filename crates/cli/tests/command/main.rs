@@ -9,6 +9,7 @@ mod calibrate_guide;
 mod damage;
 mod elastic;
 mod evaluate;
+mod live;
 mod output;
 mod part;
 mod pattern;

@@ -14,7 +14,7 @@ fn json(ended: &Ended) -> Value {
 #[test]
 fn the_demo_is_tracked_close_to_its_truth() {
     let bench = Workbench::with_empty_cache();
-    let ended = bench.run("demo").expect_done();
+    let ended = bench.run("demo --headless").expect_done();
     assert!(ended.out.contains("preview  fingervision-demo/run/preview.png"), "{}", ended.out);
     assert!(ended.out.contains("flow error 0.0"), "{}", ended.out);
     let result = json(&bench.run("demo --headless --json").expect_done());

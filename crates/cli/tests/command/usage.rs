@@ -57,6 +57,7 @@ fn wrong_usage_exits_with_2() {
         "calibrate camera board --step-mm 0.5 --corners a.csv --profile a.toml",
         "calibrate camera board --profile a.toml",
         "calibrate camera board --profile a.toml --step-mm -0.5",
+        "live --no-page --port 8090",
         "calibrate camera board --profile a.toml --step-mm 0.5 --direction z",
         "calibrate camera board --profile a.toml --step-mm 0.5 --prior distance_mm=25",
     ] {

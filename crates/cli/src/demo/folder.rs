@@ -1,4 +1,4 @@
-//! `fingervision demo`: tracks a simulated press, without any hardware.
+//! The demo without a page: one press to look at as pictures and arrays, compared with its truth.
 
 use std::fmt::Write as _;
 use std::io::Write;
@@ -11,35 +11,17 @@ use fingervision_sink::Precision;
 use fingervision_touch::Profile;
 use serde::Serialize;
 
+use super::{Args, SCENE};
 use crate::evaluate;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::output::OutputArgs;
 use crate::part::Part;
 use crate::simulation_run::{SimulationRun, SimulationSummary};
 use crate::summary::Summary;
 use crate::tracking::Run;
 
-/// The ready-made scene that is shown.
-const SCENE: &str = "letter";
 /// The folder of a demo if none is given.
 const FOLDER: &str = "fingervision-demo";
-
-/// Press a letter into a simulated gel and track it: pictures and arrays to look at, without any hardware
-///
-/// The folder will contain `simulation` (what simulate writes), `run` (what track writes) and `run/evaluation` (what
-/// evaluate draws). The first press takes some seconds to solve; its solution is kept for the next time.
-#[derive(Debug, clap::Args)]
-pub(crate) struct Args {
-    /// The folder to write; without it ./fingervision-demo, where an earlier demo is replaced
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Write to the folder without opening a page; this version never opens one
-    #[arg(long, hide = true)]
-    headless: bool,
-    #[command(flatten)]
-    output: OutputArgs,
-}
 
 #[derive(Debug, Serialize)]
 struct DemoResult {
@@ -50,7 +32,7 @@ struct DemoResult {
     picture: PathBuf,
 }
 
-pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+pub(super) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let folder = args.out.clone().unwrap_or_else(|| FOLDER.into());
     let (sensor, run) = (folder.join("simulation"), folder.join("run"));
     let (simulation, ended) = simulate(args, &sensor)?;

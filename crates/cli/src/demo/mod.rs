@@ -1,0 +1,43 @@
+//! `fingervision demo`: tracks simulated presses, without any hardware.
+
+mod folder;
+mod page;
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use crate::failure::Failure;
+use crate::live::PageArgs;
+use crate::output::OutputArgs;
+
+/// The ready-made scene that is shown first.
+const SCENE: &str = "letter";
+
+/// Press letters and other objects into a simulated gel, and show what is measured on a web page
+///
+/// No hardware is needed. The page opens in the browser; Ctrl-C ends the demo. The first press takes some seconds to
+/// solve; its solution is kept for the next time.
+///
+/// With `--headless` one press goes to a folder instead: `simulation` (what simulate writes), `run` (what track writes)
+/// and `run/evaluation` (what evaluate draws).
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Write one press and its evaluation to a folder, without a page
+    #[arg(long)]
+    headless: bool,
+    /// The folder to write, as with --headless; without it ./fingervision-demo, where an earlier demo is replaced
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Print the address of the page, but open no browser
+    #[arg(long, conflicts_with_all = ["headless", "out"])]
+    no_browser: bool,
+    #[command(flatten)]
+    page: PageArgs,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    let is_folder = args.headless || args.out.is_some();
+    if is_folder { folder::run(args, out) } else { page::run(args, out) }
+}
