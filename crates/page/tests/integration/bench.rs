@@ -93,6 +93,21 @@ impl Bench {
         Self { page, running, actions }
     }
 
+    /// Stops the server, and serves the page at the same port again after something was done.
+    pub(crate) fn restart(&mut self, between: impl FnOnce()) {
+        let port = self.host().rsplit(':').next().unwrap().parse().unwrap();
+        let start = |port: u16| {
+            let (messages, options) = (self.running.subscribe(Interest::readings()), PageOptions::default());
+            let options = PageOptions { port: Some(port), ..options };
+            Page::start(options, self.running.handles(), messages, self.actions.clone()).unwrap()
+        };
+        let other = start(0);
+        std::mem::replace(&mut self.page, other).stop();
+        between();
+        let page = start(port);
+        self.page = page;
+    }
+
     /// As in `127.0.0.1:8090`.
     pub(crate) fn host(&self) -> String {
         self.page.url().trim_start_matches("http://").trim_end_matches('/').to_owned()
