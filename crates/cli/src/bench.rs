@@ -66,7 +66,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 
 /// Renders the press, tracks it once for its error, then as often as needed for its times.
 fn measure(args: &Args, profile: &Profile, press: &Press) -> Result<Report, Failure> {
-    args.profile.expect_effect(profile, Fields::default(), args.output)?;
+    args.profile.expect_effect(profile, Fields::default(), false, args.output)?;
     let region = profile.region(press.size())?;
     let passes = u64::from(args.frames).div_ceil(FRAMES - 1);
     let is_made_up = args.profile.is_absent();

@@ -33,9 +33,17 @@ impl ProfileArgs {
         self.profile.is_none() && self.assignments.is_empty()
     }
 
-    /// Refuses values that were set and have no effect on these fields; notes those of the profile's file.
-    pub(crate) fn expect_effect(&self, profile: &Profile, fields: Fields, output: OutputArgs) -> Result<(), Failure> {
-        profile.expect_effect(self.keys(), fields)?;
+    /// Refuses values that were set and have no effect on these fields; notes those of the profile's file. The table
+    /// `[capture]` has an effect if the frames come from a camera.
+    pub(crate) fn expect_effect(
+        &self,
+        profile: &Profile,
+        fields: Fields,
+        is_camera: bool,
+        output: OutputArgs,
+    ) -> Result<(), Failure> {
+        let keys = self.keys().filter(|key| !(is_camera && key.starts_with("capture.")));
+        profile.expect_effect(keys, fields)?;
         for key in self.profile.iter().flat_map(|_| changed_keys(profile)) {
             if let Some(idle) = profile.no_effect(&key, fields) {
                 output.note(&idle.to_string());

@@ -133,7 +133,8 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let (profile, mut source) = sensor(args, part)?;
     let fields: Option<Vec<Field>> = args.fields.as_ref().map(|fields| fields.iter().map(|field| field.0).collect());
     let to_compute = fields_to_compute(fields.as_deref(), profile.depth_method());
-    args.profile.expect_effect(&profile, to_compute, args.output)?;
+    let is_camera = matches!(Place::of(&args.source)?, Place::Camera(_));
+    args.profile.expect_effect(&profile, to_compute, is_camera, args.output)?;
     let (folder, overwrite, output) = (args.out.clone(), args.overwrite, args.output);
     let (precision, overlay) = (args.dtype.into(), args.overlay.clone());
     let skips_bad_frames = args.skip_bad_frames;

@@ -16,8 +16,8 @@ const INIT: &str = include_str!("init.sh");
 /// Folders of kernel modules that the test cameras need, below `drivers/media`.
 const MODULES: [&str; 6] = ["cec", "common", "mc", "rc", "v4l2-core", "test-drivers"];
 
-/// Packs the guest's files: shell, kernel modules, the tests and the libraries that they use.
-pub(super) fn initrd(folder: &Path, packages: &Packages, tests: &Path) -> Result<PathBuf> {
+/// Packs the guest's files: shell, kernel modules, the tests, the command, and the libraries that they use.
+pub(super) fn initrd(folder: &Path, packages: &Packages, [tests, command]: [&Path; 2]) -> Result<PathBuf> {
     let Packages { root, kernel, loopback } = packages;
     let guest = folder.join("guest");
     if guest.exists() {
@@ -28,6 +28,7 @@ pub(super) fn initrd(folder: &Path, packages: &Packages, tests: &Path) -> Result
     fs::copy(&busybox, guest.join("bin/busybox")).with_context(|| busybox.display().to_string())?;
     fs::copy(loopback, guest.join("v4l2loopback.ko"))?;
     fs::copy(tests, guest.join("devices"))?;
+    fs::copy(command, guest.join("fingervision"))?;
     fs::write(guest.join("init"), INIT)?;
     fs::set_permissions(guest.join("init"), fs::Permissions::from_mode(0o755))?;
     let modules = Path::new("lib/modules").join(kernel);
@@ -38,7 +39,7 @@ pub(super) fn initrd(folder: &Path, packages: &Packages, tests: &Path) -> Result
     for list in ["modules.builtin", "modules.order"] {
         fs::copy(root.join(&modules).join(list), guest.join(&modules).join(list))?;
     }
-    for library in libraries(tests)? {
+    for library in [libraries(tests)?, libraries(command)?].concat() {
         let place = guest.join(library.strip_prefix("/").unwrap_or(&library));
         fs::create_dir_all(place.parent().unwrap_or(&guest))?;
         fs::copy(&library, place)?;

@@ -8,11 +8,13 @@
 export PATH=/bin
 echo 'nobody:x:65534:65534:nobody:/:/bin/sh' > /etc/passwd
 echo 'nogroup:x:65534:' > /etc/group
+ifconfig lo 127.0.0.1 up
+export FINGERVISION=/fingervision
 depmod
 # One camera with a node of images and one of metadata.
 modprobe vivid n_devs=1 num_inputs=1 input_types=0 node_types=0x20001 || echo "GUEST: no vivid"
 modprobe videodev
-insmod /v4l2loopback.ko devices=1 video_nr=9 card_label=Loopback exclusive_caps=1 max_buffers=4 || echo "GUEST: no v4l2loopback"
+insmod /v4l2loopback.ko devices=2 video_nr=8,9 card_label=Loopback,Command exclusive_caps=1,1 max_buffers=4 || echo "GUEST: no v4l2loopback"
 denied=without_permission
 /devices --ignored --test-threads=1 --skip $denied
 everything=$?

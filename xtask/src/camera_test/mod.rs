@@ -1,4 +1,4 @@
-//! `cargo xtask camera-test`: the camera crate's device tests on a real kernel.
+//! `cargo xtask camera-test`: the camera crate's device tests, and the command with cameras, on a real kernel.
 //!
 //! A Debian kernel with test cameras boots in QEMU, without hardware and without root: vivid makes pictures itself, and
 //! v4l2loopback sends what a program writes. Everything is downloaded as Debian packages and unpacked in the target
@@ -39,8 +39,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         }
         Err(why) => return Err(why),
     };
-    let tests = build_tests()?;
-    let initrd = guest::initrd(&folder, &packages, &tests)?;
+    let tests = build(&["test", "--package", "fingervision-camera", "--test", "devices", "--no-run"], "devices")?;
+    let command = build(&["build", "--package", "fingervision-cli"], "fingervision")?;
+    let initrd = guest::initrd(&folder, &packages, [&tests, &command])?;
     let log = guest::boot(&packages, &initrd, LONGEST_RUN_S)?;
     fs::write(folder.join("console.log"), &log)?;
     let text = String::from_utf8_lossy(&log);
@@ -78,14 +79,13 @@ struct Target {
     name: String,
 }
 
-/// Builds the device tests and returns the program.
-fn build_tests() -> Result<PathBuf> {
-    let arguments = ["test", "--package", "fingervision-camera", "--test", "devices", "--no-run", "--locked"];
+/// Builds a program and returns it.
+fn build(arguments: &[&str], name: &str) -> Result<PathBuf> {
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(arguments).args(["--message-format", "json"]).current_dir(crate::workspace());
+    cargo.args(arguments).args(["--locked", "--message-format", "json"]).current_dir(crate::workspace());
     let messages = expect_success(&mut cargo)?;
     let messages = String::from_utf8_lossy(&messages).into_owned();
-    let is_tests = |message: &Message| message.target.as_ref().is_some_and(|target| target.name == "devices");
-    let programs = messages.lines().filter_map(|line| serde_json::from_str::<Message>(line).ok());
-    programs.filter(is_tests).find_map(|message| message.executable).context("cargo built no device tests")
+    let is_wanted = |message: &Message| message.target.as_ref().is_some_and(|target| target.name == name);
+    let programs = messages.lines().filter_map(|line| serde_json::from_str::<Message>(line).ok()).filter(is_wanted);
+    programs.filter_map(|message| message.executable).last().with_context(|| format!("cargo built no {name}"))
 }

@@ -11,7 +11,7 @@ use std::time::Duration;
 const NAME: &str = "Loopback";
 
 fn node() -> PathBuf {
-    Video4Linux::default().nodes().into_iter().find(|node| node.card == NAME).unwrap().path
+    crate::node(NAME)
 }
 
 /// A picture whose left half tells its number.

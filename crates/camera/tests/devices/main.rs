@@ -4,13 +4,15 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod command;
 mod loopback;
 mod producer;
 mod vivid;
 
-use fingervision_camera::{Camera, CameraError, Captured, Event, Video4Linux};
+use fingervision_camera::{Bus, Camera, CameraError, Captured, Event, Video4Linux};
 use fingervision_image::Frame;
 use fingervision_touch::CaptureSection;
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// Longer than the emulator needs for a frame.
@@ -23,6 +25,11 @@ fn wanted(camera: &str, format: &str, size_px: [u32; 2]) -> CaptureSection {
         size_px: Some(size_px),
         ..CaptureSection::default()
     }
+}
+
+/// The node of the camera with this name.
+fn node(card: &str) -> PathBuf {
+    Video4Linux::default().nodes().into_iter().find(|node| node.card == card).unwrap().path
 }
 
 fn open(capture: CaptureSection) -> Result<Camera, CameraError> {

@@ -5,7 +5,7 @@ use moq_v4l::control::{Control, Value};
 use std::fs;
 use std::path::PathBuf;
 
-const ID: &str = "path-vivid.0-video-index0";
+pub(crate) const ID: &str = "path-vivid.0-video-index0";
 const SIZE: [u32; 2] = [640, 480];
 
 fn node() -> PathBuf {
@@ -14,12 +14,17 @@ fn node() -> PathBuf {
 }
 
 /// Sets a control by its name; `None` presses a button.
-fn set(name: &str, value: Option<i64>) {
+pub(crate) fn set(name: &str, value: Option<i64>) {
     let device = moq_v4l::Device::with_path(node()).unwrap();
     let controls = device.query_controls().unwrap();
     let names: Vec<&str> = controls.iter().map(|control| control.name.as_str()).collect();
     let control = controls.iter().find(|control| control.name == name).unwrap_or_else(|| panic!("{names:?}"));
     device.set_control(Control { id: control.id, value: value.map_or(Value::None, Value::Integer) }).unwrap();
+}
+
+/// The driver in sysfs, where it can be unbound from its device.
+pub(crate) fn driver() -> PathBuf {
+    PathBuf::from("/sys/bus/platform/drivers/vivid")
 }
 
 #[test]
@@ -124,7 +129,7 @@ fn an_unplugged_camera_is_opened_again_when_it_is_back() {
     let before = next_frame(&mut camera);
     set("Disconnect", None);
     assert_eq!(next_event(&mut camera), Event::Unplugged);
-    let driver = PathBuf::from("/sys/bus/platform/drivers/vivid");
+    let driver = driver();
     fs::write(driver.join("unbind"), "vivid.0").unwrap();
     assert_eq!(camera.next(std::time::Duration::from_millis(300)).unwrap(), None);
     fs::write(driver.join("bind"), "vivid.0").unwrap();

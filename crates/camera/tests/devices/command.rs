@@ -1,0 +1,118 @@
+//! The `fingervision` command on cameras of a real kernel.
+
+use crate::producer::Producer;
+use crate::{WAIT, node, vivid};
+use image::codecs::jpeg::JpegEncoder;
+use image::{Rgb, RgbImage};
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+/// The loopback device of these tests alone: after programs have used one, the module refuses other sizes.
+const NAME: &str = "Command";
+const SIZE: [u32; 2] = [320, 240];
+
+/// A random pattern that was moved to the right by so many pixels.
+fn pattern(shift: u32) -> Vec<u8> {
+    let level = |x: u32, y: u32, channel: u32| {
+        let cell =
+            (x / 3).wrapping_mul(0x9e37_79b1) ^ (y / 3).wrapping_mul(0x85eb_ca77) ^ channel.wrapping_mul(0xc2b2_ae3d);
+        (cell.wrapping_mul(0x27d4_eb2f) >> 24) as u8 / 2 + 60
+    };
+    let colour = |x, y| Rgb([0, 1, 2].map(|channel| level(x + 3 - shift, y, channel)));
+    let mut bytes = Vec::new();
+    let mut coder = JpegEncoder::new_with_quality(&mut bytes, 90);
+    coder.encode_image(&RgbImage::from_fn(SIZE[0], SIZE[1], colour)).unwrap();
+    bytes
+}
+
+/// At rest, then moved to and fro.
+fn film() -> Vec<Vec<u8>> {
+    [0, 0, 0, 1, 2, 3, 3, 2, 1, 0].map(pattern).into()
+}
+
+/// The command with a camera that sends motion JPEG.
+fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(std::env::var_os("FINGERVISION").unwrap());
+    command.args(arguments).args(["--set", "capture.format=MJPG", "--set", "capture.size_px=[320, 240]"]);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// Ends a command as Ctrl-C does, after some time; returns its exit code and what it printed.
+fn interrupt(mut child: Child, after: Duration) -> (Option<i32>, String, String) {
+    thread::sleep(after);
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let (mut out, mut errors) = (String::new(), String::new());
+    child.stdout.take().unwrap().read_to_string(&mut out).unwrap();
+    if let Some(mut rest) = child.stderr.take() {
+        rest.read_to_string(&mut errors).unwrap();
+    }
+    (child.wait().unwrap().code(), out, errors)
+}
+
+#[test]
+#[ignore = "needs the cameras of cargo xtask camera-test"]
+fn a_camera_is_tracked_to_a_folder() {
+    let _producer = Producer::start(node(NAME), SIZE, 5, film());
+    let folder = "/tmp/tracked";
+    let tracking = command(&["track", &format!("camera:{NAME}"), "--out", folder]).spawn().unwrap();
+    let (code, out, errors) = interrupt(tracking, 3 * WAIT);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    let table = fs::read_to_string(format!("{folder}/readings.csv")).unwrap();
+    let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let names = rows.next().unwrap();
+    let rows: Vec<_> = rows.collect();
+    let column = |name: &str| names.iter().position(|other| *other == name).unwrap();
+    assert!(rows.len() > 10, "{table}");
+    let times: Vec<f64> = rows.iter().map(|row| row[column("capture_time_s")].parse().unwrap()).collect();
+    assert!(times.is_sorted(), "{times:?}");
+    let lost = rows.iter().filter(|row| row[column("flags")].contains("lost")).count();
+    assert_eq!(lost, 0, "{table}");
+}
+
+#[test]
+#[ignore = "needs the cameras of cargo xtask camera-test"]
+fn a_camera_is_shown_on_the_page() {
+    let _producer = Producer::start(node(NAME), SIZE, 5, film());
+    let camera = format!("camera:{NAME}");
+    let mut live = command(&["live", &camera, "--port", "0", "--json"]).spawn().unwrap();
+    let mut notes = BufReader::new(live.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.contains("the page: ") {
+        line.clear();
+        assert!(notes.read_line(&mut line).unwrap() > 0, "no page");
+    }
+    let host = line.rsplit("http://").next().unwrap().trim_end().trim_end_matches(['}', '"', '/']).to_owned();
+    let mut page = TcpStream::connect(&host).unwrap();
+    write!(page, "GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
+    let mut answer = String::new();
+    page.read_to_string(&mut answer).unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200") && answer.contains("fingervision"), "{answer}");
+    let (code, out, _) = interrupt(live, 2 * WAIT);
+    assert_eq!(code, Some(0), "{out}");
+    let readings = out.split("\"readings\": ").nth(1).unwrap().split(',').next().unwrap();
+    assert!(readings.parse::<u64>().unwrap() > 5, "{out}");
+}
+
+#[test]
+#[ignore = "needs the cameras of cargo xtask camera-test"]
+fn live_goes_on_after_the_camera_was_unplugged() {
+    let camera = format!("camera:{}", vivid::ID);
+    let mut command = Command::new(std::env::var_os("FINGERVISION").unwrap());
+    command.args(["live", &camera, "--no-page", "--set", "capture.size_px=[320, 180]"]);
+    let live = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    thread::sleep(2 * WAIT);
+    vivid::set("Disconnect", None);
+    let driver = vivid::driver();
+    fs::write(driver.join("unbind"), "vivid.0").unwrap();
+    thread::sleep(Duration::from_secs(1));
+    fs::write(driver.join("bind"), "vivid.0").unwrap();
+    let (code, out, errors) = interrupt(live, 2 * WAIT);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    let place = |text: &str| errors.find(text).unwrap_or_else(|| panic!("no \"{text}\" in {errors}"));
+    assert!(place("unplugged") < place("again"), "{errors}");
+}
