@@ -86,6 +86,6 @@ fn build(arguments: &[&str], name: &str) -> Result<PathBuf> {
     let messages = expect_success(&mut cargo)?;
     let messages = String::from_utf8_lossy(&messages).into_owned();
     let is_wanted = |message: &Message| message.target.as_ref().is_some_and(|target| target.name == name);
-    let programs = messages.lines().filter_map(|line| serde_json::from_str::<Message>(line).ok()).filter(is_wanted);
-    programs.filter_map(|message| message.executable).last().with_context(|| format!("cargo built no {name}"))
+    let mut programs = messages.lines().filter_map(|line| serde_json::from_str::<Message>(line).ok()).filter(is_wanted);
+    programs.find_map(|message| message.executable).with_context(|| format!("cargo built no {name}"))
 }
