@@ -7,6 +7,7 @@
 mod board;
 mod exposure;
 mod fault;
+mod image_quality;
 mod press;
 mod rest;
 mod samples;
@@ -17,6 +18,7 @@ use fingervision_image::Frame;
 
 pub use board::{BOARD_IMAGES, BoardCheck};
 pub use fault::{Fault, RecordingCheck, What};
+pub use image_quality::ImageQuality;
 pub use press::PressCheck;
 pub use still::{STILL_IMAGES, StillCheck};
 

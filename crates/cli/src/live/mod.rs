@@ -92,7 +92,8 @@ pub(crate) fn run_sensors(
 }
 
 impl PageArgs {
-    fn start(self, running: &Running, messages: Subscription) -> Result<Page, Failure> {
+    /// Serves the page of sensors that run.
+    pub(crate) fn start(self, running: &Running, messages: Subscription) -> Result<Page, Failure> {
         let default = PageOptions::default();
         let options = PageOptions { address: self.bind.unwrap_or(default.address), port: self.port };
         Ok(Page::start(options, running.handles(), messages, Arc::new(LiveActions))?)

@@ -1,6 +1,8 @@
 //! `calibrate` without a subcommand: guides the user from an empty folder to a profile.
 
 use std::fs;
+use std::io::Write;
+use std::process::Stdio;
 
 use image::DynamicImage;
 use serde_json::Value;
@@ -239,4 +241,20 @@ fn a_gel_that_is_described_gives_elastic_depth() {
     bench.run("track sensor/press-1/frames --profile sensor/sensor.toml --out run").expect_done();
     let force: f64 = bench.column("force_z_n")[4].parse().unwrap();
     assert!(force > 1.0, "{force} N");
+}
+
+#[test]
+fn a_camera_takes_the_recordings_when_told() {
+    let bench = Workbench::new();
+    bench.write("scene.toml", &rest());
+    let mut command = bench.command("calibrate --folder sensor --camera sim:scene.toml?loop --port 0");
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(b"\n\n\n").unwrap();
+    let ended = Ended::from(child.wait_with_output().unwrap()).expect_done();
+    expect(&ended, &["Touch nothing. Press Enter to take 30 images", "done      still", "Image 3 of 21: press Enter"]);
+    assert!(ended.errors.contains("the camera's image: http://127.0.0.1:"), "{ended:?}");
+    let images = |name: &str| fs::read_dir(bench.path(name)).unwrap().count();
+    assert_eq!(images("sensor/still"), 30);
+    assert_eq!(images("sensor/board"), 0, "a recording that is not complete replaces nothing");
+    bench.run("calibrate --folder sensor --camera camera:absent").expect_failure("camera", "");
 }

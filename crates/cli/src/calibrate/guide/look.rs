@@ -83,7 +83,7 @@ impl Step {
         Self { name: name.into(), kind, state, folder: None, check: None, answer }
     }
 
-    fn recording(kind: Kind, folder: PathBuf, check: Option<RecordingCheck>) -> Self {
+    pub(super) fn recording(kind: Kind, folder: PathBuf, check: Option<RecordingCheck>) -> Self {
         let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let state = match &check {
             Some(check) if check.is_sound() => State::Done,

@@ -3,23 +3,33 @@
 mod answers;
 mod checks;
 mod finish;
+mod lines;
+mod live_camera;
 mod look;
+mod shoot;
 mod words;
 
 use std::fs;
-use std::io::{self, BufRead, IsTerminal, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use fingervision_calibrate::camera::Prior;
 use serde::Serialize;
 
+use fingervision_image::Rect;
+use fingervision_touch::Profile;
+
 use crate::failure::Failure;
+use crate::live::PageArgs;
 use crate::output::OutputArgs;
 
 use super::camera::{direction, positive};
 use answers::{Answers, Given};
 use finish::{Outcome, calibrate};
+use lines::Lines;
+use live_camera::LiveCamera;
 use look::{Kind, State, Step, look};
+use shoot::Shoot;
 
 /// The sensor's profile in its folder.
 const PROFILE: &str = "sensor.toml";
@@ -50,6 +60,13 @@ pub(crate) struct GuideArgs {
     /// depth.csv; stored
     #[arg(long, value_name = "MPA", value_parser = modulus)]
     youngs_modulus_mpa: Option<f64>,
+    /// Take the recordings with this camera, whenever you press Enter: camera:ID, or without a value the only one
+    ///
+    /// A page shows the camera's image, and the terminal its exposure and focus.
+    #[arg(long, value_name = "CAMERA", num_args = 0..=1, default_missing_value = "camera")]
+    camera: Option<PathBuf>,
+    #[command(flatten)]
+    page: PageArgs,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -78,6 +95,8 @@ pub(crate) fn run(args: &GuideArgs, out: &mut impl Write) -> Result<(), Failure>
     };
     let mut answers = Answers::load(&args.folder)?.with(&given);
     let is_attended = io::stdin().is_terminal() && io::stdout().is_terminal() && !args.output.is_json();
+    let lines = (is_attended || args.camera.is_some()).then(|| Lines::of(io::stdin()));
+    let mut camera = None;
     loop {
         let progress = Progress::new(args, &answers)?;
         args.output.result(out, &progress, &progress.to_string())?;
@@ -85,18 +104,47 @@ pub(crate) fn run(args: &GuideArgs, out: &mut impl Write) -> Result<(), Failure>
         if progress.outcome.is_some() {
             return Ok(());
         }
-        if !is_attended {
-            return redo.map_or(Ok(()), Err);
+        let Some(lines) = &lines else { return redo.map_or(Ok(()), Err) };
+        let next = progress.steps.iter().find(|step| step.is_open());
+        if let (Some(place), Some(step)) = (&args.camera, next.filter(|step| step.folder.is_some())) {
+            if !take(step, place, &mut camera, args, lines, out)? {
+                return redo.map_or(Ok(()), Err);
+            }
+            continue;
         }
-        let next = progress.steps.iter().find(|step| step.is_open()).map(|step| step.kind);
-        let Some(heard) = hear(next, &mut io::stdin().lock(), out)? else { return Ok(()) };
+        let Some(heard) = hear(next.map(|step| step.kind), lines, out)? else { return Ok(()) };
         answers = answers.with(&heard);
     }
 }
 
+/// Takes the recording of a step with the camera, which is opened first; false at the end of the input.
+fn take(
+    step: &Step,
+    place: &Path,
+    camera: &mut Option<LiveCamera>,
+    args: &GuideArgs,
+    lines: &Lines,
+    out: &mut impl Write,
+) -> Result<bool, Failure> {
+    let path = args.folder.join(PROFILE);
+    let profile = if path.exists() { Profile::load(&path)? } else { Profile::default() };
+    let (region, capture) = (profile.image.map(|image| image.region_of_interest), profile.capture.clone());
+    // Values that are fitted later have no part in what the page shows.
+    let bare = Profile { image: profile.image, capture, flow: profile.flow, ..Profile::default() };
+    let camera = match camera {
+        Some(camera) => camera,
+        None => camera.insert(LiveCamera::open(place, bare, args.page, args.output)?),
+    };
+    let region = region.map(|[x, y, width, height]| Rect { x, y, width, height });
+    let line = args.output.line();
+    let taken = Shoot { camera, lines, out, line: line.clone(), region, best_sharpness: 0.0 }.take(step);
+    line.finish_and_clear();
+    taken
+}
+
 /// Waits for a line: an answer to the question, or an empty one. After an invalid answer the question is repeated; none
 /// at the end of the input.
-fn hear(next: Option<Kind>, lines: &mut impl BufRead, out: &mut impl Write) -> Result<Option<Given>, Failure> {
+fn hear(next: Option<Kind>, lines: &Lines, out: &mut impl Write) -> Result<Option<Given>, Failure> {
     let asked = if next == Some(Kind::Distance) {
         "The distance in mm, as in 25±0.5, then Enter"
     } else {
@@ -105,10 +153,7 @@ fn hear(next: Option<Kind>, lines: &mut impl BufRead, out: &mut impl Write) -> R
     loop {
         writeln!(out, "\n{asked}; Ctrl-C ends.")?;
         out.flush()?;
-        let mut line = String::new();
-        if lines.read_line(&mut line)? == 0 {
-            return Ok(None);
-        }
+        let Some(line) = lines.next() else { return Ok(None) };
         match (next, line.trim()) {
             (_, "") => return Ok(Some(Given::default())),
             (Some(Kind::Distance), text) => match distance(text) {
@@ -174,7 +219,8 @@ mod tests {
 
     fn heard(next: Kind, typed: &str) -> (Option<Given>, String) {
         let mut said = Vec::new();
-        let heard = hear(Some(next), &mut typed.as_bytes(), &mut said).unwrap();
+        let lines = Lines::of(io::Cursor::new(typed.to_owned()));
+        let heard = hear(Some(next), &lines, &mut said).unwrap();
         (heard, String::from_utf8(said).unwrap())
     }
 
