@@ -154,6 +154,11 @@ impl FlowEstimator {
         }
     }
 
+    /// Forgets the previous frames: the next estimates are those of a new estimator, bit for bit. Allocates nothing.
+    pub fn restart(&mut self) {
+        self.recovery.restart();
+    }
+
     /// Writes the flow from a reference to the current picture.
     pub fn estimate(&mut self, reference: &Reference, current: &Picture, start: Start<'_>, out: &mut Estimate) {
         match (self.params.preset, start) {

@@ -40,11 +40,13 @@ pub enum Flag {
     /// An area of more than 0.75 % of the image was not found in it: hidden, or moved too far. Its flow is not valid;
     /// depth, contact and force are those of the rest.
     AreaLost,
+    /// The first reading that is relative to a new reference: displacement, depth and force start at zero again.
+    NewReference,
 }
 
 impl Flag {
     /// Every flag, in the order of its bit.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 16] = [
         Self::Lost,
         Self::Dropped,
         Self::NoTexture,
@@ -60,6 +62,7 @@ impl Flag {
         Self::ImageMismatch,
         Self::UncertainFlow,
         Self::AreaLost,
+        Self::NewReference,
     ];
 
     /// The flag's name in files.
@@ -81,6 +84,7 @@ impl Flag {
             Self::ImageMismatch => "image-mismatch",
             Self::UncertainFlow => "uncertain-flow",
             Self::AreaLost => "area-lost",
+            Self::NewReference => "new-reference",
         }
     }
 
@@ -132,6 +136,9 @@ impl Flag {
             }
             Self::AreaLost => {
                 "an area of the image is not found, depth and force are those of the rest: look for dirt and damage, or move more slowly"
+            }
+            Self::NewReference => {
+                "from here on all values are relative to a new reference: do not compare them with earlier ones"
             }
         }
     }

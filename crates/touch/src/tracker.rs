@@ -26,6 +26,8 @@ pub struct Tracker {
     density: Option<DensityStage>,
     elastic: Option<ElasticStage>,
     previous: Option<(u64, f64)>,
+    /// The reference that the last reading is relative to.
+    zero_id: Option<u64>,
     reading: Reading,
 }
 
@@ -79,6 +81,7 @@ impl Tracker {
             estimator,
             estimate: Estimate::new(width, height),
             previous: None,
+            zero_id: None,
             reading,
             density,
             elastic,
@@ -103,6 +106,20 @@ impl Tracker {
         &self.reading
     }
 
+    /// Makes the next frame the new reference: from there on displacement, depth and force are relative to it.
+    ///
+    /// All references and the history of the previous frames are dropped. The readings that follow are those of a new
+    /// tracker that starts with that frame, bit for bit, except that frame numbers, dropped frames and the numbers of
+    /// references go on, and that the first of them has the flag [`Flag::NewReference`]. Allocates nothing by itself; the
+    /// frames that follow allocate as at a start, such as the first keyframe.
+    pub fn rezero(&mut self) {
+        self.references.restart();
+        self.estimator.restart();
+        if let Some(stage) = &mut self.elastic {
+            stage.restart();
+        }
+    }
+
     /// The reading of a frame. It stays valid until the next frame.
     ///
     /// # Errors
@@ -117,7 +134,10 @@ impl Tracker {
         self.previous = Some((frame.sequence, frame.capture_time_s));
 
         let matched = self.references.track(&mut self.estimator, &self.picture, &mut self.estimate);
-        let flags = self.flags(dropped);
+        let mut flags = self.flags(dropped);
+        if self.zero_id.replace(matched.zero_id).is_some_and(|before| before != matched.zero_id) {
+            flags.raise(Flag::NewReference);
+        }
         let reading = &mut self.reading;
         reading.sequence = frame.sequence;
         reading.capture_time_s = frame.capture_time_s;

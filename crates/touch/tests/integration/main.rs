@@ -8,5 +8,6 @@ mod elastic_tracking;
 mod focus;
 mod fuzz;
 mod properties;
+mod rezero;
 mod solved;
 mod tracker;
