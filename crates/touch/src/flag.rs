@@ -42,11 +42,23 @@ pub enum Flag {
     AreaLost,
     /// The first reading that is relative to a new reference: displacement, depth and force start at zero again.
     NewReference,
+    /// More pixels than in the reference, by 5 % of the image, or a third of all are saturated: they show no texture.
+    Saturated,
+    /// The image is so dark that its texture is lost.
+    Dark,
+    /// The first reading that matches the reference again, after [`Flag::Lost`].
+    Found,
+    /// The untouched gel has moved by more than 0.25 px since the reference, or matches it clearly worse: warming,
+    /// creep, ageing, or a camera that moved slowly.
+    Drift,
+    /// A part of the gel never tracks at rest while the gel around it does; [`Reading::damaged_part`](crate::Reading)
+    /// is its share.
+    GelDamaged,
 }
 
 impl Flag {
     /// Every flag, in the order of its bit.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 21] = [
         Self::Lost,
         Self::Dropped,
         Self::NoTexture,
@@ -63,6 +75,11 @@ impl Flag {
         Self::UncertainFlow,
         Self::AreaLost,
         Self::NewReference,
+        Self::Saturated,
+        Self::Dark,
+        Self::Found,
+        Self::Drift,
+        Self::GelDamaged,
     ];
 
     /// The flag's name in files.
@@ -85,6 +102,11 @@ impl Flag {
             Self::UncertainFlow => "uncertain-flow",
             Self::AreaLost => "area-lost",
             Self::NewReference => "new-reference",
+            Self::Saturated => "saturated",
+            Self::Dark => "dark",
+            Self::Found => "found",
+            Self::Drift => "drift",
+            Self::GelDamaged => "gel-damaged",
         }
     }
 
@@ -139,6 +161,17 @@ impl Flag {
             }
             Self::NewReference => {
                 "from here on all values are relative to a new reference: do not compare them with earlier ones"
+            }
+            Self::Saturated => "too many pixels are saturated and show no texture: lower exposure, gain or light",
+            Self::Dark => {
+                "the image is too dark to show its texture: switch on the light, uncover the lens, or raise the exposure"
+            }
+            Self::Found => "the gel is found again after it was lost: what happened in between was not measured",
+            Self::Drift => {
+                "the untouched gel no longer looks as in the reference, small forces are wrong: let go of the gel and re-zero"
+            }
+            Self::GelDamaged => {
+                "a part of the gel never tracks, there is no measurement there: look for dirt, tears and worn pattern"
             }
         }
     }

@@ -17,6 +17,7 @@ mod error;
 mod fields;
 mod flag;
 mod guided_filter;
+mod health;
 mod parameter_error;
 mod profile;
 mod reading;

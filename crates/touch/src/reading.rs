@@ -26,6 +26,8 @@ pub struct Reading {
     pub latency_ms: f64,
     /// The problems of the reading.
     pub flags: Flags,
+    /// Part of the image that never tracks while the gel around it does, 0 to 1; see [`Flag::GelDamaged`](crate::Flag).
+    pub damaged_part: f32,
     /// Displacement, px.
     pub flow: FlowField,
     /// Predicted standard deviation of the flow, px; infinite where there is no measurement.
@@ -72,6 +74,7 @@ impl Reading {
             photometric_error: 0.0,
             latency_ms: 0.0,
             flags: Flags::default(),
+            damaged_part: 0.0,
             flow: FlowField::zero(width, height),
             deviation: Image::filled(width, height, f32::INFINITY),
             valid: Image::filled(width, height, 0),

@@ -7,6 +7,7 @@ mod elastic_depth;
 mod elastic_tracking;
 mod focus;
 mod fuzz;
+mod health;
 mod properties;
 mod rezero;
 mod solved;
