@@ -112,8 +112,8 @@ fn a_worn_pattern_ages_the_reference() {
         stage.show(Image::from_fn(SIZE.0, SIZE.1, worn)).has(Flag::Drift)
     };
     assert!((0..60).all(|_| !show(0.0)));
-    let aged: Vec<bool> = (0..60).map(|_| show(0.2)).collect();
-    assert!(!aged[0] && aged[59], "{aged:?}");
+    let aged: Vec<bool> = (0..150_u16).map(|step| show(f32::from(step) / 500.0)).collect();
+    assert!(!aged[0] && aged[149], "{aged:?}");
 }
 
 #[test]
