@@ -54,11 +54,14 @@ pub enum Flag {
     /// A part of the gel never tracks at rest while the gel around it does; [`Reading::damaged_part`](crate::Reading)
     /// is its share.
     GelDamaged,
+    /// The reference shows another pattern than the profile's `pattern.fingerprint`: the values of the profile are those
+    /// of another sensor.
+    OtherSensor,
 }
 
 impl Flag {
     /// Every flag, in the order of its bit.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::Lost,
         Self::Dropped,
         Self::NoTexture,
@@ -80,6 +83,7 @@ impl Flag {
         Self::Found,
         Self::Drift,
         Self::GelDamaged,
+        Self::OtherSensor,
     ];
 
     /// The flag's name in files.
@@ -107,6 +111,7 @@ impl Flag {
             Self::Found => "found",
             Self::Drift => "drift",
             Self::GelDamaged => "gel-damaged",
+            Self::OtherSensor => "other-sensor",
         }
     }
 
@@ -172,6 +177,9 @@ impl Flag {
             }
             Self::GelDamaged => {
                 "a part of the gel never tracks, there is no measurement there: look for dirt, tears and worn pattern"
+            }
+            Self::OtherSensor => {
+                "the pattern is not that of the profile, depth and force are those of another sensor: use its own profile, or write the fingerprint anew"
             }
         }
     }

@@ -84,7 +84,7 @@ impl Tracker {
             references: References::new(&estimator, (width, height), centre_px, &profile.references)?,
             estimator,
             estimate: Estimate::new(width, height),
-            watch: Watch::new((width, height), profile.flow.noise_levels),
+            watch: Watch::new((width, height), profile),
             rezero_after_s: profile.references.rezero_after_s,
             previous: None,
             zero_id: None,
@@ -187,7 +187,8 @@ impl Tracker {
         let levels = self.picture.levels();
         let first = self.references.first().map_or(levels, Reference::levels);
         let is_lost = flags.has(Flag::Lost);
-        self.watch.watch(Seen { time_s, levels, first, estimate: &self.estimate, is_lost }, flags);
+        let seen = Seen { time_s, grey: self.picture.grey(), levels, first, estimate: &self.estimate, is_lost };
+        self.watch.watch(seen, flags);
     }
 
     /// Refuses a frame that does not follow the previous one; returns the number of missing frames between them.

@@ -6,17 +6,20 @@ mod thresholds;
 
 use damage::Damage;
 use fingervision_flow::{Estimate, Levels};
+use fingervision_image::Image;
 use rest::Rest;
 use thresholds::THRESHOLDS;
 
-use crate::{Flag, Flags};
+use crate::{Fingerprint, Flag, Flags, Profile};
 
 /// What the checks look at in a frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Seen<'a> {
     /// When the frame was exposed, s.
     pub(crate) time_s: f64,
-    /// The frame's levels.
+    /// The frame's grey levels.
+    pub(crate) grey: &'a Image<f32>,
+    /// Their mean, contrast and saturation.
     pub(crate) levels: Levels,
     /// Those of the reference.
     pub(crate) first: Levels,
@@ -33,15 +36,27 @@ pub(crate) struct Watch {
     noise_levels: f32,
     rest: Rest,
     damage: Damage,
+    /// What the profile knows of the pattern.
+    fingerprint: Option<Fingerprint>,
+    /// Whether the reference shows another sensor; none before it was compared.
+    is_other: Option<bool>,
     was_lost: bool,
     time_s: f64,
 }
 
 impl Watch {
-    /// For images of this size, px, and a camera of this noise, grey levels.
-    pub(crate) fn new(size: (usize, usize), noise_levels: f32) -> Self {
+    /// For images of this size, px, of this sensor.
+    pub(crate) fn new(size: (usize, usize), profile: &Profile) -> Self {
         let (rest, damage) = (Rest::new(size), Damage::new(size));
-        Self { noise_levels, rest, damage, was_lost: false, time_s: f64::NAN }
+        Self {
+            noise_levels: profile.flow.noise_levels,
+            rest,
+            damage,
+            fingerprint: profile.fingerprint(),
+            is_other: None,
+            was_lost: false,
+            time_s: f64::NAN,
+        }
     }
 
     /// Begins again with a new reference.
@@ -49,6 +64,7 @@ impl Watch {
         self.rest.restart();
         self.damage.restart();
         self.was_lost = false;
+        self.is_other = None;
     }
 
     /// Takes a frame and raises its flags.
@@ -59,7 +75,14 @@ impl Watch {
             }
         };
         raise_if(Flag::Saturated, is_saturated(seen.levels, seen.first));
-        raise_if(Flag::Dark, self.is_dark(seen.levels, seen.first));
+        let is_dark = self.is_dark(seen.levels, seen.first);
+        raise_if(Flag::Dark, is_dark);
+        if !is_dark && !seen.is_lost {
+            let Self { is_other, fingerprint, .. } = self;
+            // Compared once: from then on the frames match the reference.
+            is_other.get_or_insert_with(|| fingerprint.is_some_and(|fingerprint| !fingerprint.matches(seen.grey)));
+        }
+        raise_if(Flag::OtherSensor, self.is_other == Some(true));
         raise_if(Flag::Found, std::mem::replace(&mut self.was_lost, seen.is_lost) && !seen.is_lost);
         self.time_s = seen.time_s;
         let is_at_rest = self.rest.watch(seen.time_s, seen.estimate, seen.is_lost);

@@ -1,8 +1,8 @@
 //! Flags that say when a reading cannot be trusted: light, drift, damage, lost and found.
 
 use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
-use fingervision_image::{Frame, Image, Pixels};
-use fingervision_touch::{Fields, Flag, Flags, Profile, Tracker};
+use fingervision_image::{Frame, Image, Pixels, Rect, grey_into};
+use fingervision_touch::{Fields, Fingerprint, Flag, Flags, Profile, Tracker};
 
 const SIZE: (usize, usize) = (240, 180);
 /// Frames per second: slow, so that minutes take few frames.
@@ -127,6 +127,26 @@ fn a_drifted_reference_is_replaced_by_rule_and_flagged() {
         assert_eq!(replaced.len(), usize::from(is_replaced), "{replaced:?}");
         for frame in replaced {
             assert!(frame > first && !flags[frame..].iter().any(|flags| flags.has(Flag::Drift)));
+        }
+    }
+}
+
+#[test]
+fn another_sensor_than_the_profile_s_is_flagged_in_every_reading() {
+    let sheet = Sheet { width: SIZE.0, height: SIZE.1, ..Sheet::default() };
+    let mut known = Image::filled(SIZE.0, SIZE.1, 0.0);
+    let image = SheetRenderer::new(&sheet).unwrap().render(&Motion::STILL, Light::EVEN, 1).unwrap();
+    grey_into(&Pixels::Rgb8(image), Rect::whole(SIZE.0, SIZE.1), &mut known).unwrap();
+    let text = format!("'{}'", String::from(Fingerprint::of(&known).unwrap()));
+    for (pattern_seed, is_other) in [(sheet.pattern_seed, false), (99, true)] {
+        let mut stage = Stage::new(Some(("pattern.fingerprint", &text)));
+        stage.renderer = SheetRenderer::new(&Sheet { pattern_seed, ..sheet.clone() }).unwrap();
+        let black = Image::filled(SIZE.0, SIZE.1, [3; 3]);
+        assert!(!stage.show(black).has(Flag::OtherSensor), "too dark to tell");
+        stage.tracker.rezero();
+        for step in 0..4 {
+            let flags = stage.show_motion(&stage.bump(f64::from(step)));
+            assert_eq!(flags.has(Flag::OtherSensor), is_other, "frame {step}: {flags}");
         }
     }
 }
