@@ -4,7 +4,7 @@ use crate::affine::patches::{self, AffinePatches, AffineReference};
 use crate::recovery::Recovery;
 use crate::round_trip::{invert_into, round_trip_error_into};
 use crate::search::{self, InverseSearch, SearchReference};
-use crate::{Estimate, FlowError, FlowField, FlowHistory, FlowParams, Picture, Preset};
+use crate::{Estimate, FlowError, FlowField, FlowHistory, FlowParams, Levels, Picture, Preset};
 use fearless_simd::Level;
 use fingervision_image::Image;
 
@@ -15,6 +15,7 @@ pub struct Reference {
     affine: AffineReference,
     mean_level: f32,
     sharpness: f32,
+    levels: Levels,
     /// The picture itself, if the round trip is checked.
     picture: Option<Picture>,
 }
@@ -30,6 +31,12 @@ impl Reference {
     #[must_use]
     pub fn mean_level(&self) -> f32 {
         self.mean_level
+    }
+
+    /// Mean, contrast and saturation of the picture.
+    #[must_use]
+    pub fn levels(&self) -> Levels {
+        self.levels
     }
 
     /// Sharpness of the picture; see [`Picture::sharpness`].
@@ -141,7 +148,7 @@ impl FlowEstimator {
     pub fn reference(&self) -> Reference {
         let picture = self.params.validity.max_round_trip_px.map(|_| self.picture());
         let (search, affine) = (self.search.reference(), self.affine.reference());
-        Reference { search, affine, mean_level: 0.0, sharpness: 0.0, picture }
+        Reference { search, affine, mean_level: 0.0, sharpness: 0.0, levels: Levels::default(), picture }
     }
 
     /// Prepares a reference from a picture.
@@ -149,9 +156,15 @@ impl FlowEstimator {
         self.search.prepare(picture, &mut reference.search);
         self.affine.prepare(picture, &mut reference.affine);
         (reference.mean_level, reference.sharpness) = (picture.mean_level(), picture.sharpness());
+        reference.levels = picture.levels();
         if let Some(kept) = &mut reference.picture {
             kept.copy_from(picture);
         }
+    }
+
+    /// Forgets the previous frames: the next estimates are those of a new estimator, bit for bit. Allocates nothing.
+    pub fn restart(&mut self) {
+        self.recovery.restart();
     }
 
     /// Writes the flow from a reference to the current picture.

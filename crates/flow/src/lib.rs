@@ -46,6 +46,7 @@ mod field;
 mod history;
 #[cfg(test)]
 mod instruction_sets;
+mod levels;
 mod params;
 mod picture;
 mod recovery;
@@ -57,6 +58,7 @@ pub use estimate::Estimate;
 pub use estimator::{FlowEstimator, Reference, Start};
 pub use field::FlowField;
 pub use history::FlowHistory;
+pub use levels::Levels;
 pub use params::{AffineParams, FlowParams, Preset, ValidityParams};
 pub use picture::Picture;
 pub use round_trip::{invert_into, round_trip_error_into};

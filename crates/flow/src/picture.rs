@@ -1,5 +1,6 @@
 //! A picture prepared for matching: its grey pyramid and, if needed, its colours.
 
+use crate::Levels;
 use fingervision_image::{Image, ImageError, Pixels, Pyramid, Rect, grey_into, rgbx_into};
 
 /// One image at every pyramid level. Made once per stream and reloaded for every frame.
@@ -59,6 +60,12 @@ impl Picture {
     pub fn mean_level(&self) -> f32 {
         let coarsest = self.grey.coarsest().values();
         coarsest.iter().sum::<f32>() / coarsest.len() as f32
+    }
+
+    /// Mean, contrast and saturation.
+    #[must_use]
+    pub fn levels(&self) -> Levels {
+        Levels::of(self.grey(), self.colour.as_ref())
     }
 
     /// Sharpness of the picture, dimensionless: the mean squared difference between neighbours in a row at full size,

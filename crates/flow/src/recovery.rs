@@ -52,6 +52,11 @@ impl Recovery {
         }
     }
 
+    /// Forgets the previous frames.
+    pub(crate) fn restart(&mut self) {
+        self.skips_next = false;
+    }
+
     /// Searches the lost areas after a warm start from `guess`, and refines the patches from the result. Returns the
     /// area that is still lost, px².
     pub(crate) fn run(

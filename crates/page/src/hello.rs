@@ -9,7 +9,8 @@ use serde::Serialize;
 pub(crate) struct Hello {
     version: &'static str,
     sensors: Vec<SensorHello>,
-    flags: Vec<(&'static str, String)>,
+    /// Name and sentence of every flag.
+    flags: Vec<(&'static str, &'static str)>,
 }
 
 #[derive(Debug, Serialize)]
@@ -30,7 +31,7 @@ struct SensorHello {
 impl Hello {
     pub(crate) fn new(handles: &[SensorHandle]) -> Self {
         let sensors = handles.iter().map(SensorHello::new).collect();
-        let flags = Flag::ALL.iter().map(|flag| (flag.name(), flag.name().replace('-', " "))).collect();
+        let flags = Flag::ALL.iter().map(|flag| (flag.name(), flag.sentence())).collect();
         Self { version: env!("CARGO_PKG_VERSION"), sensors, flags }
     }
 }

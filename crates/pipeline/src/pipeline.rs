@@ -95,7 +95,7 @@ impl Running {
         let layout = first.frame.layout;
         let track = {
             let (handle, first, hub, queue) = (handle.clone(), first.clone(), Arc::clone(hub), Arc::clone(&queue));
-            Track { index, tracker, decoder, layout, handle, first, hub, queue }
+            Track { index, tracker, decoder, layout, handle, first, hub, queue, is_rezeroing: false }
         };
         let names = [format!("track-{}", handle.name()), format!("capture-{}", handle.name())];
         let (hub, is_stopped) = (Arc::clone(hub), Arc::clone(&self.is_stopped));

@@ -42,7 +42,6 @@ impl Shared {
         self.is_rezero_asked.store(true, Ordering::Release);
     }
 
-    #[expect(dead_code, reason = "the tracker cannot be given a new reference yet")]
     pub(crate) fn take_rezero(&self) -> bool {
         self.is_rezero_asked.swap(false, Ordering::AcqRel)
     }

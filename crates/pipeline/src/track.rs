@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use fingervision_source::{CameraFrameDecoder, CameraLayout, EncodedFrame};
-use fingervision_touch::{ReadingNumbers, Tracker};
+use fingervision_touch::{Flag, ReadingNumbers, Tracker};
 
 use crate::captured::Captured;
 use crate::hub::Hub;
@@ -29,6 +29,8 @@ pub(crate) struct Track {
     pub(crate) first: Captured,
     pub(crate) hub: Arc<Hub>,
     pub(crate) queue: Arc<Queue<Captured>>,
+    /// A new reference was asked for, and no frame has been tracked since.
+    pub(crate) is_rezeroing: bool,
 }
 
 impl Track {
@@ -40,7 +42,10 @@ impl Track {
         while first.is_some() || !self.queue.is_done() {
             let Some(captured) = first.take().or_else(|| self.queue.pop(WAIT)) else { continue };
             match self.track(&captured.frame) {
-                Ok(numbers) => self.publish(numbers, &captured, &mut snapshots),
+                Ok(numbers) => {
+                    self.note_reference(&numbers);
+                    self.publish(numbers, &captured, &mut snapshots);
+                }
                 Err(reason) => {
                     self.handle.shared.count(|counts| counts.damaged += 1);
                     self.event(format!("frame {} is left out: {reason}", captured.frame.sequence));
@@ -55,8 +60,22 @@ impl Track {
             (self.layout, self.decoder) = (frame.layout, CameraFrameDecoder::new(frame.layout));
         }
         let pixels = self.decoder.decode(&frame.bytes)?;
+        if self.handle.shared.take_rezero() {
+            self.tracker.rezero();
+            self.is_rezeroing = true;
+        }
         let reading = self.tracker.track(&frame_of(frame, pixels)).map_err(|error| error.to_string())?;
         Ok(reading.numbers())
+    }
+
+    /// Logs a new reference, before the first reading that is relative to it.
+    fn note_reference(&mut self, numbers: &ReadingNumbers) {
+        let (is_asked, sequence) = (std::mem::take(&mut self.is_rezeroing), numbers.sequence);
+        if is_asked {
+            self.event(format!("re-zeroed at frame {sequence}"));
+        } else if numbers.flags.has(Flag::NewReference) {
+            self.event(format!("frame {sequence} is relative to a new reference, which the tracker took by its rules"));
+        }
     }
 
     fn publish(&self, numbers: ReadingNumbers, captured: &Captured, snapshots: &mut Pool<Snapshot>) {

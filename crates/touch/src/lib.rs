@@ -15,7 +15,10 @@ mod depth_law;
 mod elastic_depth;
 mod error;
 mod fields;
+mod fingerprint;
+mod flag;
 mod guided_filter;
+mod health;
 mod parameter_error;
 mod profile;
 mod reading;
@@ -34,12 +37,15 @@ pub use elastic_depth::{
 };
 pub use error::TrackError;
 pub use fields::Fields;
+pub use fingerprint::Fingerprint;
+pub use flag::{Flag, Flags};
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
 pub use parameter_error::ParameterError;
 pub use profile::{
-    CaptureSection, DepthMethod, DepthSection, ImageSection, Profile, ProfileError, ProfileReview, Remark, Weight,
+    CaptureSection, DepthMethod, DepthSection, ImageSection, PatternSection, Profile, ProfileError, ProfileReview,
+    Remark, Weight,
 };
-pub use reading::{Flag, Flags, Reading};
+pub use reading::Reading;
 pub use reading_numbers::ReadingNumbers;
 pub use references::{Policy, ReferenceParams};
 pub use tracker::Tracker;

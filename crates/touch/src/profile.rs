@@ -35,7 +35,7 @@ use fingervision_optics::{Camera, CameraParams};
 use fingervision_settings::Document;
 use serde::{Deserialize, Serialize};
 
-use crate::{DensityParams, DepthLaw, ElasticParams, ReferenceParams};
+use crate::{DensityParams, DepthLaw, ElasticParams, Fingerprint, ReferenceParams};
 
 pub use capture::CaptureSection;
 pub use error::ProfileError;
@@ -79,6 +79,9 @@ pub struct Profile {
     /// The gel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gel: Option<GelBlock>,
+    /// What is known of the pattern.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pattern: Option<PatternSection>,
     /// How depth is computed.
     pub depth: DepthSection,
     /// Parameters of the flow.
@@ -97,6 +100,15 @@ pub struct Profile {
 pub struct ImageSection {
     /// Left column, top row, width and height of the region of interest, px.
     pub region_of_interest: [usize; 4],
+}
+
+/// What is known of the pattern.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PatternSection {
+    /// Tells this sensor from others; if absent, it is not compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fingerprint: Option<Fingerprint>,
 }
 
 /// How depth is computed.
@@ -141,6 +153,7 @@ impl Default for Profile {
             image: None,
             camera: None,
             gel: None,
+            pattern: None,
             depth: DepthSection::default(),
             flow: FlowParams::default(),
             references: ReferenceParams::default(),
@@ -270,6 +283,12 @@ impl Profile {
         let params = self.camera.ok_or(absent("camera"))?;
         let gel = self.gel.ok_or(absent("gel"))?;
         Ok((Camera::new(&params).map_err(validate::impossible_camera)?, gel))
+    }
+
+    /// The fingerprint of the sensor's pattern, if it is known.
+    #[must_use]
+    pub fn fingerprint(&self) -> Option<Fingerprint> {
+        self.pattern.and_then(|pattern| pattern.fingerprint)
     }
 
     /// Whether the method is elastic and camera and gel are known.

@@ -3,7 +3,7 @@
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
-use crate::TractionGrid;
+use crate::{Flags, TractionGrid};
 
 /// Every quantity computed from one frame. All fields lie on the reference grid.
 #[derive(Debug, Clone)]
@@ -26,6 +26,8 @@ pub struct Reading {
     pub latency_ms: f64,
     /// The problems of the reading.
     pub flags: Flags,
+    /// Part of the image that never tracks while the gel around it does, 0 to 1; see [`Flag::GelDamaged`](crate::Flag).
+    pub damaged_part: f32,
     /// Displacement, px.
     pub flow: FlowField,
     /// Predicted standard deviation of the flow, px; infinite where there is no measurement.
@@ -72,6 +74,7 @@ impl Reading {
             photometric_error: 0.0,
             latency_ms: 0.0,
             flags: Flags::default(),
+            damaged_part: 0.0,
             flow: FlowField::zero(width, height),
             deviation: Image::filled(width, height, f32::INFINITY),
             valid: Image::filled(width, height, 0),
@@ -116,146 +119,5 @@ fn copy_image<T: Clone>(to: &mut Option<Image<T>>, from: Option<&Image<T>>) {
     match (to, from) {
         (Some(to), Some(from)) => to.copy_from(from),
         (to, from) => *to = from.cloned(),
-    }
-}
-
-/// A problem that a reading can have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u8)]
-#[non_exhaustive]
-pub enum Flag {
-    /// Most of the image does not match the reference: the fields are not valid.
-    Lost,
-    /// The source skipped frames just before this one.
-    Dropped,
-    /// The image has too little texture to be tracked.
-    NoTexture,
-    /// The gel already moves in the first frames: the reference may show a pressed gel.
-    PressedAtStart,
-    /// The mean brightness differs from the reference's by a factor above 1.25, up or down.
-    LightChanged,
-    /// The density's Gaussians do not overlap somewhere (3σ ≤ M).
-    DensityGap,
-    /// The gel is strained beyond the range of linear elasticity, on which depth and force are based.
-    BeyondLinear,
-    /// Contact reaches the border of the field of view: area, force and torque are those of the visible part.
-    ContactCut,
-    /// The flow cannot be that of this gel and camera: there is no depth and no force.
-    GelMisfit,
-    /// Gel and camera are outside the network's training range: depth, contact and force can be worse than their
-    /// deviation says.
-    OutsideTraining,
-    /// The flow is valid in less than a tenth of contact, because it moves too fast or strains too much: depth there is
-    /// derived from the gel around it.
-    ContactUntracked,
-    /// The image is blurred more than the reference, by lost focus or by motion.
-    OutOfFocus,
-    /// Noise and motion do not explain how the image differs from the reference: blur, compression, or an image of
-    /// another sensor. Deviations are larger accordingly.
-    ImageMismatch,
-    /// The flow's deviation is more than 1.8 times that of the images elastic depth was trained on: depth, contact and
-    /// force are less certain than their deviation says.
-    UncertainFlow,
-    /// An area of more than 0.75 % of the image was not found in it: hidden, or moved too far. Its flow is not valid;
-    /// depth, contact and force are those of the rest.
-    AreaLost,
-}
-
-impl Flag {
-    /// Every flag, in the order of its bit.
-    pub const ALL: [Self; 15] = [
-        Self::Lost,
-        Self::Dropped,
-        Self::NoTexture,
-        Self::PressedAtStart,
-        Self::LightChanged,
-        Self::DensityGap,
-        Self::BeyondLinear,
-        Self::ContactCut,
-        Self::GelMisfit,
-        Self::OutsideTraining,
-        Self::ContactUntracked,
-        Self::OutOfFocus,
-        Self::ImageMismatch,
-        Self::UncertainFlow,
-        Self::AreaLost,
-    ];
-
-    /// The flag's name in files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Lost => "lost",
-            Self::Dropped => "dropped",
-            Self::NoTexture => "no-texture",
-            Self::PressedAtStart => "pressed-at-start",
-            Self::LightChanged => "light-changed",
-            Self::DensityGap => "density-gap",
-            Self::BeyondLinear => "beyond-linear",
-            Self::ContactCut => "contact-cut",
-            Self::GelMisfit => "gel-misfit",
-            Self::OutsideTraining => "outside-training",
-            Self::ContactUntracked => "contact-untracked",
-            Self::OutOfFocus => "out-of-focus",
-            Self::ImageMismatch => "image-mismatch",
-            Self::UncertainFlow => "uncertain-flow",
-            Self::AreaLost => "area-lost",
-        }
-    }
-}
-
-/// A set of [`Flag`]s. Prints as names joined by `+`, empty if there is none.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Flags(u16);
-
-impl Flags {
-    /// Adds a flag.
-    pub fn raise(&mut self, flag: Flag) {
-        self.0 |= 1 << flag as u8;
-    }
-
-    /// Whether a flag is set.
-    #[must_use]
-    pub fn has(self, flag: Flag) -> bool {
-        self.0 & (1 << flag as u8) != 0
-    }
-
-    /// The flags that are set.
-    pub fn iter(self) -> impl Iterator<Item = Flag> {
-        Flag::ALL.into_iter().filter(move |&flag| self.has(flag))
-    }
-}
-
-impl std::fmt::Display for Flags {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for (i, flag) in self.iter().enumerate() {
-            let joint = if i == 0 { "" } else { "+" };
-            write!(f, "{joint}{}", flag.name())?;
-        }
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn flags_print_their_names() {
-        let mut flags = Flags::default();
-        assert_eq!(flags.to_string(), "");
-        flags.raise(Flag::DensityGap);
-        flags.raise(Flag::Lost);
-        assert_eq!(flags.to_string(), "lost+density-gap");
-    }
-
-    #[test]
-    fn every_flag_has_a_bit_of_its_own() {
-        for flag in Flag::ALL {
-            let mut flags = Flags::default();
-            flags.raise(flag);
-            assert_eq!(flags.iter().collect::<Vec<_>>(), [flag]);
-            assert_eq!(flags.to_string(), flag.name());
-        }
     }
 }

@@ -22,6 +22,8 @@ pub struct ReadingNumbers {
     pub latency_ms: f64,
     /// The problems of the reading.
     pub flags: Flags,
+    /// As [`Reading::damaged_part`], 0 to 1.
+    pub damaged_part: f32,
     /// Largest depth where it is valid, mm.
     pub max_depth_mm: Option<f32>,
     /// Area of contact in the undeformed surface, mm².
@@ -45,6 +47,7 @@ impl Reading {
             photometric_error: self.photometric_error,
             latency_ms: self.latency_ms,
             flags: self.flags,
+            damaged_part: self.damaged_part,
             max_depth_mm: self.max_depth_mm,
             contact_area_mm2: self.contact_area_mm2,
             force_n: self.force_n,
@@ -62,6 +65,7 @@ impl Reading {
         self.photometric_error = numbers.photometric_error;
         self.latency_ms = numbers.latency_ms;
         self.flags = numbers.flags;
+        self.damaged_part = numbers.damaged_part;
         self.max_depth_mm = numbers.max_depth_mm;
         self.contact_area_mm2 = numbers.contact_area_mm2;
         self.force_n = numbers.force_n;

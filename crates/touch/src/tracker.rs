@@ -3,11 +3,12 @@
 mod density_stage;
 mod elastic_stage;
 
+use crate::health::{Seen, Watch};
 use crate::references::References;
 use crate::{DepthMethod, Fields, Flag, Flags, Profile, Reading, TrackError};
 use density_stage::DensityStage;
 use elastic_stage::ElasticStage;
-use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture};
+use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture, Reference};
 use fingervision_image::{Frame, Image, Rect};
 use std::time::Instant;
 
@@ -25,7 +26,12 @@ pub struct Tracker {
     estimate: Estimate,
     density: Option<DensityStage>,
     elastic: Option<ElasticStage>,
+    watch: Watch,
+    /// How long a gel at rest must have drifted before it becomes the reference by itself, s.
+    rezero_after_s: Option<f64>,
     previous: Option<(u64, f64)>,
+    /// The reference that the last reading is relative to.
+    zero_id: Option<u64>,
     reading: Reading,
 }
 
@@ -78,7 +84,10 @@ impl Tracker {
             references: References::new(&estimator, (width, height), centre_px, &profile.references)?,
             estimator,
             estimate: Estimate::new(width, height),
+            watch: Watch::new((width, height), profile),
+            rezero_after_s: profile.references.rezero_after_s,
             previous: None,
+            zero_id: None,
             reading,
             density,
             elastic,
@@ -103,6 +112,21 @@ impl Tracker {
         &self.reading
     }
 
+    /// Makes the next frame the new reference: from there on displacement, depth and force are relative to it.
+    ///
+    /// All references and the history of the previous frames are dropped. The readings that follow are those of a new
+    /// tracker that starts with that frame, bit for bit, except that frame numbers, dropped frames and the numbers of
+    /// references go on, and that the first of them has the flag [`Flag::NewReference`]. Allocates nothing by itself; the
+    /// frames that follow allocate as at a start, such as the first keyframe.
+    pub fn rezero(&mut self) {
+        self.references.restart();
+        self.estimator.restart();
+        self.watch.restart();
+        if let Some(stage) = &mut self.elastic {
+            stage.restart();
+        }
+    }
+
     /// The reading of a frame. It stays valid until the next frame.
     ///
     /// # Errors
@@ -116,8 +140,16 @@ impl Tracker {
             .map_err(|source| TrackError::Image { sequence: frame.sequence, source })?;
         self.previous = Some((frame.sequence, frame.capture_time_s));
 
+        if self.rezero_after_s.is_some_and(|after_s| self.watch.is_rezero_due(after_s)) {
+            self.rezero();
+        }
         let matched = self.references.track(&mut self.estimator, &self.picture, &mut self.estimate);
-        let flags = self.flags(dropped);
+        let mut flags = self.flags(dropped);
+        if self.zero_id.replace(matched.zero_id).is_some_and(|before| before != matched.zero_id) {
+            flags.raise(Flag::NewReference);
+            self.watch.restart();
+        }
+        self.check(frame.capture_time_s, &mut flags);
         let reading = &mut self.reading;
         reading.sequence = frame.sequence;
         reading.capture_time_s = frame.capture_time_s;
@@ -130,10 +162,15 @@ impl Tracker {
         std::mem::swap(&mut reading.deviation, &mut self.estimate.deviation);
         std::mem::swap(&mut reading.valid, &mut self.estimate.valid);
         reading.flags = flags;
+        reading.damaged_part = self.watch.damaged_part();
         // The inverse uses the validity of the flow alone: it runs before the gaps of the density count as not valid.
         if let Some(stage) = &mut self.elastic {
             stage.run(&mut self.reading);
-            self.references.note_press(self.reading.contact_area_mm2.is_some_and(|area| area > 0.0));
+            let is_touched = self.reading.contact_area_mm2.is_some_and(|area| area > 0.0);
+            self.references.note_press(is_touched);
+            if is_touched {
+                self.watch.note_contact();
+            }
         }
         if self.references.is_pressed_at_start() {
             self.reading.flags.raise(Flag::PressedAtStart);
@@ -143,6 +180,15 @@ impl Tracker {
         }
         self.reading.latency_ms = arrival.elapsed().as_secs_f64() * 1e3;
         Ok(&self.reading)
+    }
+
+    /// Runs the checks that need the picture or more than one frame.
+    fn check(&mut self, time_s: f64, flags: &mut Flags) {
+        let levels = self.picture.levels();
+        let first = self.references.first().map_or(levels, Reference::levels);
+        let is_lost = flags.has(Flag::Lost);
+        let seen = Seen { time_s, grey: self.picture.grey(), levels, first, estimate: &self.estimate, is_lost };
+        self.watch.watch(seen, flags);
     }
 
     /// Refuses a frame that does not follow the previous one; returns the number of missing frames between them.

@@ -3,6 +3,7 @@
 use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Frame, Pixels};
 use fingervision_source::{Source, SourceError};
+use std::sync::mpsc::{Receiver, Sender, channel};
 
 /// Columns and rows, px.
 pub(crate) const SIZE: (usize, usize) = (96, 80);
@@ -10,6 +11,8 @@ pub(crate) const SIZE: (usize, usize) = (96, 80);
 /// Frames that exist already.
 pub(crate) struct Film {
     frames: std::vec::IntoIter<Frame>,
+    /// The number of the frame that waits for a word, and where that comes from.
+    gate: Option<(u64, Receiver<()>)>,
 }
 
 impl Film {
@@ -28,13 +31,25 @@ impl Film {
     }
 
     pub(crate) fn source(frames: Vec<Frame>) -> Box<dyn Source> {
-        Box::new(Self { frames: frames.into_iter() })
+        Box::new(Self { frames: frames.into_iter(), gate: None })
+    }
+
+    /// As [`Film::source`], but frame `number` comes only after something is sent.
+    pub(crate) fn gated(frames: Vec<Frame>, number: u64) -> (Box<dyn Source>, Sender<()>) {
+        let (open, gate) = channel();
+        (Box::new(Self { frames: frames.into_iter(), gate: Some((number, gate)) }), open)
     }
 }
 
 impl Source for Film {
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
-        Ok(self.frames.next())
+        let next = self.frames.next();
+        if let (Some(frame), Some((number, gate))) = (&next, &self.gate)
+            && frame.sequence == *number
+        {
+            gate.recv().unwrap();
+        }
+        Ok(next)
     }
 
     fn frame_count(&self) -> Option<u64> {

@@ -4,6 +4,7 @@
 
 mod camera;
 mod film;
+mod rezero;
 mod subscribers;
 mod tracking;
 

@@ -206,6 +206,11 @@ impl ElasticDepth {
         }
     }
 
+    /// Forgets the previous frames: the next results are those of a new object, bit for bit. Allocates nothing.
+    pub fn restart(&mut self) {
+        self.rest(THRESHOLDS.still_px * self.surface.mm_per_px);
+    }
+
     /// Sets the result to a gel at rest, for a frame in which motion above `still_mm` would be detected.
     fn rest(&mut self, still_mm: f64) {
         self.held.rest();

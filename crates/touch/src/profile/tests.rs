@@ -113,7 +113,7 @@ fn an_unknown_key_is_named_with_its_line_and_a_like_one() {
     assert_eq!(error, "line 1: unknown key contacts");
     assert_eq!(
         hint,
-        "a profile has the keys name, capture, image, camera, gel, depth, flow, references, density, elastic"
+        "a profile has the keys name, capture, image, camera, gel, pattern, depth, flow, references, density, elastic"
     );
     let (error, hint) = refusal("[depth]\nzzz = 1");
     assert_eq!(

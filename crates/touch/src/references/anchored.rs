@@ -86,6 +86,18 @@ impl Anchored {
         self.start_up.note_press(is_press);
     }
 
+    /// Drops all references; the next frame becomes the first one.
+    pub(crate) fn restart(&mut self) {
+        if std::mem::take(&mut self.has_first) {
+            self.ids += 1;
+            self.first_id = self.ids;
+        }
+        self.keyframe = None;
+        self.history.restart();
+        (self.frames_lost, self.frames_incomplete, self.frames_since_key) = (0, 0, 0);
+        self.start_up.restart();
+    }
+
     /// Matches a frame and writes its flow from the first reference.
     pub(crate) fn track(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Matched {
         if !self.has_first {
@@ -93,7 +105,8 @@ impl Anchored {
             self.has_first = true;
         }
         estimator.estimate(&self.first, current, Start::History(&self.history), out);
-        let mut reference_id = self.first_id;
+        let zero_id = self.first_id;
+        let mut reference_id = zero_id;
         if out.matched < self.params.min_matched {
             reference_id = self.rescue(estimator, current, out);
         } else {
@@ -107,6 +120,7 @@ impl Anchored {
         }
         Matched {
             reference_id,
+            zero_id,
             reference_count: 1 + usize::from(self.keyframe.is_some()),
             photometric_error: out.residual_levels,
         }

@@ -21,6 +21,8 @@ pub use params::{Policy, ReferenceParams};
 pub(crate) struct Matched {
     /// Reference that the frame was matched with, counted from 0.
     pub(crate) reference_id: u64,
+    /// Reference that the flow is relative to: the first one, or the one that replaced it.
+    pub(crate) zero_id: u64,
     /// Number of references that are kept.
     pub(crate) reference_count: usize,
     /// Photometric error, grey levels.
@@ -40,6 +42,7 @@ pub(crate) enum References {
 pub(crate) struct Single {
     reference: Reference,
     is_prepared: bool,
+    id: u64,
     history: FlowHistory,
 }
 
@@ -57,9 +60,20 @@ impl References {
             Policy::Single => Self::Single(Box::new(Single {
                 reference: estimator.reference(),
                 is_prepared: false,
+                id: 0,
                 history: FlowHistory::at_rest(size.0, size.1),
             })),
         })
+    }
+
+    /// Drops all references and forgets all frames: the next frame becomes the first reference. Numbers of references go
+    /// on.
+    pub(crate) fn restart(&mut self) {
+        match self {
+            Self::Anchored(references) => references.restart(),
+            Self::Stack(references) => references.restart(),
+            Self::Single(references) => references.restart(),
+        }
     }
 
     /// Matches a frame and writes its flow from the first reference.
@@ -94,6 +108,12 @@ impl References {
 }
 
 impl Single {
+    fn restart(&mut self) {
+        self.id += u64::from(self.is_prepared);
+        self.is_prepared = false;
+        self.history.restart();
+    }
+
     fn track(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Matched {
         if !self.is_prepared {
             estimator.prepare(current, &mut self.reference);
@@ -101,6 +121,6 @@ impl Single {
         }
         estimator.estimate(&self.reference, current, Start::History(&self.history), out);
         self.history.push(&out.flow);
-        Matched { reference_id: 0, reference_count: 1, photometric_error: out.residual_levels }
+        Matched { reference_id: self.id, zero_id: self.id, reference_count: 1, photometric_error: out.residual_levels }
     }
 }

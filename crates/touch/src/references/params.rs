@@ -42,6 +42,10 @@ pub struct ReferenceParams {
     /// Anchored: if the gel was pressed at the start, number of consecutive frames without motion after its release
     /// before a new reference is taken.
     pub rest_frames: u64,
+    /// If the reference has drifted ([`Flag::Drift`](crate::Flag)) and nothing has touched the gel for this time, s, the
+    /// next frame becomes the reference; absent: never. A press that grows by less than 0.05 px/s looks like drift.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rezero_after_s: Option<f64>,
     /// Stack: a largest photometric error above this adds the frame to the stack, grey levels.
     pub push_error: f32,
     /// Stack: a largest photometric error below this against an older reference drops all later ones, grey levels.
@@ -59,6 +63,7 @@ impl Default for ReferenceParams {
             min_matched: 0.7,
             search_interval: 15,
             rest_frames: 30,
+            rezero_after_s: None,
             push_error: 10.0,
             loop_error: 5.0,
             coarse_grid: [61, 45],
@@ -84,6 +89,8 @@ impl ReferenceParams {
         {
             check(count > 0, key, count as f64, "at least 1 frame")?;
         }
+        let after_s = self.rezero_after_s.unwrap_or(1.0);
+        check(after_s > 0.0 && after_s.is_finite(), "references.rezero_after_s", after_s, "above 0 s")?;
         for (key, error) in [("references.push_error", self.push_error), ("references.loop_error", self.loop_error)] {
             check(error > 0.0 && error <= 255.0, key, f64::from(error), "above 0, at most 255 grey levels")?;
         }

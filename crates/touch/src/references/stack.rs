@@ -62,6 +62,13 @@ impl Stack {
         })
     }
 
+    /// Drops all references; the next frame becomes the first one.
+    pub(crate) fn restart(&mut self) {
+        self.layers.clear();
+        self.history.restart();
+        self.coarse.restart();
+    }
+
     /// Matches a frame and writes its flow from the first reference.
     pub(crate) fn track(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Matched {
         average_into(current.grey(), &mut self.coarse_current);
@@ -81,7 +88,9 @@ impl Stack {
         } else {
             out.copy_from(&self.from_top);
         }
-        let matched = Matched { reference_id: top.id, reference_count: self.layers.len(), photometric_error: error };
+        let zero_id = self.layers[0].id;
+        let matched =
+            Matched { reference_id: top.id, zero_id, reference_count: self.layers.len(), photometric_error: error };
         if error > self.params.push_error && self.layers.len() < self.params.max_references {
             self.push(estimator, current, out.clone());
             self.history.restart();

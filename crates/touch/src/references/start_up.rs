@@ -40,6 +40,12 @@ impl StartUp {
         Self { state: State::Undecided, first_motion: FirstMotion::new(centre_px), rest_frames, explained: 0 }
     }
 
+    /// Forgets the frames so far: tracking begins again.
+    pub(crate) fn restart(&mut self) {
+        self.state = State::Undecided;
+        self.explained = 0;
+    }
+
     /// Whether the reference showed a pressed gel, according to the frames so far.
     pub(crate) fn is_pressed(&self) -> bool {
         self.explained == 0 && matches!(self.state, State::Pressed { .. })

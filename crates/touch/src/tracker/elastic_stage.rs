@@ -29,6 +29,11 @@ impl ElasticStage {
         Ok(Self { inverse })
     }
 
+    /// Forgets the previous frames.
+    pub(super) fn restart(&mut self) {
+        self.inverse.restart();
+    }
+
     /// Fills the fields from the reading's flow. They are empty for a frame that is lost or does not fit the gel.
     pub(super) fn run(&mut self, reading: &mut Reading) {
         if reading.flags.has(Flag::Lost) || reading.flags.has(Flag::NoTexture) {

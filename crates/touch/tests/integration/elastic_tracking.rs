@@ -130,6 +130,27 @@ fn a_gel_that_is_released_takes_its_rest_for_the_reference() {
 }
 
 #[test]
+fn a_re_zeroed_tracker_gives_the_depth_and_force_of_a_new_one() {
+    for mode in ["live", "exact"] {
+        let mut press = Press::of_a_ball("", 1.6);
+        press.profile.set("elastic.mode", mode).unwrap();
+        let (mut old, mut fresh) = (press.tracker(), press.tracker());
+        for pose in 2..8 {
+            press.show(pose, &mut old);
+        }
+        old.rezero();
+        for pose in [2, 4, 6, 8] {
+            let frame = press.frame(pose);
+            let (again, anew) = (old.track(&frame).unwrap(), fresh.track(&frame).unwrap());
+            assert_eq!((&again.depth, &again.contact), (&anew.depth, &anew.contact), "{mode}, pose {pose}");
+            assert_eq!((again.force_n, again.torque_nmm), (anew.force_n, anew.torque_nmm), "{mode}, pose {pose}");
+            assert_eq!(again.flags.has(Flag::NewReference), pose == 2);
+        }
+        assert!(old.reading().force_n.unwrap()[2] > 1.0, "{mode}: {:?}", old.reading().force_n);
+    }
+}
+
+#[test]
 fn a_press_beyond_a_quarter_of_the_thickness_is_flagged() {
     let mut press = Press::of_a_ball("thickness_mm = 8.0", 2.4);
     let mut tracker = press.tracker();

@@ -7,6 +7,8 @@ mod elastic_depth;
 mod elastic_tracking;
 mod focus;
 mod fuzz;
+mod health;
 mod properties;
+mod rezero;
 mod solved;
 mod tracker;

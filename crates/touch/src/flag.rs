@@ -1,0 +1,252 @@
+//! The problems that a reading can have.
+
+/// A problem that a reading can have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+#[non_exhaustive]
+pub enum Flag {
+    /// Most of the image does not match the reference: the fields are not valid.
+    Lost,
+    /// The source skipped frames just before this one.
+    Dropped,
+    /// The image has too little texture to be tracked.
+    NoTexture,
+    /// The gel already moves in the first frames: the reference may show a pressed gel.
+    PressedAtStart,
+    /// The mean brightness differs from the reference's by a factor above 1.25, up or down.
+    LightChanged,
+    /// The density's Gaussians do not overlap somewhere (3σ ≤ M).
+    DensityGap,
+    /// The gel is strained beyond the range of linear elasticity, on which depth and force are based.
+    BeyondLinear,
+    /// Contact reaches the border of the field of view: area, force and torque are those of the visible part.
+    ContactCut,
+    /// The flow cannot be that of this gel and camera: there is no depth and no force.
+    GelMisfit,
+    /// Gel and camera are outside the network's training range: depth, contact and force can be worse than their
+    /// deviation says.
+    OutsideTraining,
+    /// The flow is valid in less than a tenth of contact, because it moves too fast or strains too much: depth there is
+    /// derived from the gel around it.
+    ContactUntracked,
+    /// The image is blurred more than the reference, by lost focus or by motion.
+    OutOfFocus,
+    /// Noise and motion do not explain how the image differs from the reference: blur, compression, or an image of
+    /// another sensor. Deviations are larger accordingly.
+    ImageMismatch,
+    /// The flow's deviation is more than 1.8 times that of the images elastic depth was trained on: depth, contact and
+    /// force are less certain than their deviation says.
+    UncertainFlow,
+    /// An area of more than 0.75 % of the image was not found in it: hidden, or moved too far. Its flow is not valid;
+    /// depth, contact and force are those of the rest.
+    AreaLost,
+    /// The first reading that is relative to a new reference: displacement, depth and force start at zero again.
+    NewReference,
+    /// More pixels than in the reference, by 5 % of the image, or a third of all are saturated: they show no texture.
+    Saturated,
+    /// The image is so dark that its texture is lost.
+    Dark,
+    /// The first reading that matches the reference again, after [`Flag::Lost`].
+    Found,
+    /// The untouched gel has moved by more than 0.25 px since the reference, or matches it clearly worse: warming,
+    /// creep, ageing, or a camera that moved slowly.
+    Drift,
+    /// A part of the gel never tracks at rest while the gel around it does; [`Reading::damaged_part`](crate::Reading)
+    /// is its share.
+    GelDamaged,
+    /// The reference shows another pattern than the profile's `pattern.fingerprint`: the values of the profile are those
+    /// of another sensor.
+    OtherSensor,
+}
+
+impl Flag {
+    /// Every flag, in the order of its bit.
+    pub const ALL: [Self; 22] = [
+        Self::Lost,
+        Self::Dropped,
+        Self::NoTexture,
+        Self::PressedAtStart,
+        Self::LightChanged,
+        Self::DensityGap,
+        Self::BeyondLinear,
+        Self::ContactCut,
+        Self::GelMisfit,
+        Self::OutsideTraining,
+        Self::ContactUntracked,
+        Self::OutOfFocus,
+        Self::ImageMismatch,
+        Self::UncertainFlow,
+        Self::AreaLost,
+        Self::NewReference,
+        Self::Saturated,
+        Self::Dark,
+        Self::Found,
+        Self::Drift,
+        Self::GelDamaged,
+        Self::OtherSensor,
+    ];
+
+    /// The flag's name in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lost => "lost",
+            Self::Dropped => "dropped",
+            Self::NoTexture => "no-texture",
+            Self::PressedAtStart => "pressed-at-start",
+            Self::LightChanged => "light-changed",
+            Self::DensityGap => "density-gap",
+            Self::BeyondLinear => "beyond-linear",
+            Self::ContactCut => "contact-cut",
+            Self::GelMisfit => "gel-misfit",
+            Self::OutsideTraining => "outside-training",
+            Self::ContactUntracked => "contact-untracked",
+            Self::OutOfFocus => "out-of-focus",
+            Self::ImageMismatch => "image-mismatch",
+            Self::UncertainFlow => "uncertain-flow",
+            Self::AreaLost => "area-lost",
+            Self::NewReference => "new-reference",
+            Self::Saturated => "saturated",
+            Self::Dark => "dark",
+            Self::Found => "found",
+            Self::Drift => "drift",
+            Self::GelDamaged => "gel-damaged",
+            Self::OtherSensor => "other-sensor",
+        }
+    }
+
+    /// One sentence on what the flag means and what to do, without a full stop.
+    #[must_use]
+    pub fn sentence(self) -> &'static str {
+        match self {
+            Self::Lost => {
+                "most of the image does not match the reference, nothing is valid: let go of the gel, look for dirt or a covered lens, or re-zero"
+            }
+            Self::Dropped => {
+                "frames are missing before this one: lower the rate or the resolution, or free the processor"
+            }
+            Self::NoTexture => {
+                "the image has too little texture to be tracked: check light, focus and region of interest, or print a finer pattern"
+            }
+            Self::PressedAtStart => {
+                "the reference probably shows a pressed gel, all values are relative to it: release the gel and wait, or re-zero"
+            }
+            Self::LightChanged => {
+                "the image is brighter or darker than the reference by more than a quarter: lock exposure and gain, keep out other light, or re-zero"
+            }
+            Self::DensityGap => {
+                "the surface expands too much for the density somewhere, it is not valid there: increase density.sigma_px"
+            }
+            Self::BeyondLinear => {
+                "the gel is strained beyond linear elasticity, depth and force have larger errors: press less deeply"
+            }
+            Self::ContactCut => {
+                "contact reaches the border of the image, area, force and torque are those of the visible part: press nearer to the middle"
+            }
+            Self::GelMisfit => {
+                "the motion cannot be that of this gel, there is no depth and no force: check [gel] and [camera] of the profile"
+            }
+            Self::OutsideTraining => {
+                "the network was not trained for such a gel and camera, depth and force have larger errors: check the profile, or press a known object to see the error"
+            }
+            Self::ContactUntracked => {
+                "hardly any pixel of contact can be followed, depth there comes from the gel around it: press or move more slowly"
+            }
+            Self::OutOfFocus => {
+                "the image is more blurred than the reference: move more slowly, or focus the camera, fix the lens and re-zero"
+            }
+            Self::ImageMismatch => {
+                "noise and motion do not explain how the image differs from the reference, errors are larger: check focus, compression and that it is the same sensor"
+            }
+            Self::UncertainFlow => {
+                "the displacement is less certain than elastic depth expects, depth and force are, too: improve light, focus or pattern"
+            }
+            Self::AreaLost => {
+                "an area of the image is not found, depth and force are those of the rest: look for dirt and damage, or move more slowly"
+            }
+            Self::NewReference => {
+                "from here on all values are relative to a new reference: do not compare them with earlier ones"
+            }
+            Self::Saturated => "too many pixels are saturated and show no texture: lower exposure, gain or light",
+            Self::Dark => {
+                "the image is too dark to show its texture: switch on the light, uncover the lens, or raise the exposure"
+            }
+            Self::Found => "the gel is found again after it was lost: what happened in between was not measured",
+            Self::Drift => {
+                "the untouched gel no longer looks as in the reference, small forces are wrong: let go of the gel and re-zero"
+            }
+            Self::GelDamaged => {
+                "a part of the gel never tracks, there is no measurement there: look for dirt, tears and worn pattern"
+            }
+            Self::OtherSensor => {
+                "the pattern is not that of the profile, depth and force are those of another sensor: use its own profile, or write the fingerprint anew"
+            }
+        }
+    }
+}
+
+/// A set of [`Flag`]s. Prints as names joined by `+`, empty if there is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Flags(u32);
+
+impl Flags {
+    /// Adds a flag.
+    pub fn raise(&mut self, flag: Flag) {
+        self.0 |= 1 << flag as u8;
+    }
+
+    /// Whether a flag is set.
+    #[must_use]
+    pub fn has(self, flag: Flag) -> bool {
+        self.0 & (1 << flag as u8) != 0
+    }
+
+    /// The flags that are set.
+    pub fn iter(self) -> impl Iterator<Item = Flag> {
+        Flag::ALL.into_iter().filter(move |&flag| self.has(flag))
+    }
+}
+
+impl std::fmt::Display for Flags {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (i, flag) in self.iter().enumerate() {
+            let joint = if i == 0 { "" } else { "+" };
+            write!(f, "{joint}{}", flag.name())?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_print_their_names() {
+        let mut flags = Flags::default();
+        assert_eq!(flags.to_string(), "");
+        flags.raise(Flag::DensityGap);
+        flags.raise(Flag::Lost);
+        assert_eq!(flags.to_string(), "lost+density-gap");
+    }
+
+    #[test]
+    fn every_flag_has_a_bit_of_its_own() {
+        for flag in Flag::ALL {
+            let mut flags = Flags::default();
+            flags.raise(flag);
+            assert_eq!(flags.iter().collect::<Vec<_>>(), [flag]);
+            assert_eq!(flags.to_string(), flag.name());
+        }
+    }
+
+    #[test]
+    fn every_flag_has_a_sentence_of_its_own() {
+        let sentences: std::collections::BTreeSet<_> = Flag::ALL.map(Flag::sentence).into();
+        assert_eq!(sentences.len(), Flag::ALL.len());
+        for flag in Flag::ALL {
+            let sentence = flag.sentence();
+            assert!(sentence.contains(": ") && !sentence.ends_with('.'), "what it means: what to do; {sentence}");
+        }
+    }
+}

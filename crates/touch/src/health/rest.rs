@@ -1,0 +1,142 @@
+//! Knows the untouched gel, and how it slowly changes.
+//!
+//! The gel is at rest as long as its flow stays near that of the untouched gel, which is zero at first. Once it has been
+//! at rest for some time, the flow of the untouched gel is taken anew: so a slow change is followed, and a touch, which
+//! is faster, is not. After a touch the gel is at rest again when the flow is back. The size of this flow, and the
+//! residual of the matches at rest, tell how far the reference has drifted or aged.
+//!
+//! A press that grows more slowly than that counts as drift.
+
+use fingervision_flow::Estimate;
+
+use super::thresholds::THRESHOLDS;
+
+/// Distance between samples along both axes, px.
+const STEP: usize = 16;
+
+/// The untouched gel.
+#[derive(Debug)]
+pub(super) struct Rest {
+    /// Columns and rows of the image, px.
+    size: (usize, usize),
+    /// Flow of the untouched gel at the samples, row by row, px.
+    untouched: Vec<[f32; 2]>,
+    frames: u64,
+    /// Since when the gel has been at rest without this being used, s.
+    slow_since_s: Option<f64>,
+    /// Sum and number of the residuals since then.
+    residuals: (f32, f32),
+    /// Mean residual of the first such time, grey levels.
+    first_residual: Option<f32>,
+    is_drifted: bool,
+    /// Since when the gel has been at rest, s.
+    since_s: Option<f64>,
+}
+
+impl Rest {
+    /// For images of this size, px.
+    pub(super) fn new(size: (usize, usize)) -> Self {
+        Self {
+            size,
+            untouched: vec![[0.0; 2]; places(size).count()],
+            frames: 0,
+            slow_since_s: None,
+            residuals: (0.0, 0.0),
+            first_residual: None,
+            is_drifted: false,
+            since_s: None,
+        }
+    }
+
+    /// Begins again with a new reference.
+    pub(super) fn restart(&mut self) {
+        self.untouched.fill([0.0; 2]);
+        self.frames = 0;
+        (self.slow_since_s, self.since_s, self.first_residual) = (None, None, None);
+        self.is_drifted = false;
+    }
+
+    /// Whether the reference has drifted or aged.
+    pub(super) fn is_drifted(&self) -> bool {
+        self.is_drifted
+    }
+
+    /// Since when the gel has been at rest, s of the frames' clock.
+    pub(super) fn since_s(&self) -> Option<f64> {
+        self.since_s
+    }
+
+    /// Notes that something touches the gel, whatever the flow.
+    pub(super) fn disturb(&mut self) {
+        (self.slow_since_s, self.since_s) = (None, None);
+    }
+
+    /// Takes a frame; returns whether the gel is at rest.
+    pub(super) fn watch(&mut self, time_s: f64, estimate: &Estimate, is_lost: bool) -> bool {
+        self.frames += 1;
+        let off_px = if is_lost { f32::INFINITY } else { self.off_px(estimate) };
+        if off_px.is_nan() || off_px >= THRESHOLDS.rest_px || !time_s.is_finite() {
+            self.disturb();
+            return false;
+        }
+        self.since_s.get_or_insert(time_s);
+        if off_px < THRESHOLDS.slow_px {
+            self.follow(time_s, estimate);
+        } else {
+            self.slow_since_s = None;
+        }
+        true
+    }
+
+    /// Takes the flow of the untouched gel anew when it is time.
+    fn follow(&mut self, time_s: f64, estimate: &Estimate) {
+        let Some(since_s) = self.slow_since_s else {
+            (self.slow_since_s, self.residuals) = (Some(time_s), (0.0, 0.0));
+            return;
+        };
+        // The first frame is the reference: its residual is zero.
+        if self.frames > 1 && estimate.residual_levels.is_finite() {
+            self.residuals.0 += estimate.residual_levels;
+            self.residuals.1 += 1.0;
+        }
+        if time_s - since_s < THRESHOLDS.slow_s {
+            return;
+        }
+        self.slow_since_s = None;
+        for (place, untouched) in places(self.size).zip(&mut self.untouched) {
+            if let Some(flow) = flow_at(estimate, place) {
+                *untouched = flow;
+            }
+        }
+        let squares = self.untouched.iter().map(|[u, v]| u * u + v * v).sum::<f32>();
+        let drift_px = (squares / self.untouched.len().max(1) as f32).sqrt();
+        let (sum, count) = self.residuals;
+        let residual = if count > 0.0 { sum / count } else { 0.0 };
+        let first = *self.first_residual.get_or_insert(residual);
+        self.is_drifted = drift_px > THRESHOLDS.drift_px || residual > THRESHOLDS.aged * first;
+    }
+
+    /// Difference between the flow and that of the untouched gel where both are valid, px (root mean square); NaN where
+    /// nothing is valid.
+    fn off_px(&self, estimate: &Estimate) -> f32 {
+        let (mut squares, mut count) = (0.0_f32, 0.0_f32);
+        for (place, [u, v]) in places(self.size).zip(&self.untouched) {
+            if let Some([now_u, now_v]) = flow_at(estimate, place) {
+                squares += (now_u - u).powi(2) + (now_v - v).powi(2);
+                count += 1.0;
+            }
+        }
+        (squares / count).sqrt()
+    }
+}
+
+/// The samples, row by row, px.
+fn places((width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
+    let along = |length: usize| (STEP / 2..length).step_by(STEP);
+    along(height).flat_map(move |y| along(width).map(move |x| (x, y)))
+}
+
+/// The flow at a place, where it is valid.
+fn flow_at(estimate: &Estimate, (x, y): (usize, usize)) -> Option<[f32; 2]> {
+    (estimate.valid.at(x, y) == 1).then(|| [estimate.flow.u.at(x, y), estimate.flow.v.at(x, y)])
+}

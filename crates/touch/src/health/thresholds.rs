@@ -1,0 +1,60 @@
+//! The thresholds of the checks of a stream, all in one place: px of flow, parts, factors relative to the reference, s.
+//! None depends on the size of the sensor.
+
+/// See [`THRESHOLDS`].
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Thresholds {
+    /// Largest part of saturated pixels more than in the reference, and of the reference itself.
+    pub(super) more_saturated: f32,
+    pub(super) most_saturated: f32,
+    /// An image is dark if its mean and its contrast are both below these parts of the reference's.
+    pub(super) dark_mean: f32,
+    pub(super) dark_contrast: f32,
+    /// A first image is dark if its mean is below this many grey levels and its contrast below this many times the
+    /// camera's noise.
+    pub(super) black_levels: f32,
+    pub(super) black_contrast: f32,
+    /// The gel is at rest if its flow differs from that of the untouched gel by less than this, px (root mean square).
+    pub(super) rest_px: f32,
+    /// The flow of the untouched gel is taken anew if it differs by less than this, px. Less than `rest_px`: what it
+    /// was before must still count as rest, with noise.
+    pub(super) slow_px: f32,
+    /// How long the gel must be at rest for that, s.
+    pub(super) slow_s: f64,
+    /// Flow of the untouched gel above which the reference has drifted, px (root mean square).
+    pub(super) drift_px: f32,
+    /// The reference has aged if the residual of the untouched gel grows by more than this factor.
+    pub(super) aged: f32,
+    /// Frames at rest in which a cell never tracks, before it counts as damaged.
+    pub(super) damaged_frames: u16,
+    /// Least number of damaged cells that are reported.
+    pub(super) least_damaged: usize,
+    /// If more of the cells than this part do not track, the pattern is too sparse, not damaged.
+    pub(super) most_damaged: f32,
+}
+
+/// The values in use.
+///
+/// - Light: simulated presses change the part of saturated pixels by 0, recorded presses by up to 0.04 (a sensor of
+///   which a fifth is saturated); contrast and mean by less than 15 %.
+/// - Rest: untouched gel is measured with 0.02 px or better, in simulated and recorded images; after a press an
+///   air-filled membrane is off by 0.05 px for seconds. A drift of 0.05 px/s or slower is followed, what is faster is
+///   taken for a touch.
+/// - Ageing: an even change of light is eliminated by the flow and does not change the residual; in recordings it
+///   varies by up to 1.25 at rest.
+pub(super) const THRESHOLDS: Thresholds = Thresholds {
+    more_saturated: 0.05,
+    most_saturated: 0.33,
+    dark_mean: 0.5,
+    dark_contrast: 0.3,
+    black_levels: 30.0,
+    black_contrast: 2.0,
+    rest_px: 0.15,
+    slow_px: 0.1,
+    slow_s: 2.0,
+    drift_px: 0.25,
+    aged: 1.6,
+    damaged_frames: 30,
+    least_damaged: 2,
+    most_damaged: 0.25,
+};
