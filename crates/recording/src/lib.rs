@@ -1,0 +1,5 @@
+//! Recordings.
+
+#![allow(dead_code)]
+
+mod container;
