@@ -97,7 +97,7 @@ impl<R: Read + Seek> Scan<R> {
     }
 
     fn go_to(&mut self, place: u64) -> io::Result<()> {
-        self.from.seek_relative(place as i64 - self.at as i64)?;
+        self.from.seek_relative(place.cast_signed() - self.at.cast_signed())?;
         self.at = place;
         Ok(())
     }
@@ -125,7 +125,9 @@ impl<R: Read + Seek> Scan<R> {
         }
         match kind {
             kind::MESSAGE => self.message(start, len)?,
-            kind::HEADER | kind::SCHEMA | kind::CHANNEL | kind::ATTACHMENT | kind::METADATA if len <= LONGEST_RECORD => {
+            kind::HEADER | kind::SCHEMA | kind::CHANNEL | kind::ATTACHMENT | kind::METADATA
+                if len <= LONGEST_RECORD =>
+            {
                 let mut content = vec![0; len as usize];
                 if !self.fill(&mut content)? {
                     return Ok(false);

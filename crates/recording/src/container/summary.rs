@@ -51,17 +51,17 @@ impl Summary {
     pub(crate) fn bytes(&self, start: u64) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut groups = Vec::new();
-        let fills: [(u8, &dyn Fn(&mut Vec<u8>)); 6] = [
-            (kind::SCHEMA, &|bytes| bytes.extend_from_slice(&self.schema_records)),
-            (kind::CHANNEL, &|bytes| bytes.extend_from_slice(&self.channel_records)),
-            (kind::STATISTICS, &|bytes| self.put_statistics(bytes)),
-            (kind::CHUNK_INDEX, &|bytes| self.chunks.iter().for_each(|chunk| put_chunk(bytes, chunk))),
-            (kind::ATTACHMENT_INDEX, &|bytes| self.attachments.iter().for_each(|entry| put_attachment(bytes, entry))),
-            (kind::METADATA_INDEX, &|bytes| self.metadata.iter().for_each(|entry| put_metadata(bytes, entry))),
+        let kinds = [
+            kind::SCHEMA,
+            kind::CHANNEL,
+            kind::STATISTICS,
+            kind::CHUNK_INDEX,
+            kind::ATTACHMENT_INDEX,
+            kind::METADATA_INDEX,
         ];
-        for (kind, fill) in fills {
+        for kind in kinds {
             let at = bytes.len();
-            fill(&mut bytes);
+            self.put_group(kind, &mut bytes);
             if bytes.len() > at {
                 groups.push((kind, start + at as u64, (bytes.len() - at) as u64));
             }
@@ -77,6 +77,18 @@ impl Summary {
         put_footer(&mut bytes, start, offsets);
         bytes.extend_from_slice(&MAGIC);
         bytes
+    }
+
+    /// Appends all records of a kind.
+    fn put_group(&self, kind: u8, bytes: &mut Vec<u8>) {
+        match kind {
+            kind::SCHEMA => bytes.extend_from_slice(&self.schema_records),
+            kind::CHANNEL => bytes.extend_from_slice(&self.channel_records),
+            kind::STATISTICS => self.put_statistics(bytes),
+            kind::CHUNK_INDEX => self.chunks.iter().for_each(|chunk| put_chunk(bytes, chunk)),
+            kind::ATTACHMENT_INDEX => self.attachments.iter().for_each(|entry| put_attachment(bytes, entry)),
+            _ => self.metadata.iter().for_each(|entry| put_metadata(bytes, entry)),
+        }
     }
 
     fn put_statistics(&self, bytes: &mut Vec<u8>) {

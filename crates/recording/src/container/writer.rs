@@ -224,11 +224,6 @@ impl<W: Write> Writer<W> {
         Ok(self.to)
     }
 
-    /// What is written to.
-    pub(crate) fn target(&self) -> &W {
-        &self.to
-    }
-
     fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.expect_whole()?;
         let done = self.to.write_all(bytes).and_then(|()| self.to.flush());
