@@ -20,6 +20,7 @@ mod pattern;
 mod place;
 mod profile;
 mod profile_args;
+mod record;
 mod report_folder;
 mod reproduce;
 mod run_record;
@@ -70,6 +71,7 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Live(live::Args),
+    Record(record::Args),
     Track(track::Args),
     Simulate(simulate::Args),
     Evaluate(evaluate::Args),
@@ -88,6 +90,7 @@ impl Command {
     fn run(&self, out: &mut impl Write) -> Result<(), Failure> {
         match self {
             Self::Live(args) => live::run(args, out)?,
+            Self::Record(args) => record::run(args, out)?,
             Self::Track(args) => track::run(args, out)?,
             Self::Simulate(args) => simulate::run(args, out)?,
             Self::Evaluate(args) => evaluate::run(args, out)?,

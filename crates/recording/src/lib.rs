@@ -28,6 +28,7 @@ mod error;
 mod lossless;
 mod message;
 mod numbers;
+mod recorder;
 mod recording;
 mod recording_source;
 mod schema;
@@ -36,6 +37,7 @@ mod view;
 mod writer;
 
 pub use error::RecordingError;
+pub use recorder::{RecorderOptions, RecorderProgress, RecorderThread};
 pub use recording::{Recording, RecordingSensor};
 pub use recording_source::RecordingSource;
 pub use writer::{Clock, RecordedSensor, RecordingWriter};

@@ -107,14 +107,15 @@ impl RecordingWriter {
         Self::new(file, path, sensors)
     }
 
-    /// Closes the recording and flushes it to the disk.
+    /// Closes the recording and flushes it to the disk; returns its length, bytes.
     ///
     /// # Errors
     ///
     /// [`RecordingError::Write`] if the disk refuses it.
-    pub fn finish(self) -> Result<(), RecordingError> {
+    pub fn finish(self) -> Result<u64, RecordingError> {
         let Self { path, to, .. } = self;
-        to.finish().and_then(|file| file.sync_all()).map_err(RecordingError::writing(&path))
+        let len = |file: File| file.sync_all().and_then(|()| file.metadata()).map(|metadata| metadata.len());
+        to.finish().and_then(len).map_err(RecordingError::writing(&path))
     }
 }
 

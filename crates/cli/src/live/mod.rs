@@ -1,19 +1,21 @@
 //! `fingervision live`: sensors that run, on a page and in the terminal.
 
 mod actions;
-mod sensors;
-mod status;
+pub(crate) mod sensors;
+pub(crate) mod status;
 
 use std::io::Write;
 use std::net::IpAddr;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use fingervision_page::{Page, PageOptions};
-use fingervision_pipeline::{Interest, Pipeline, Running, Sensor};
+use fingervision_pipeline::{Interest, Pace, Pipeline, Running, Sensor};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
+use crate::record::refuse_other_names;
 use actions::LiveActions;
 use sensors::SensorArgs;
 use status::SensorSummary;
@@ -23,13 +25,17 @@ const PAGE_MESSAGES: usize = 512;
 
 /// Track cameras as they see, and show depth, contact and force on a web page
 ///
-/// The address of the page is printed. Ctrl-C ends it.
+/// The address of the page is printed. Ctrl-C ends it. The page's record button records all sensors to a file in the
+/// current folder, recording-DATE-TIME.mcap.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
     sensors: SensorArgs,
     #[command(flatten)]
     page: PageArgs,
+    /// Record all sensors from the start, as `fingervision record` does
+    #[arg(long, value_name = "FILE.mcap")]
+    record: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -53,29 +59,34 @@ struct LiveSummary {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
-    let sensors = args.sensors.open(args.output)?;
-    run_sensors(sensors, args.page, args.output, out)
+    if let Some(file) = &args.record {
+        refuse_other_names(file, false)?;
+    }
+    let sensors = args.sensors.open(Pace::Recorded, args.output)?;
+    run_sensors(sensors, args, out)
 }
 
 /// Runs until all sensors have ended or the user stops it.
-pub(crate) fn run_sensors(
-    sensors: Vec<Sensor>,
-    page: PageArgs,
-    output: OutputArgs,
-    out: &mut impl Write,
-) -> Result<(), Failure> {
+fn run_sensors(sensors: Vec<Sensor>, args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let pipeline = Pipeline::prepare(sensors);
     let messages = pipeline.subscribe(Interest::readings());
     let page_messages = pipeline.subscribe(Interest { capacity: PAGE_MESSAGES, ..Interest::readings() });
     let running = pipeline.start()?;
-    let page = page.start(&running, page_messages, output)?;
-    let sensors = status::show(running.handles(), &messages, output);
+    let actions = Arc::new(LiveActions::new(running.handles(), running.subscriptions()));
+    if let Some(file) = &args.record {
+        actions.record(file)?;
+    }
+    let page = args.page.start(&running, page_messages, &actions, args.output)?;
+    let sensors = status::show(running.handles(), &messages, actions.as_ref(), args.output);
     if let Some(page) = page {
         page.stop();
     }
     running.stop();
+    if let Some(text) = actions.close() {
+        args.output.note(&text);
+    }
     let text = sensors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
-    output.result(out, &LiveSummary { sensors }, &text)
+    args.output.result(out, &LiveSummary { sensors }, &text)
 }
 
 impl PageArgs {
@@ -83,6 +94,7 @@ impl PageArgs {
         self,
         running: &Running,
         messages: fingervision_pipeline::Subscription,
+        actions: &Arc<LiveActions>,
         output: OutputArgs,
     ) -> Result<Option<Page>, Failure> {
         if self.no_page {
@@ -90,7 +102,7 @@ impl PageArgs {
         }
         let default = PageOptions::default();
         let options = PageOptions { address: self.bind.unwrap_or(default.address), port: self.port };
-        let page = Page::start(options, running.handles(), messages, Arc::new(LiveActions))?;
+        let page = Page::start(options, running.handles(), messages, Arc::clone(actions) as Arc<_>)?;
         output.note(&format!("the page: {}", page.url()));
         Ok(Some(page))
     }

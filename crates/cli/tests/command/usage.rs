@@ -74,6 +74,7 @@ fn the_help_is_as_recorded() {
     for name in [
         "fingervision",
         "live",
+        "record",
         "track",
         "evaluate",
         "demo",

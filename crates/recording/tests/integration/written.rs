@@ -50,7 +50,7 @@ pub(crate) fn frame(sensor: usize, number: u64) -> EncodedFrame {
 pub(crate) fn reading(number: u64) -> ReadingNumbers {
     let mut numbers = ReadingNumbers::default();
     (numbers.sequence, numbers.capture_time_s) = (1000 + number, 0.1 * number as f64);
-    numbers.force_n = (number % 2 == 0).then_some([0.1, 0.2, number as f32]);
+    numbers.force_n = number.is_multiple_of(2).then_some([0.1, 0.2, number as f32]);
     numbers.flags.raise(Flag::Dropped);
     numbers
 }
