@@ -65,13 +65,14 @@ const LAYERS: [(&str, &[&str]); 22] = [
 const FOR_TESTS: [(Option<&str>, &str); 3] = [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 27] = [
+const HEAVY: [(&str, &[&str]); 28] = [
     ("axum", &["page"]),
     ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
     ("image", &["source", "plot", "sink", "evaluate"]),
     ("image-webp", &["recording"]),
     ("indicatif", &["cli"]),
+    ("jiff", &["cli"]),
     ("jpeg-encoder", &["page"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel"]),

@@ -21,6 +21,7 @@ mod place;
 mod profile;
 mod profile_args;
 mod record;
+mod recording_file;
 mod report_folder;
 mod reproduce;
 mod run_record;

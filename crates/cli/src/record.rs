@@ -1,17 +1,17 @@
 //! `fingervision record`: what sensors see, bit by bit, into one file.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use fingervision_pipeline::{Pace, Pipeline};
+use fingervision_pipeline::{Interest, Pace, Pipeline};
 use fingervision_recording::{Clock, RecorderOptions, RecorderProgress, RecorderThread};
 use serde::Serialize;
 
-use crate::disk;
 use crate::failure::Failure;
 use crate::live::sensors::{SensorArgs, SensorOptions};
 use crate::live::status::{self, Beside, SensorSummary};
 use crate::output::OutputArgs;
+use crate::recording_file::{progress_text, refuse_other_names, summary_text};
 
 /// Messages that may wait for the terminal.
 const SHOWN_MESSAGES: usize = 256;
@@ -67,8 +67,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let pipeline = Pipeline::prepare(named.open(pace, args.output)?);
     let interest = RecorderThread::interest();
     let subscription = if has_camera { pipeline.subscribe(interest) } else { pipeline.subscribe_lossless(interest) };
-    let shown =
-        fingervision_pipeline::Interest { capacity: SHOWN_MESSAGES, ..fingervision_pipeline::Interest::readings() };
+    let shown = Interest { capacity: SHOWN_MESSAGES, ..Interest::readings() };
     let messages = pipeline.subscribe(shown);
     let options = RecorderOptions { clock, has_readings: !args.frames_only, most_seconds: args.seconds };
     let recorder = RecorderThread::start(&args.file, &pipeline.handles(), subscription, options)?;
@@ -86,39 +85,6 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let summary = RecordSummary { file: args.file.clone(), bytes, seconds, frames, readings, lost_messages, sensors };
     args.output.result(out, &summary, &text)?;
     error.map_or(Ok(()), |[message, hint]| Err(Failure::new(message, hint)))
-}
-
-/// Refuses a file without the ending of recordings, one that exists, and one in a folder that does not.
-pub(crate) fn refuse_other_names(file: &Path, replaces: bool) -> Result<(), Failure> {
-    let shown = file.display();
-    if !file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mcap")) {
-        let hint = format!("name it {}", file.with_extension("mcap").display());
-        return Err(Failure::new(format!("{shown}: recordings are MCAP files"), hint));
-    }
-    if file.exists() && !replaces {
-        return Err(Failure::new(format!("{shown} exists already"), "name a new file; `record --force` replaces it"));
-    }
-    match file.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.is_dir()) {
-        Some(parent) => {
-            let message = format!("{shown}: there is no folder {}", parent.display());
-            Err(Failure::new(message, "make the folder first"))
-        }
-        None => Ok(()),
-    }
-}
-
-/// How far a recording is, for the terminal.
-pub(crate) fn progress_text(file: &Path, progress: &RecorderProgress) -> String {
-    let RecorderProgress { bytes, seconds, .. } = *progress;
-    let rate = if seconds > 0.0 { bytes as f64 / seconds } else { 0.0 };
-    let free = disk::free(file).map_or_else(String::new, |free| format!(", {} free", disk::size(free)));
-    format!("{}: {seconds:.1} s, {}, {}/s{free}", file.display(), disk::size(bytes), disk::size(rate as u64))
-}
-
-/// What a recording contains.
-pub(crate) fn summary_text(file: &Path, progress: &RecorderProgress) -> String {
-    let RecorderProgress { bytes, frames, readings, seconds, .. } = *progress;
-    format!("{}: {frames} frames, {readings} readings, {seconds:.1} s, {}", file.display(), disk::size(bytes))
 }
 
 impl Beside for RecorderThread {

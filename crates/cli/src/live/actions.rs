@@ -8,7 +8,7 @@ use fingervision_pipeline::{SensorHandle, Subscriptions};
 use fingervision_recording::{RecorderOptions, RecorderProgress, RecorderThread, RecordingError};
 
 use crate::live::status::Beside;
-use crate::record::{progress_text, summary_text};
+use crate::recording_file::{progress_text, summary_text};
 
 /// Records all sensors of a live command, when the page asks for it or from the start.
 #[derive(Debug)]

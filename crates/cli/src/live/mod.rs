@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
-use crate::record::refuse_other_names;
+use crate::recording_file::refuse_other_names;
 use actions::LiveActions;
 use sensors::SensorArgs;
 use status::SensorSummary;

@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod disk;
 mod fuzz;
+mod recorder;
 mod round_trip;
 mod written;
