@@ -65,7 +65,7 @@ const LAYERS: [(&str, &[&str]); 22] = [
 const FOR_TESTS: [(Option<&str>, &str); 3] = [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 28] = [
+const HEAVY: [(&str, &[&str]); 29] = [
     ("axum", &["page"]),
     ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
@@ -75,7 +75,7 @@ const HEAVY: [(&str, &[&str]); 28] = [
     ("jiff", &["cli"]),
     ("jpeg-encoder", &["page"]),
     ("minijinja", &["evaluate"]),
-    ("miniz_oxide", &["gel"]),
+    ("miniz_oxide", &["gel", "sink"]),
     ("moq-v4l", &["camera"]),
     ("nalgebra", &["calibrate", "evaluate"]),
     ("pdf-writer", &["gel"]),
@@ -92,6 +92,7 @@ const HEAVY: [(&str, &[&str]); 28] = [
     ("tokio", &["page"]),
     ("tiny-skia", &["plot"]),
     ("ttf-parser", &["gel", "plot"]),
+    ("zip", &["sink"]),
     ("zune-core", &["source"]),
     ("zune-jpeg", &["source"]),
 ];

@@ -11,6 +11,7 @@ mod demo;
 mod disk;
 mod doctor;
 mod evaluate;
+mod export;
 mod failure;
 mod interrupt;
 mod live;
@@ -76,6 +77,7 @@ enum Command {
     Track(track::Args),
     Simulate(simulate::Args),
     Evaluate(evaluate::Args),
+    Export(export::Args),
     Reproduce(reproduce::Args),
     Demo(demo::Args),
     Pattern(pattern::Args),
@@ -95,6 +97,7 @@ impl Command {
             Self::Track(args) => track::run(args, out)?,
             Self::Simulate(args) => simulate::run(args, out)?,
             Self::Evaluate(args) => evaluate::run(args, out)?,
+            Self::Export(args) => export::run(args, out)?,
             Self::Reproduce(args) => reproduce::run(args, out)?,
             Self::Demo(args) => demo::run(args, out)?,
             Self::Pattern(args) => pattern::run(args, out)?,

@@ -77,6 +77,7 @@ fn the_help_is_as_recorded() {
         "record",
         "track",
         "evaluate",
+        "export",
         "demo",
         "pattern",
         "reproduce",
