@@ -9,7 +9,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// The dependencies that a crate of the workspace may have, without the prefix `fingervision-`.
-const LAYERS: [(&str, &[&str]); 21] = [
+const LAYERS: [(&str, &[&str]); 22] = [
     // Stands apart: only tests use it.
     ("fuzz", &[]),
     ("image", &[]),
@@ -24,6 +24,7 @@ const LAYERS: [(&str, &[&str]); 21] = [
     // The profile's table says how a camera captures.
     ("camera", &["image", "source", "touch"]),
     ("pipeline", &["image", "source", "camera", "touch"]),
+    ("recording", &["image", "optics", "source", "touch", "pipeline"]),
     ("page", &["image", "optics", "source", "touch", "pipeline"]),
     ("plot", &["image", "flow"]),
     ("sink", &["touch", "image", "flow", "plot", "settings"]),
@@ -50,6 +51,7 @@ const LAYERS: [(&str, &[&str]); 21] = [
             "camera",
             "pipeline",
             "page",
+            "recording",
             "sink",
             "simulation",
             "evaluate",
@@ -63,19 +65,23 @@ const LAYERS: [(&str, &[&str]); 21] = [
 const FOR_TESTS: [(Option<&str>, &str); 3] = [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 24] = [
+const HEAVY: [(&str, &[&str]); 29] = [
     ("axum", &["page"]),
     ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
     ("image", &["source", "plot", "sink", "evaluate"]),
+    ("image-webp", &["recording"]),
     ("indicatif", &["cli"]),
+    ("jiff", &["cli"]),
     ("jpeg-encoder", &["page"]),
     ("minijinja", &["evaluate"]),
-    ("miniz_oxide", &["gel"]),
+    ("miniz_oxide", &["gel", "sink"]),
     ("moq-v4l", &["camera"]),
     ("nalgebra", &["calibrate", "evaluate"]),
     ("pdf-writer", &["gel"]),
     ("png", &["gel"]),
+    ("prost", &["recording"]),
+    ("prost-types", &["recording"]),
     ("rayon", &["elastic", "evaluate", "cli"]),
     ("realfft", &["fourier"]),
     ("rust_h264", &["source"]),
@@ -86,6 +92,7 @@ const HEAVY: [(&str, &[&str]); 24] = [
     ("tokio", &["page"]),
     ("tiny-skia", &["plot"]),
     ("ttf-parser", &["gel", "plot"]),
+    ("zip", &["sink"]),
     ("zune-core", &["source"]),
     ("zune-jpeg", &["source"]),
 ];

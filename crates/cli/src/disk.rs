@@ -20,15 +20,19 @@ struct Need {
 
 /// Prints the size of a run into `folder`, if it is large or more than the free space.
 pub(crate) fn check(folder: &Path, bytes_per_frame: u64, frames: Option<u64>, output: OutputArgs) {
-    // The folder may not exist yet. If the free space is not known, writing will show it.
-    let free_bytes = folder.ancestors().find_map(|parent| {
-        let parent = if parent.as_os_str().is_empty() { Path::new(".") } else { parent };
-        fs4::available_space(parent).ok()
-    });
-    let remark = free_bytes.and_then(|free_bytes| Need { bytes_per_frame, frames, free_bytes }.remark());
+    // If the free space is not known, writing will show it.
+    let remark = free(folder).and_then(|free_bytes| Need { bytes_per_frame, frames, free_bytes }.remark());
     if let Some(remark) = remark {
         output.note(&remark);
     }
+}
+
+/// The free space, bytes, where a file or folder is or will be; absent if it is not known.
+pub(crate) fn free(place: &Path) -> Option<u64> {
+    place.ancestors().find_map(|parent| {
+        let parent = if parent.as_os_str().is_empty() { Path::new(".") } else { parent };
+        fs4::available_space(parent).ok()
+    })
 }
 
 impl Need {
@@ -58,7 +62,7 @@ impl Need {
 }
 
 /// Bytes in a unit that leaves few digits.
-fn size(bytes: u64) -> String {
+pub(crate) fn size(bytes: u64) -> String {
     const UNITS: [(f64, &str); 3] = [(1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
     let bytes = bytes as f64;
     let unit = UNITS.into_iter().find(|(unit, _)| bytes >= *unit);

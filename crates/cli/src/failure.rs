@@ -15,6 +15,7 @@ use fingervision_gel::{GelError, PatternError, SceneError};
 use fingervision_image::ImageError;
 use fingervision_page::PageError;
 use fingervision_pipeline::PipelineError;
+use fingervision_recording::RecordingError;
 use fingervision_sink::SinkError;
 use fingervision_source::SourceError;
 use fingervision_touch::{ProfileError, TrackError};
@@ -121,6 +122,12 @@ impl From<CameraError> for Failure {
 impl From<PipelineError> for Failure {
     fn from(error: PipelineError) -> Self {
         Self::Stated { message: error.to_string(), hint: error.hint() }
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        Self::Stated { message: error.to_string(), hint: Some(error.hint()) }
     }
 }
 

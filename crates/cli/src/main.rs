@@ -11,6 +11,7 @@ mod demo;
 mod disk;
 mod doctor;
 mod evaluate;
+mod export;
 mod failure;
 mod interrupt;
 mod live;
@@ -20,6 +21,8 @@ mod pattern;
 mod place;
 mod profile;
 mod profile_args;
+mod record;
+mod recording_file;
 mod report_folder;
 mod reproduce;
 mod run_record;
@@ -71,9 +74,11 @@ pub(crate) struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Live(live::Args),
+    Record(record::Args),
     Track(track::Args),
     Simulate(simulate::Args),
     Evaluate(evaluate::Args),
+    Export(export::Args),
     Reproduce(reproduce::Args),
     Demo(demo::Args),
     Pattern(pattern::Args),
@@ -89,9 +94,11 @@ impl Command {
     fn run(&self, out: &mut impl Write) -> Result<(), Failure> {
         match self {
             Self::Live(args) => live::run(args, out)?,
+            Self::Record(args) => record::run(args, out)?,
             Self::Track(args) => track::run(args, out)?,
             Self::Simulate(args) => simulate::run(args, out)?,
             Self::Evaluate(args) => evaluate::run(args, out)?,
+            Self::Export(args) => export::run(args, out)?,
             Self::Reproduce(args) => reproduce::run(args, out)?,
             Self::Demo(args) => demo::run(args, out)?,
             Self::Pattern(args) => pattern::run(args, out)?,

@@ -4,14 +4,19 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use fingervision_gel::PressCache;
+use fingervision_recording::{Recording, RecordingSource};
 use fingervision_simulation::SimulatedLocation;
 use fingervision_source::{Options, Source, SourceError};
+use fingervision_touch::Profile;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
 /// The prefix of a camera; without anything behind it, the only one that is plugged in.
 const CAMERA: &str = "camera";
+
+/// What stands between a recording and the sensor that is meant.
+const SENSOR: &str = "?sensor=";
 
 /// A place that frames come from.
 #[derive(Debug, PartialEq)]
@@ -20,12 +25,14 @@ pub(crate) enum Place {
     Camera(Option<String>),
     /// A simulated scene.
     Simulated(SimulatedLocation),
-    /// A file or a folder.
+    /// A recording, and the name of a sensor in it.
+    Recording(PathBuf, Option<String>),
+    /// A video or a folder.
     File(PathBuf),
 }
 
 impl Place {
-    /// The place that a user names: `camera`, `camera:ID`, `/dev/video0`, `sim:SCENE`, a path.
+    /// The place that a user names: `camera`, `camera:ID`, `/dev/video0`, `sim:SCENE`, a path, `FILE.mcap?sensor=NAME`.
     ///
     /// # Errors
     ///
@@ -38,6 +45,12 @@ impl Place {
         if text.starts_with("/dev/video") || text.starts_with("/dev/v4l/") {
             return Ok(Self::Camera(Some(text.into())));
         }
+        if Recording::is_at(location) {
+            return Ok(Self::Recording(location.into(), None));
+        }
+        if let Some((file, sensor)) = text.rsplit_once(SENSOR).filter(|(file, _)| Recording::is_at(Path::new(file))) {
+            return Ok(Self::Recording(file.into(), Some(sensor.into())));
+        }
         Ok(match text.strip_prefix(CAMERA) {
             // A folder of this name is meant if there is one.
             Some("") if location.exists() => Self::File(location.into()),
@@ -46,6 +59,14 @@ impl Place {
             _ => Self::File(location.into()),
         })
     }
+}
+
+/// The frames of a sensor of a recording, and the profile that is recorded with them.
+pub(crate) fn recorded(path: &Path, sensor: Option<&str>) -> Result<(Profile, Box<dyn Source>), Failure> {
+    let recording = Recording::open(path)?;
+    let sensor = recording.sensor(sensor)?;
+    let profile = recording.profile(sensor)?.unwrap_or_default();
+    Ok((profile, Box::new(RecordingSource::open(recording, sensor)?)))
 }
 
 /// Solves a simulated press, with a bar, or takes it from the cache.

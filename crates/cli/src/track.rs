@@ -14,7 +14,7 @@ use fingervision_touch::Profile;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 use crate::part::{Part, PartArgs};
-use crate::place::{Place, solve};
+use crate::place::{Place, recorded, solve};
 use crate::profile_args::ProfileArgs;
 use crate::tracking::{Run, fields_to_compute};
 
@@ -25,8 +25,10 @@ use crate::tracking::{Run, fields_to_compute};
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV), a
-    /// simulated scene or a camera
+    /// recording (MCAP), a simulated scene or a camera
     ///
+    /// A recording has its profile in it, which is used without --profile; FILE.mcap?sensor=NAME is one of several
+    /// sensors.
     /// A scene is sim:NAME or sim:FILE, as in sim:letter; `fingervision simulate --list` lists the ready-made ones.
     /// Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft selects a coarse mesh. Without --profile
     /// the scene's own camera and gel are used. A camera is camera:ID, or `camera` if only one is plugged in; tracking
@@ -146,7 +148,11 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 
 /// Refuses to replace the recording by its run.
 fn keep_recording(args: &Args) -> Result<(), Failure> {
-    let Ok(source) = fs::canonicalize(&args.source) else { return Ok(()) };
+    let source = match Place::of(&args.source)? {
+        Place::Recording(path, _) => path,
+        _ => args.source.clone(),
+    };
+    let Ok(source) = fs::canonicalize(source) else { return Ok(()) };
     let place = |path: &Path| fs::canonicalize(path).ok();
     if let Some(overlay) = args.overlay.as_ref().filter(|overlay| place(overlay).as_ref() == Some(&source)) {
         let message = format!("{} is the recording itself", overlay.display());
@@ -169,6 +175,11 @@ fn sensor(args: &Args, part: Part) -> Result<(Profile, Box<dyn Source>), Failure
             let profile = args.profile.load()?;
             let camera = fingervision_camera::open(profile.capture_from(id.as_deref()))?;
             return Ok((profile, Box::new(CameraSource::new(camera))));
+        }
+        Place::Recording(path, sensor) => {
+            args.expect_no_rate(true, &format!("{} has", path.display()))?;
+            let (profile, source) = recorded(&path, sensor.as_deref())?;
+            return Ok((args.profile.load_or(profile)?, source));
         }
         Place::File(path) => {
             args.expect_no_rate(path.is_file(), &format!("{} has", path.display()))?;

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use crate::queue::OnFull;
 use crate::subscription::Subscriber;
 use crate::{Interest, Message, Subscription};
 
@@ -24,8 +25,8 @@ impl Hub {
         Self { state: Mutex::new(State { subscribers: Vec::new(), running: sensors }), sensors }
     }
 
-    pub(crate) fn subscribe(&self, interest: Interest) -> Subscription {
-        let subscriber = Arc::new(Subscriber::new(interest, self.sensors));
+    pub(crate) fn subscribe(&self, interest: Interest, on_full: OnFull) -> Subscription {
+        let subscriber = Arc::new(Subscriber::new(interest, on_full, self.sensors));
         let mut state = self.lock();
         if state.running == 0 {
             subscriber.queue.close();

@@ -50,6 +50,7 @@ mod queue;
 mod sensor;
 mod shared;
 mod subscription;
+mod subscriptions;
 mod track;
 
 pub use clock::host_time_s;
@@ -60,3 +61,4 @@ pub use pipeline::{Pipeline, Running};
 pub use sensor::{Sensor, SensorHandle};
 pub use shared::SensorCounts;
 pub use subscription::Subscription;
+pub use subscriptions::Subscriptions;

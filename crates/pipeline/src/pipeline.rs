@@ -9,7 +9,7 @@ use crate::capture::Capture;
 use crate::hub::Hub;
 use crate::queue::{OnFull, Queue};
 use crate::track::Track;
-use crate::{Interest, Pace, PipelineError, Sensor, SensorHandle, Subscription};
+use crate::{Interest, Pace, PipelineError, Sensor, SensorHandle, Subscription, Subscriptions};
 
 /// Frames that may wait for the tracker. With one, a frame that comes just before the tracker is ready would be lost.
 const WAITING_FRAMES: usize = 2;
@@ -46,7 +46,14 @@ impl Pipeline {
     /// A new subscriber.
     #[must_use]
     pub fn subscribe(&self, interest: Interest) -> Subscription {
-        self.hub.subscribe(interest)
+        self.hub.subscribe(interest, OnFull::DropOldest)
+    }
+
+    /// A new subscriber that loses nothing: while its queue is full, all sensors wait. For sources of
+    /// [`Pace::Lossless`] only; a camera does not wait.
+    #[must_use]
+    pub fn subscribe_lossless(&self, interest: Interest) -> Subscription {
+        self.hub.subscribe(interest, OnFull::Wait)
     }
 
     /// Starts all threads: for each sensor `capture-NAME` and `track-NAME`.
@@ -76,7 +83,13 @@ impl Running {
     /// A new subscriber, from now on.
     #[must_use]
     pub fn subscribe(&self, interest: Interest) -> Subscription {
-        self.hub.subscribe(interest)
+        self.hub.subscribe(interest, OnFull::DropOldest)
+    }
+
+    /// Where new subscribers come from while the sensors run.
+    #[must_use]
+    pub fn subscriptions(&self) -> Subscriptions {
+        Subscriptions::new(Arc::clone(&self.hub))
     }
 
     /// Stops capture, tracks the frames that have arrived, and waits for the threads.

@@ -24,9 +24,9 @@ pub(crate) struct Subscriber {
 }
 
 impl Subscriber {
-    pub(crate) fn new(interest: Interest, sensors: usize) -> Self {
+    pub(crate) fn new(interest: Interest, on_full: OnFull, sensors: usize) -> Self {
         let subscriber = Self {
-            queue: Queue::new(interest.capacity, OnFull::DropOldest),
+            queue: Queue::new(interest.capacity, on_full),
             wants_frames: interest.frames,
             fields_every_ns: AtomicU64::new(NEVER),
             due_s: (0..sensors).map(|_| AtomicU64::new(0)).collect(),
@@ -112,7 +112,8 @@ mod tests {
     #[test]
     fn snapshots_keep_their_rate_on_average() {
         let every = Some(Duration::from_millis(30));
-        let subscriber = Subscriber::new(Interest { frames: false, fields_every: every, capacity: 4 }, 1);
+        let subscriber =
+            Subscriber::new(Interest { frames: false, fields_every: every, capacity: 4 }, OnFull::DropOldest, 1);
         let is_sent = |frame: &i32| subscriber.is_due(0, 100.0 + f64::from(*frame) / 90.0) && subscriber.take_due(0);
         let count = (0..1000).filter(is_sent).count();
         assert!((360..=371).contains(&count), "{count} in 11.1 s");

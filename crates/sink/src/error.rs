@@ -35,6 +35,22 @@ pub enum SinkError {
         /// The system's message.
         error: io::Error,
     },
+    /// The operating system refused to read a file of a run.
+    #[error("cannot read {}: {error}", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// The system's message.
+        error: io::Error,
+    },
+    /// Something that is not a run, where one is needed.
+    #[error("{} is not a run: {reason}", .path.display())]
+    NotARun {
+        /// The folder or file.
+        path: PathBuf,
+        /// What is missing or wrong.
+        reason: String,
+    },
     /// A field has another size than the run began with.
     #[error("{field} has {}x{} px, expected {}x{} px", .actual.0, .actual.1, .expected.0, .expected.1)]
     SizeMismatch {
@@ -67,6 +83,8 @@ impl SinkError {
             Self::Busy { .. } => Some("wait until the other command ends, or choose another folder"),
             Self::FolderNotEmpty { .. } => Some("choose a new or an empty folder"),
             Self::Write { error, .. } => Some(hint_for(error.kind())),
+            Self::Read { .. } => Some("check that the run is complete and readable"),
+            Self::NotARun { .. } => Some("give a folder of `fingervision track`"),
             Self::SizeMismatch { .. } => Some("start a new run for every size of image"),
             Self::FieldAbsent { .. } => Some("leave the field out of --fields, or calibrate the profile for it"),
             Self::NoReadings => Some("check that the source provides frames"),

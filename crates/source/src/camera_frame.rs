@@ -83,6 +83,12 @@ impl CameraFrameDecoder {
         Self { layout, yuv }
     }
 
+    /// The layout of the frames that it decodes.
+    #[must_use]
+    pub fn layout(&self) -> CameraLayout {
+        self.layout
+    }
+
     /// The pixels of one frame. Bytes behind the last row are ignored, because some drivers append padding.
     ///
     /// # Errors

@@ -41,7 +41,8 @@ pub(super) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let fields = live::fields(&profile);
     let film = PressFilm::new(first, Some(more), &Options::default())?;
     let sensor = Sensor::open("demo", profile, Input::source(Box::new(film), Pace::Recorded), fields)?;
-    let ended = live::run_sensors(vec![sensor], Some(args.page), !args.no_browser, args.output, out);
+    let show = live::Show { page: Some(args.page), opens_browser: !args.no_browser, record: None };
+    let ended = live::run_sensors(vec![sensor], &show, args.output, out);
     solver.stop();
     ended
 }

@@ -2,20 +2,22 @@
 
 mod actions;
 mod browser;
-mod sensors;
-mod status;
+pub(crate) mod sensors;
+pub(crate) mod status;
 
 use std::io::Write;
 use std::net::IpAddr;
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use fingervision_page::{Page, PageOptions};
-use fingervision_pipeline::{Interest, Pipeline, Running, Sensor, Subscription};
+use fingervision_page::{Actions, Page, PageOptions};
+use fingervision_pipeline::{Interest, Pace, Pipeline, Running, Sensor, Subscription};
 use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
-use actions::LiveActions;
+use crate::recording_file::refuse_other_names;
+pub(crate) use actions::LiveActions;
 use sensors::SensorArgs;
 pub(crate) use sensors::fields;
 use status::SensorSummary;
@@ -25,7 +27,8 @@ const PAGE_MESSAGES: usize = 512;
 
 /// Track cameras as they see, and show depth, contact and force on a web page
 ///
-/// The address of the page is printed. Ctrl-C ends it.
+/// The address of the page is printed. Ctrl-C ends it. The page's record button records all sensors to a file in the
+/// current folder, recording-DATE-TIME.mcap.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -38,6 +41,9 @@ pub(crate) struct Args {
     /// Open the page in the browser
     #[arg(long)]
     open: bool,
+    /// Record all sensors from the start, as `fingervision record` does
+    #[arg(long, value_name = "FILE.mcap")]
+    record: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -52,22 +58,33 @@ pub(crate) struct PageArgs {
     bind: Option<IpAddr>,
 }
 
+/// What happens with readings besides the line in the terminal.
+#[derive(Debug, Default)]
+pub(crate) struct Show {
+    pub(crate) page: Option<PageArgs>,
+    pub(crate) opens_browser: bool,
+    pub(crate) record: Option<PathBuf>,
+}
+
 #[derive(Debug, Serialize)]
 struct LiveSummary {
     sensors: Vec<SensorSummary>,
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
-    let sensors = args.sensors.open(args.output)?;
+    if let Some(file) = &args.record {
+        refuse_other_names(file, false)?;
+    }
+    let sensors = args.sensors.open(Pace::Recorded, args.output)?;
     let page = (!args.no_page).then_some(args.page);
-    run_sensors(sensors, page, args.open, args.output, out)
+    let show = Show { page, opens_browser: args.open, record: args.record.clone() };
+    run_sensors(sensors, &show, args.output, out)
 }
 
-/// Runs until all sensors have ended or the user stops it, with a page if one is given.
+/// Runs until all sensors have ended or the user stops it.
 pub(crate) fn run_sensors(
     sensors: Vec<Sensor>,
-    page: Option<PageArgs>,
-    opens_browser: bool,
+    show: &Show,
     output: OutputArgs,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
@@ -75,27 +92,39 @@ pub(crate) fn run_sensors(
     let messages = pipeline.subscribe(Interest::readings());
     let page_messages = pipeline.subscribe(Interest { capacity: PAGE_MESSAGES, ..Interest::readings() });
     let running = pipeline.start()?;
-    let page = page.map(|page| page.start(&running, page_messages)).transpose()?;
+    let actions = Arc::new(LiveActions::new(running.handles(), running.subscriptions()));
+    if let Some(file) = &show.record {
+        actions.record(file)?;
+    }
+    let page = show.page.map(|page| page.start(&running, page_messages, actions.clone())).transpose()?;
     if let Some(page) = &page {
         output.note(&format!("the page: {}", page.url()));
-        if opens_browser && !browser::open(&page.url()) {
+        if show.opens_browser && !browser::open(&page.url()) {
             output.note("no browser was found; open this address in one");
         }
     }
-    let sensors = status::show(running.handles(), &messages, output);
+    let sensors = status::show(running.handles(), &messages, actions.as_ref(), output);
     if let Some(page) = page {
         page.stop();
     }
     running.stop();
+    if let Some(text) = actions.close() {
+        output.note(&text);
+    }
     let text = sensors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
     output.result(out, &LiveSummary { sensors }, &text)
 }
 
 impl PageArgs {
     /// Serves the page of sensors that run.
-    pub(crate) fn start(self, running: &Running, messages: Subscription) -> Result<Page, Failure> {
+    pub(crate) fn start(
+        self,
+        running: &Running,
+        messages: Subscription,
+        actions: Arc<dyn Actions>,
+    ) -> Result<Page, Failure> {
         let default = PageOptions::default();
         let options = PageOptions { address: self.bind.unwrap_or(default.address), port: self.port };
-        Ok(Page::start(options, running.handles(), messages, Arc::new(LiveActions))?)
+        Ok(Page::start(options, running.handles(), messages, actions)?)
     }
 }

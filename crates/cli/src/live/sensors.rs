@@ -9,18 +9,24 @@ use fingervision_touch::{DepthMethod, ElasticMode, Fields, Profile};
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
-use crate::place::{Place, solve};
+use crate::place::{Place, recorded, solve};
 use crate::profile_args::assignment;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct SensorArgs {
-    /// What to track: a camera, a recording or a simulated scene; several for several sensors
+    /// What to track: a camera, a video, a folder of images, a recording or a simulated scene; several for several sensors
     ///
     /// `camera` is the only camera that is plugged in, camera:ID one of several: `fingervision doctor` lists the ids. A
     /// scene is sim:NAME, as in sim:letter?loop, which repeats the press without end. Without any, the cameras that the
     /// profiles name, or the only one.
     #[arg(value_name = "SOURCE")]
-    sources: Vec<PathBuf>,
+    pub(crate) sources: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) options: SensorOptions,
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct SensorOptions {
     /// The profile of the sensor, as in sensor.toml; with several sensors one for each, in the same order, or one for all
     #[arg(long = "profile", value_name = "FILE")]
     profiles: Vec<PathBuf>,
@@ -43,11 +49,11 @@ struct Named {
 
 impl SensorArgs {
     /// Opens all sensors: every one has delivered a frame, and its profile fits.
-    pub(crate) fn open(&self, output: OutputArgs) -> Result<Vec<Sensor>, Failure> {
+    pub(crate) fn open(&self, pace: Pace, output: OutputArgs) -> Result<Vec<Sensor>, Failure> {
         let mut sensors: Vec<Sensor> = Vec::new();
         for named in self.named()? {
             let taken: Vec<&str> = sensors.iter().map(|sensor| sensor.handle().name()).collect();
-            let sensor = self.open_one(&named, &taken, output)?;
+            let sensor = self.open_one(&named, &taken, pace, output)?;
             for remark in sensor.remarks() {
                 output.note(&format!("{}: {remark}", sensor.handle().name()));
             }
@@ -58,45 +64,63 @@ impl SensorArgs {
 
     /// Pairs sources with profiles.
     fn named(&self) -> Result<Vec<Named>, Failure> {
-        let (sources, profiles) = (self.sources.len(), self.profiles.len());
+        let all = &self.options.profiles;
+        let (sources, profiles) = (self.sources.len(), all.len());
         if sources == 0 {
             let of_profile = |profile: &PathBuf| Named { place: Place::Camera(None), profile: Some(profile.clone()) };
             let only = || vec![Named { place: Place::Camera(None), profile: None }];
-            return Ok(if profiles == 0 { only() } else { self.profiles.iter().map(of_profile).collect() });
+            return Ok(if profiles == 0 { only() } else { all.iter().map(of_profile).collect() });
         }
         if profiles > 1 && profiles != sources {
             let message = format!("{sources} sources and {profiles} profiles");
             return Err(Failure::new(message, "name one profile for each source, in the same order, or one for all"));
         }
         let named = |(index, source): (usize, &PathBuf)| {
-            let profile = self.profiles.get(index).or(self.profiles.first()).cloned();
+            let profile = all.get(index).or(all.first()).cloned();
             Ok(Named { place: Place::of(source)?, profile })
         };
         self.sources.iter().enumerate().map(named).collect()
     }
 
-    fn open_one(&self, named: &Named, taken: &[&str], output: OutputArgs) -> Result<Sensor, Failure> {
-        let own = match &named.place {
-            Place::Simulated(location) => Some(simulated_profile(&location.scene()?)),
-            _ => None,
-        };
-        let profile = self.profile(named.profile.as_deref(), own)?;
-        let input = match &named.place {
-            Place::Camera(id) => Input::camera(fingervision_camera::open(profile.capture_from(id.as_deref()))?),
-            Place::Simulated(location) => Input::source(solve(location, Options::default(), output)?, Pace::Recorded),
+    /// Whether one of the sources is a camera.
+    pub(crate) fn has_camera(&self) -> Result<bool, Failure> {
+        Ok(self.named()?.iter().any(|named| matches!(named.place, Place::Camera(_))))
+    }
+
+    fn open_one(&self, named: &Named, taken: &[&str], pace: Pace, output: OutputArgs) -> Result<Sensor, Failure> {
+        let file = named.profile.as_deref();
+        let source = |source| Input::source(source, pace);
+        let (profile, input) = match &named.place {
+            Place::Camera(id) => {
+                let profile = self.options.profile(file, None, Pace::Recorded)?;
+                let camera = fingervision_camera::open(profile.capture_from(id.as_deref()))?;
+                (profile, Input::camera(camera))
+            }
+            Place::Simulated(location) => {
+                let profile = self.options.profile(file, Some(simulated_profile(&location.scene()?)), pace)?;
+                (profile, source(solve(location, Options::default(), output)?))
+            }
+            Place::Recording(path, sensor) => {
+                let (own, frames) = recorded(path, sensor.as_deref())?;
+                (self.options.profile(file, Some(own), pace)?, source(frames))
+            }
             Place::File(path) => {
-                Input::source(fingervision_simulation::open(path, &Options::default())?, Pace::Recorded)
+                let profile = self.options.profile(file, None, pace)?;
+                (profile, source(fingervision_simulation::open(path, &Options::default())?))
             }
         };
         let name = free_name(&name(&named.place, &profile), taken);
         let fields = fields(&profile);
         Ok(Sensor::open(&name, profile, input, fields)?)
     }
+}
 
-    fn profile(&self, file: Option<&Path>, own: Option<Profile>) -> Result<Profile, Failure> {
+impl SensorOptions {
+    /// The profile of a sensor. Frames that come at their own times leave no time for exact depth.
+    fn profile(&self, file: Option<&Path>, own: Option<Profile>, pace: Pace) -> Result<Profile, Failure> {
         let fallback = own.unwrap_or_default();
         let mut profile = file.map_or(Ok(fallback), Profile::load)?;
-        if !self.exact {
+        if !self.exact && pace == Pace::Recorded {
             profile.elastic.mode = ElasticMode::Live;
         }
         profile.set_all(self.assignments.iter().map(|(key, value)| (key.as_str(), value.as_str())))?;
@@ -120,7 +144,10 @@ fn name(place: &Place, profile: &Profile) -> String {
         Place::Camera(Some(id)) => id.clone(),
         Place::Camera(None) => "camera".into(),
         Place::Simulated(location) => location.scene_name().into(),
-        Place::File(path) => path.file_stem().map_or_else(|| "recording".into(), |name| name.display().to_string()),
+        Place::Recording(_, Some(sensor)) => sensor.clone(),
+        Place::Recording(path, None) | Place::File(path) => {
+            path.file_stem().map_or_else(|| "recording".into(), |name| name.display().to_string())
+        }
     }
 }
 
@@ -136,7 +163,8 @@ mod tests {
 
     fn args(sources: &[&str], profiles: &[&str]) -> SensorArgs {
         let paths = |names: &[&str]| names.iter().map(PathBuf::from).collect();
-        SensorArgs { sources: paths(sources), profiles: paths(profiles), assignments: Vec::new(), exact: false }
+        let options = SensorOptions { profiles: paths(profiles), assignments: Vec::new(), exact: false };
+        SensorArgs { sources: paths(sources), options }
     }
 
     #[test]

@@ -37,20 +37,34 @@ pub(crate) struct SensorSummary {
     damaged: u64,
 }
 
-/// Shows messages until all sensors have ended, or the user wants to stop.
-pub(crate) fn show(handles: &[SensorHandle], messages: &Subscription, output: OutputArgs) -> Vec<SensorSummary> {
+/// A recording beside the sensors.
+pub(crate) trait Beside {
+    /// What is shown behind the sensors.
+    fn text(&self) -> Option<String>;
+
+    /// Whether it is time to stop.
+    fn is_over(&self) -> bool;
+}
+
+/// Shows messages until all sensors have ended, the user wants to stop, or it is time to.
+pub(crate) fn show(
+    handles: &[SensorHandle],
+    messages: &Subscription,
+    beside: &impl Beside,
+    output: OutputArgs,
+) -> Vec<SensorSummary> {
     let interrupt = Interrupt::listen();
     let line = output.line();
     let mut shown: Vec<Shown> = handles.iter().map(|_| Shown::default()).collect();
     let mut refreshed_s = fingervision_pipeline::host_time_s();
-    while !interrupt.is_asked() && !messages.is_done() {
+    while !interrupt.is_asked() && !messages.is_done() && !beside.is_over() {
         if let Some(message) = messages.next(REFRESH) {
             take(message, &mut shown, handles, &line, output);
         }
         let now_s = fingervision_pipeline::host_time_s();
         if now_s - refreshed_s >= REFRESH.as_secs_f64() {
             refreshed_s = now_s;
-            line.set_message(text(&mut shown, handles));
+            line.set_message(text(&mut shown, handles, beside.text()));
         }
     }
     line.finish_and_clear();
@@ -75,9 +89,9 @@ fn take(message: Message, shown: &mut [Shown], handles: &[SensorHandle], line: &
 }
 
 /// One line on all sensors.
-fn text(shown: &mut [Shown], handles: &[SensorHandle]) -> String {
+fn text(shown: &mut [Shown], handles: &[SensorHandle], beside: Option<String>) -> String {
     let parts = shown.iter_mut().zip(handles).map(|(shown, handle)| format!("{}: {}", handle.name(), shown.text()));
-    parts.collect::<Vec<_>>().join(" | ")
+    parts.chain(beside).collect::<Vec<_>>().join(" | ")
 }
 
 impl Shown {

@@ -15,6 +15,7 @@ mod part;
 mod pattern;
 mod profile;
 mod profile_command;
+mod record;
 mod refusals;
 mod reproduce;
 mod shell;

@@ -75,8 +75,10 @@ fn the_help_is_as_recorded() {
     for name in [
         "fingervision",
         "live",
+        "record",
         "track",
         "evaluate",
+        "export",
         "demo",
         "pattern",
         "reproduce",

@@ -1,6 +1,7 @@
 //! The camera of a guided calibration: its newest image, and images that are taken when told.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use fingervision_image::Pixels;
@@ -11,9 +12,9 @@ use fingervision_touch::{Fields, Profile};
 
 use super::shoot::Pictures;
 use crate::failure::Failure;
-use crate::live::PageArgs;
+use crate::live::{LiveActions, PageArgs};
 use crate::output::OutputArgs;
-use crate::place::{Place, solve};
+use crate::place::{Place, recorded, solve};
 
 /// Frames that may wait while an image is written.
 const FRAMES: usize = 64;
@@ -35,6 +36,7 @@ impl LiveCamera {
         let input = match Place::of(camera)? {
             Place::Camera(id) => Input::camera(fingervision_camera::open(profile.capture_from(id.as_deref()))?),
             Place::Simulated(location) => Input::source(solve(&location, Options::default(), output)?, Pace::Recorded),
+            Place::Recording(path, sensor) => Input::source(recorded(&path, sensor.as_deref())?.1, Pace::Recorded),
             Place::File(path) => {
                 Input::source(fingervision_simulation::open(&path, &Options::default())?, Pace::Recorded)
             }
@@ -47,7 +49,8 @@ impl LiveCamera {
         let frames = pipeline.subscribe(Interest { frames: true, capacity: FRAMES, ..Interest::readings() });
         let messages = pipeline.subscribe(Interest::readings());
         let running = pipeline.start()?;
-        let page = page.start(&running, messages)?;
+        let actions = Arc::new(LiveActions::new(running.handles(), running.subscriptions()));
+        let page = page.start(&running, messages, actions)?;
         output.note(&format!("the camera's image: {}", page.url()));
         Ok(Self { frames, decoder: None, output, _page: page, _running: running })
     }

@@ -1,0 +1,91 @@
+//! `fingervision record`, and what reads its files.
+
+use std::fs;
+use std::io::Read;
+use std::process::Stdio;
+
+use crate::workbench::Workbench;
+
+/// The columns of a table without that of the latency, which differs from run to run.
+fn rows(bench: &Workbench, name: &str) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(bench.path(name)).unwrap();
+    let row = |line: &str| -> Vec<String> { line.split(',').map(Into::into).collect() };
+    let mut rows: Vec<Vec<String>> = text.lines().map(row).collect();
+    let latency = rows[0].iter().position(|name| name == "latency_ms").unwrap();
+    for row in &mut rows {
+        row.remove(latency);
+    }
+    rows
+}
+
+#[test]
+fn a_recording_is_tracked_as_its_source() {
+    let bench = Workbench::new();
+    bench.press(6);
+    fs::write(bench.path("sensor.toml"), "name = \"left\"\n[flow]\nnoise_levels = 1.5\n").unwrap();
+    let ended = bench.run("record press press.mcap --profile sensor.toml").expect_done();
+    assert!(ended.out.contains("press.mcap: 6 frames, 6 readings"), "{}", ended.out);
+    bench.run("track press --out direct --profile sensor.toml --fields flow,density").expect_done();
+    // The profile is in the file.
+    bench.run("track press.mcap --out recorded --fields flow,density").expect_done();
+    for name in ["flow.npy", "density.npy", "valid.npy"] {
+        let [direct, recorded] = ["direct", "recorded"].map(|run| fs::read(bench.path(run).join(name)).unwrap());
+        assert!(direct == recorded, "{name} differs");
+    }
+    assert_eq!(rows(&bench, "direct/readings.csv"), rows(&bench, "recorded/readings.csv"));
+    let record = fs::read_to_string(bench.path("recorded/run.toml")).unwrap();
+    assert!(record.contains("press.mcap") && record.contains("noise_levels = 1.5"), "{record}");
+}
+
+#[test]
+fn a_part_is_recorded_by_the_files_own_time() {
+    let bench = Workbench::new();
+    bench.press(9);
+    // 30 frames per second: frames 0 to 4 are before 0.15 s.
+    let ended = bench.run("record press part.mcap --seconds 0.15 --frames-only").expect_done();
+    assert!(ended.out.contains("part.mcap: 5 frames, 0 readings, 0.1 s"), "{}", ended.out);
+    bench.run("track part.mcap --out run").expect_done();
+    assert_eq!(bench.column("sequence").len(), 5);
+}
+
+#[test]
+fn one_of_several_sensors_is_tracked_by_its_name() {
+    let bench = Workbench::new();
+    bench.press(4);
+    bench.run("record press press two.mcap").expect_done();
+    bench.run("track two.mcap --out run").expect_failure("it has 2 sensors: press, press 2", "?sensor=press");
+    bench.run("track two.mcap?sensor=press --out run").expect_done();
+    bench.run("track two.mcap?sensor=left --out run2").expect_failure("there is no sensor left", "?sensor=press");
+}
+
+#[test]
+fn files_that_cannot_be_recordings_are_refused() {
+    let bench = Workbench::new();
+    bench.press(3);
+    bench.run("record press press.avi").expect_failure("recordings are MCAP files", "name it press.mcap");
+    bench.run("record press absent/press.mcap").expect_failure("there is no folder absent", "make the folder first");
+    bench.run("record press press.mcap").expect_done();
+    bench.run("record press press.mcap").expect_failure("press.mcap exists already", "--force");
+    bench.run("record press press.mcap --force").expect_done();
+}
+
+#[test]
+fn a_killed_recording_can_be_tracked() {
+    let bench = Workbench::new();
+    bench.press(40);
+    let mut child =
+        bench.command("record press killed.mcap").stderr(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
+    let path = bench.path("killed.mcap");
+    // Until the first chunk with frames is in the file.
+    while fs::metadata(&path).map_or(0, |metadata| metadata.len()) < 40_000 && child.try_wait().unwrap().is_none() {
+        std::thread::yield_now();
+    }
+    child.kill().unwrap();
+    let mut out = String::new();
+    child.stdout.take().unwrap().read_to_string(&mut out).unwrap();
+    child.wait().unwrap();
+    assert_eq!(out, "", "the recording had not ended");
+    let ended = bench.run("track killed.mcap --out run").expect_done();
+    assert!(ended.errors.contains("killed.mcap was not closed"), "{}", ended.errors);
+    assert!(bench.column("sequence").len() > 1);
+}

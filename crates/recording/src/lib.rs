@@ -1,0 +1,43 @@
+//! Recordings: what sensors saw and what was computed, in MCAP files.
+//!
+//! A recording contains, for each sensor, every frame bit by bit as it came, its number and time, the readings, the
+//! events and the profile. Tracking it gives the same fields as tracking the source did. Programs for robots' data show
+//! it: pictures, points, camera and events have Foxglove's schemas, and every schema is in the file.
+//!
+//! - [`RecordingWriter`] writes a file, only ever at its end: a program that is killed loses less than a second.
+//! - [`RecorderThread`] does so for sensors of a pipeline, from a subscription.
+//! - [`Recording`] opens a file, closed or cut off; [`RecordingSource`] provides the frames of a sensor.
+//!
+//! ```no_run
+//! use fingervision_recording::{Recording, RecordingSource};
+//! use fingervision_source::Source;
+//!
+//! let recording = Recording::open("press.mcap".as_ref())?;
+//! let sensor = recording.sensor(None)?;
+//! let profile = recording.profile(sensor)?;
+//! let mut source = RecordingSource::open(recording, sensor)?;
+//! while let Some(frame) = source.next_frame()? {
+//!     println!("frame {} at {} s", frame.sequence, frame.capture_time_s);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod coding;
+mod container;
+mod error;
+mod lossless;
+mod message;
+mod numbers;
+mod recorder;
+mod recording;
+mod recording_source;
+mod schema;
+mod topic;
+mod view;
+mod writer;
+
+pub use error::RecordingError;
+pub use recorder::{RecorderOptions, RecorderProgress, RecorderThread};
+pub use recording::{Recording, RecordingSensor};
+pub use recording_source::RecordingSource;
+pub use writer::{Clock, RecordedSensor, RecordingWriter};

@@ -1,0 +1,271 @@
+//! A thread that records sensors while they run.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use fingervision_pipeline::{Interest, Message, SensorHandle, Subscription, host_time_s};
+
+use crate::{Clock, RecordedSensor, RecordingError, RecordingWriter};
+
+/// How long the thread waits for a message before it writes what is old.
+const WAIT: Duration = Duration::from_millis(100);
+/// Time between two surfaces of a sensor.
+const SURFACE_PERIOD: Duration = Duration::from_millis(100);
+/// Messages that may wait for the disk: half of them are frames, of which the sensors can lend about 190.
+const WAITING_MESSAGES: usize = 256;
+
+/// How far a recording is.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
+pub struct RecorderProgress {
+    /// Bytes in the file.
+    pub bytes: u64,
+    /// Frames of all sensors.
+    pub frames: u64,
+    /// Readings of all sensors.
+    pub readings: u64,
+    /// Time from the first frame to the last, s.
+    pub seconds: f64,
+    /// Messages that were lost because the disk or the computer was too slow; the file says where frames are missing.
+    pub lost: u64,
+    /// Why it ended early, and what to do about it.
+    pub error: Option<[String; 2]>,
+    /// All frames up to the wanted time are written; their readings may follow.
+    pub is_complete: bool,
+    /// Nothing more is written.
+    pub is_ended: bool,
+}
+
+/// What a recorder writes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecorderOptions {
+    /// The clock of the messages' times.
+    pub clock: Clock,
+    /// Whether readings and surfaces are written beside the frames.
+    pub has_readings: bool,
+    /// No frames are written that come so long after a sensor's first one, s.
+    pub most_seconds: Option<f64>,
+}
+
+impl Default for RecorderOptions {
+    /// Everything, without end.
+    fn default() -> Self {
+        Self { clock: Clock::Host, has_readings: true, most_seconds: None }
+    }
+}
+
+/// Records what comes from a subscription, until it is stopped or dropped, the sensors end or the disk is full.
+#[derive(Debug)]
+pub struct RecorderThread {
+    path: PathBuf,
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    progress: Mutex<RecorderProgress>,
+    is_stopped: AtomicBool,
+    options: RecorderOptions,
+}
+
+/// The times of a sensor's frames, on the clock of the recording.
+#[derive(Debug, Clone, Copy, Default)]
+struct Times {
+    first_s: Option<f64>,
+    last_s: f64,
+    /// A frame came that was too late.
+    is_complete: bool,
+}
+
+impl RecorderThread {
+    /// What a recorder subscribes to: every frame, every reading, and ten whole readings a second for the surface.
+    #[must_use]
+    pub fn interest() -> Interest {
+        Interest { frames: true, fields_every: Some(SURFACE_PERIOD), capacity: WAITING_MESSAGES }
+    }
+
+    /// Creates a file, or empties it, and records from now on.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError::Write`] if the file cannot be written, [`RecordingError::Thread`] if the system gives no thread.
+    pub fn start(
+        path: &Path,
+        handles: &[SensorHandle],
+        subscription: Subscription,
+        options: RecorderOptions,
+    ) -> Result<Self, RecordingError> {
+        let of_handle = |handle: &SensorHandle| RecordedSensor::of(handle, options.clock);
+        let sensors: Vec<RecordedSensor> = handles.iter().map(of_handle).collect();
+        let writer = RecordingWriter::create(path, &sensors)?;
+        let shared = Arc::new(Shared { progress: Mutex::default(), is_stopped: AtomicBool::new(false), options });
+        let times = vec![Times::default(); sensors.len()];
+        let recorder = Recorder { writer, subscription, times, shared: Arc::clone(&shared) };
+        let thread = thread::Builder::new().name("recorder".into()).spawn(move || recorder.run());
+        let thread = thread.map_err(|error| RecordingError::Thread { path: path.to_owned(), error })?;
+        Ok(Self { path: path.to_owned(), shared, thread: Some(thread) })
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// How far it is.
+    #[must_use]
+    pub fn progress(&self) -> RecorderProgress {
+        self.shared.lock().clone()
+    }
+
+    /// Writes what has come so far, closes the file, and says what is in it.
+    #[must_use]
+    pub fn stop(mut self) -> RecorderProgress {
+        self.end();
+        self.progress()
+    }
+
+    /// Waits until the sensors have ended and everything is written, then as [`stop`](Self::stop).
+    #[must_use]
+    pub fn finish(mut self) -> RecorderProgress {
+        self.join();
+        self.progress()
+    }
+
+    fn end(&mut self) {
+        self.shared.is_stopped.store(true, Ordering::Release);
+        self.join();
+    }
+
+    fn join(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has ended.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for RecorderThread {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, RecorderProgress> {
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What the thread works with.
+struct Recorder {
+    writer: RecordingWriter,
+    subscription: Subscription,
+    times: Vec<Times>,
+    shared: Arc<Shared>,
+}
+
+impl Recorder {
+    fn run(mut self) {
+        let done = self.record();
+        let Self { writer, subscription, shared, .. } = self;
+        // Sensors that would wait must not wait for the disk.
+        drop(subscription);
+        let done = done.and_then(|()| writer.finish());
+        let mut progress = shared.lock();
+        progress.is_ended = true;
+        match done {
+            Ok(bytes) => progress.bytes = bytes,
+            Err(error) => progress.error = Some([error.to_string(), error.hint()]),
+        }
+    }
+
+    fn record(&mut self) -> Result<(), RecordingError> {
+        // Messages that are still taken after a stop.
+        let mut left = WAITING_MESSAGES;
+        while !self.subscription.is_done() && left > 0 {
+            let is_stopped = self.shared.is_stopped.load(Ordering::Acquire);
+            left -= usize::from(is_stopped);
+            match self.subscription.next(if is_stopped { Duration::ZERO } else { WAIT }) {
+                Some(message) => self.write(&message)?,
+                None if is_stopped => break,
+                None => {}
+            }
+            self.writer.flush_due()?;
+            self.note_progress()?;
+        }
+        Ok(())
+    }
+
+    fn write(&mut self, message: &Message) -> Result<(), RecordingError> {
+        let (shared, writer) = (&self.shared, &mut self.writer);
+        let RecorderOptions { clock, has_readings, most_seconds } = shared.options;
+        match message {
+            Message::Frame { sensor, frame, captured_s } => {
+                let times = &mut self.times[*sensor];
+                let time_s = time_s(clock, *captured_s, frame.capture_time_s);
+                if times.is_late(time_s, most_seconds) {
+                    times.is_complete = true;
+                    return Ok(());
+                }
+                times.first_s.get_or_insert(time_s);
+                times.last_s = time_s;
+                writer.write_frame(*sensor, frame, *captured_s)?;
+                shared.lock().frames += 1;
+            }
+            Message::Reading { sensor, numbers, captured_s, .. } if has_readings => {
+                let time_s = time_s(clock, *captured_s, numbers.capture_time_s);
+                if !self.times[*sensor].is_late(time_s, most_seconds) {
+                    writer.write_reading(*sensor, numbers, *captured_s)?;
+                    shared.lock().readings += 1;
+                }
+            }
+            Message::Fields { sensor, snapshot } if has_readings => {
+                let time_s = time_s(clock, snapshot.captured_s, snapshot.reading.capture_time_s);
+                if !self.times[*sensor].is_late(time_s, most_seconds) {
+                    writer.write_surface(*sensor, &snapshot.reading, snapshot.captured_s)?;
+                }
+            }
+            Message::Event { sensor, host_time_s, text } => writer.write_event(*sensor, text, *host_time_s)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Tells how far it is; the first loss of messages is an event in the file.
+    fn note_progress(&mut self) -> Result<(), RecordingError> {
+        let lost = self.subscription.lost();
+        let mut progress = self.shared.lock();
+        progress.bytes = self.writer.bytes_written();
+        progress.seconds = self.times.iter().map(Times::duration_s).fold(0.0, f64::max);
+        progress.is_complete = self.times.iter().all(|times| times.is_complete);
+        let before = std::mem::replace(&mut progress.lost, lost);
+        drop(progress);
+        if before == 0 && lost > 0 {
+            let text = "recording is too slow: frames or readings are missing from here on";
+            self.writer.write_event(0, text, host_time_s())?;
+        }
+        Ok(())
+    }
+}
+
+impl Times {
+    fn is_late(&self, time_s: f64, most_seconds: Option<f64>) -> bool {
+        most_seconds.zip(self.first_s).is_some_and(|(most_s, first_s)| time_s - first_s >= most_s)
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.first_s.map_or(0.0, |first_s| self.last_s - first_s)
+    }
+}
+
+fn time_s(clock: Clock, captured_s: f64, capture_time_s: f64) -> f64 {
+    match clock {
+        Clock::Host => captured_s,
+        Clock::Source => capture_time_s,
+    }
+}
