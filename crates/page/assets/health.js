@@ -2,6 +2,8 @@
 
 const HOLD_S = 4; // a flag is shown this long after it was last raised
 const SILENT_S = 1;
+// With one of these the values mean nothing; with the others some of them may be wrong.
+const BAD = new Set(['lost', 'gel-misfit', 'no-texture', 'other-sensor', 'image-mismatch', 'dark']);
 
 /** The share of sorted values that the index stands for. */
 export const quantile = (sorted, part) => (sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))] : null);
@@ -29,7 +31,7 @@ export function sentences({ row, flagTimes, counts, now, isPast, words }) {
   if (!row) out.push(['warn', 'no reading yet']);
   else if (!isPast && counts?.is_ended) out.push(['bad', 'the source has ended; the values are the last ones']);
   else if (!isPast && now - row.captured_s > SILENT_S) out.push(['bad', `no new reading for ${(now - row.captured_s).toFixed(0)} s; the values are old`]);
-  for (const flag of row?.flags ?? []) out.push([flag === 'lost' || flag === 'gel-misfit' ? 'bad' : 'warn', words.get(flag) ?? flag]);
+  for (const flag of row?.flags ?? []) out.push([BAD.has(flag) ? 'bad' : 'warn', words.get(flag) ?? flag]);
   if (!isPast) {
     for (const [flag, time] of flagTimes) {
       if (!row?.flags.includes(flag) && now - time < HOLD_S) out.push(['past', `${words.get(flag) ?? flag}, ${(now - time).toFixed(0)} s ago`]);

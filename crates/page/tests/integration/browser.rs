@@ -63,6 +63,17 @@ fn keys_record_and_a_refusal_is_shown() {
 }
 
 #[test]
+fn a_new_zero_is_logged() {
+    let Some(mut browser) = Chromium::start(&[]) else { return };
+    let bench = Bench::start();
+    browser.open(&bench.page.url());
+    browser.wait_until(IS_LIVE);
+    browser.press("z");
+    browser.wait_until("document.querySelector('#events').textContent.includes('finger: re-zeroed at frame ')");
+    browser.wait_until("document.querySelector('.health').textContent.length > 0");
+}
+
+#[test]
 fn a_reload_and_a_lost_server_are_survived() {
     let Some(mut browser) = Chromium::start(&[]) else { return };
     let mut bench = Bench::start();
