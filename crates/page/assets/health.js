@@ -3,7 +3,7 @@
 const HOLD_S = 4; // a flag is shown this long after it was last raised
 const SILENT_S = 1;
 // With one of these the values mean nothing; with the others some of them may be wrong.
-const BAD = new Set(['lost', 'gel-misfit', 'no-texture', 'other-sensor', 'image-mismatch', 'dark']);
+const BAD = new Set(['lost', 'gel-misfit', 'no-texture', 'other-sensor']);
 
 /** The share of sorted values that the index stands for. */
 export const quantile = (sorted, part) => (sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))] : null);
