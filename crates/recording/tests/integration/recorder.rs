@@ -19,7 +19,7 @@ struct Film {
 fn frame(number: u64) -> Frame {
     let value = |x: usize, y: usize| {
         let (x, y) = (x as u64 + number, y as u64);
-        (x / 5 * 2_654_435_761 ^ y / 5 * 40_503_000_003).wrapping_mul(0x9e37_79b9_7f4a_7c15).to_be_bytes()[0]
+        ((x / 5 * 2_654_435_761) ^ (y / 5 * 40_503_000_003)).wrapping_mul(0x9e37_79b9_7f4a_7c15).to_be_bytes()[0]
     };
     let sequence = number + number / 9;
     Frame { sequence, capture_time_s: sequence as f64 / 90.0, pixels: Pixels::Grey8(Image::from_fn(SIZE, SIZE, value)) }

@@ -68,6 +68,7 @@ fn a_zarr_group_has_a_chunk_for_each_frame() {
     }
     let attributes = fs::read_to_string(to.join("depth/.zattrs")).unwrap();
     assert_eq!(attributes, "{\"_ARRAY_DIMENSIONS\": [\"frame\", \"row\", \"column\"], \"units\": \"mm\"}");
+    assert_eq!(fs::read_to_string(to.join(".zattrs")).unwrap(), "{\"run.toml\": \"version = 1\\n\"}");
     assert!(matches!(write_zarr(&run, &to), Err(SinkError::Write { .. })), "nothing is replaced");
 }
 
