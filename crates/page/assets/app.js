@@ -24,7 +24,7 @@ const connection = new Connection({
     isRecording = state.recording !== null;
     $('record').setAttribute('aria-pressed', isRecording);
     $('record').textContent = isRecording ? 'Recording' : 'Record';
-    $('recording').textContent = isRecording ? `Recording to ${state.recording[0]}, ${(state.recording[1] / 1e6).toFixed(1)} MB` : '';
+    $('recording').textContent = isRecording ? `Recording to ${state.recording[0]}, ${state.recording[2].toFixed(0)} s, ${(state.recording[1] / 1e6).toFixed(1)} MB` : '';
   },
   event({ sensor, text }) { tell(`${views[sensor]?.about.name ?? sensor}: ${text}`); },
   refused(text) { tell(text); },

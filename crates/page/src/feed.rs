@@ -65,7 +65,7 @@ struct State {
     now_s: f64,
     sensors: Vec<SensorState>,
     /// The file that is being written, and its bytes.
-    recording: Option<(String, u64)>,
+    recording: Option<(String, u64, f64)>,
 }
 
 #[derive(Debug, Serialize)]
@@ -195,7 +195,7 @@ impl Feed {
             }
         };
         let recording = self.shared.actions.recording();
-        let recording = recording.map(|(path, bytes)| (path.display().to_string(), bytes));
+        let recording = recording.map(|(path, bytes, seconds)| (path.display().to_string(), bytes, seconds));
         self.send(&Text::State(State { now_s, sensors: self.handles.iter().map(of_sensor).collect(), recording }));
     }
 

@@ -28,6 +28,6 @@ pub trait Actions: Send + Sync {
     /// A sentence for the user if recording cannot begin.
     fn set_recording(&self, on: bool) -> Result<Option<PathBuf>, String>;
 
-    /// The file that is being written, and its bytes so far; absent if nothing is recorded.
-    fn recording(&self) -> Option<(PathBuf, u64)>;
+    /// The file that is being written, its bytes and its seconds so far; absent if nothing is recorded.
+    fn recording(&self) -> Option<(PathBuf, u64, f64)>;
 }

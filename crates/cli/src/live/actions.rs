@@ -84,9 +84,12 @@ impl Actions for LiveActions {
         Ok(Some(path))
     }
 
-    fn recording(&self) -> Option<(PathBuf, u64)> {
+    fn recording(&self) -> Option<(PathBuf, u64, f64)> {
         self.close_ended();
-        self.lock().as_ref().map(|recorder| (recorder.path().to_owned(), recorder.progress().bytes))
+        self.lock().as_ref().map(|recorder| {
+            let progress = recorder.progress();
+            (recorder.path().to_owned(), progress.bytes, progress.seconds)
+        })
     }
 }
 

@@ -89,3 +89,41 @@ fn a_killed_recording_can_be_tracked() {
     assert!(ended.errors.contains("killed.mcap was not closed"), "{}", ended.errors);
     assert!(bench.column("sequence").len() > 1);
 }
+
+#[test]
+fn a_recording_is_exported_as_its_run() {
+    let bench = Workbench::new();
+    bench.press(5);
+    bench.run("record press press.mcap").expect_done();
+    bench.run("track press.mcap --out run").expect_done();
+    bench.run("export run --out run.csv").expect_done();
+    assert_eq!(fs::read(bench.path("run.csv")).unwrap(), fs::read(bench.path("run/readings.csv")).unwrap());
+    bench.run("export run --out run.npz").expect_done();
+    let ended = bench.run("export press.mcap --out press.npz").expect_done();
+    assert!(ended.out.contains("press.npz: 5 frames"), "{}", ended.out);
+    let len = |name: &str| fs::metadata(bench.path(name)).unwrap().len();
+    // They differ in the record only, which names the folder of neither.
+    assert!(len("run.npz").abs_diff(len("press.npz")) < 200, "{} and {}", len("run.npz"), len("press.npz"));
+    bench.run("export press.mcap --out press.zarr").expect_done();
+    assert!(bench.path("press.zarr/flow/4.0.0.0").is_file() && bench.path("press.zarr/photometric_error/0").is_file());
+    bench.run("export press.mcap --out press.avi").expect_done();
+    assert!(fs::read(bench.path("press.avi")).unwrap().starts_with(b"RIFF"));
+    let left: Vec<_> = fs::read_dir(bench.path(".")).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(!left.iter().any(|name| name.to_string_lossy().starts_with(".export")), "{left:?}");
+}
+
+#[test]
+fn exports_that_are_not_possible_are_refused() {
+    let bench = Workbench::new();
+    bench.press(3);
+    bench.run("track press --out run").expect_done();
+    bench.run("export run --out run.avi").expect_failure("has no camera images", "--overlay");
+    bench.run("export press --out x.npz").expect_failure("press is not a run", "`fingervision track`");
+    bench.run("export run --out x.xyz").expect_failure("x.xyz names no format", ".npz, .csv, .zarr or .avi");
+    bench.run("export run --out x.csv").expect_done();
+    bench.run("export run --out x.csv").expect_failure("x.csv exists already", "--overwrite");
+    bench.run("export run --out x.csv --overwrite").expect_done();
+    bench
+        .run("export run --out run --format zarr --overwrite")
+        .expect_failure("run exists already", "choose a new name");
+}

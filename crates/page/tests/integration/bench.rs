@@ -41,8 +41,8 @@ impl Actions for Recorder {
         Ok(on.then(|| "touch.mcap".into()))
     }
 
-    fn recording(&self) -> Option<(PathBuf, u64)> {
-        self.is_on.load(Ordering::Acquire).then(|| ("touch.mcap".into(), 42))
+    fn recording(&self) -> Option<(PathBuf, u64, f64)> {
+        self.is_on.load(Ordering::Acquire).then(|| ("touch.mcap".into(), 42, 1.5))
     }
 }
 

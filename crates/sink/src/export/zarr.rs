@@ -13,7 +13,7 @@ use crate::SinkError;
 /// Level of the compression: the fastest.
 const LEVEL: u8 = 1;
 
-/// Writes a run as a Zarr group, which must not exist yet. The record of the run is in it as `run.toml`.
+/// Writes a run as a Zarr group, which must not exist yet. The record of the run is its attribute `run.toml`.
 ///
 /// # Errors
 ///
@@ -21,7 +21,8 @@ const LEVEL: u8 = 1;
 pub fn write_zarr(run: &RunArrays, folder: &Path) -> Result<(), SinkError> {
     make(folder)?;
     write(&folder.join(".zgroup"), b"{\"zarr_format\": 2}")?;
-    write(&folder.join("run.toml"), run.record.as_bytes())?;
+    let record = format!("{{\"run.toml\": {}}}", json_text(&run.record));
+    write(&folder.join(".zattrs"), record.as_bytes())?;
     for array in &run.arrays {
         let inside = folder.join(array.name);
         make(&inside)?;
@@ -53,16 +54,31 @@ pub fn write_zarr(run: &RunArrays, folder: &Path) -> Result<(), SinkError> {
     Ok(())
 }
 
+/// A text as JSON writes it.
+fn json_text(text: &str) -> String {
+    let mut json = String::from("\"");
+    for letter in text.chars() {
+        match letter {
+            '"' | '\\' => json.extend(['\\', letter]),
+            '\n' => json.push_str("\\n"),
+            // Tabs and other control letters are spaces in TOML, too.
+            letter if letter.is_control() => json.push(' '),
+            letter => json.push(letter),
+        }
+    }
+    json.push('"');
+    json
+}
+
 fn compressed(bytes: &[u8]) -> Vec<u8> {
     miniz_oxide::deflate::compress_to_vec_zlib(bytes, LEVEL)
 }
 
 /// `.zarray`: what the values are and how they are stored.
 fn describe(folder: &Path, descr: &str, shape: &[u64], chunk: &[u64]) -> Result<(), SinkError> {
-    let fill = if descr.starts_with("<U") { "\"\"" } else { "0" };
     let text = format!(
         "{{\"zarr_format\": 2, \"shape\": {shape:?}, \"chunks\": {chunk:?}, \"dtype\": \"{descr}\", \"order\": \"C\", \
-         \"fill_value\": {fill}, \"filters\": null, \"compressor\": {{\"id\": \"zlib\", \"level\": {LEVEL}}}}}"
+         \"fill_value\": null, \"filters\": null, \"compressor\": {{\"id\": \"zlib\", \"level\": {LEVEL}}}}}"
     );
     write(&folder.join(".zarray"), text.as_bytes())
 }
