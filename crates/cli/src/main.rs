@@ -12,6 +12,7 @@ mod disk;
 mod doctor;
 mod evaluate;
 mod failure;
+mod fingerprint;
 mod interrupt;
 mod live;
 mod output;
