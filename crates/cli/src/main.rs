@@ -13,6 +13,7 @@ mod doctor;
 mod evaluate;
 mod export;
 mod failure;
+mod fingerprint;
 mod interrupt;
 mod live;
 mod output;

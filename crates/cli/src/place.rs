@@ -61,6 +61,22 @@ impl Place {
     }
 }
 
+impl Place {
+    /// Opens a place that is no camera; `camera` opens one, with what names it.
+    pub(crate) fn open(
+        &self,
+        camera: impl FnOnce(Option<&str>) -> Result<Box<dyn Source>, Failure>,
+        output: OutputArgs,
+    ) -> Result<Box<dyn Source>, Failure> {
+        Ok(match self {
+            Self::Camera(id) => camera(id.as_deref())?,
+            Self::Simulated(location) => solve(location, Options::default(), output)?,
+            Self::Recording(path, sensor) => recorded(path, sensor.as_deref())?.1,
+            Self::File(path) => fingervision_simulation::open(path, &Options::default())?,
+        })
+    }
+}
+
 /// The frames of a sensor of a recording, and the profile that is recorded with them.
 pub(crate) fn recorded(path: &Path, sensor: Option<&str>) -> Result<(Profile, Box<dyn Source>), Failure> {
     let recording = Recording::open(path)?;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
-use fingervision_touch::{FORCE_COLUMNS, Flag, Reading};
+use fingervision_touch::{FORCE_COLUMNS, Flag, HealthCounts, Reading};
 use serde::{Serialize, Serializer};
 
 use crate::skipped::Skipped;
@@ -44,7 +44,7 @@ pub(crate) struct Tally {
     #[serde(rename = "median_latency_ms", serialize_with = "as_median", skip_serializing_if = "Vec::is_empty")]
     latencies_ms: Vec<f64>,
     /// Number of frames with each flag that was ever set.
-    flagged: BTreeMap<&'static str, u64>,
+    flagged: HealthCounts,
     /// Number of frames skipped by the source.
     dropped_frames: u64,
     /// Number of frames without depth, by the flag that is the reason; `not-valid` if no pixel is valid.
@@ -115,9 +115,7 @@ impl Tally {
         }
         self.tracking_ms += reading.latency_ms;
         self.latencies_ms.push(reading.latency_ms);
-        for flag in reading.flags.iter() {
-            *self.flagged.entry(flag.name()).or_default() += 1;
-        }
+        self.flagged.count(&reading.numbers());
         let is_deeper = |depth: &f32| self.deepest.is_none_or(|deepest| *depth >= deepest.max_depth_mm);
         if let Some(max_depth_mm) = reading.max_depth_mm.filter(is_deeper) {
             let &Reading { sequence, contact_area_mm2, force_n, torque_nmm: torque_z_nmm, .. } = reading;
@@ -153,13 +151,12 @@ impl fmt::Display for Summary {
             let frames = if self.skipped.count == 1 { "frame" } else { "frames" };
             writeln!(f, "skipped  {} {frames} that could not be read", self.skipped.count)?;
         }
-        for flag in Flag::ALL.map(Flag::name) {
-            if let Some(count) = flagged.get(flag) {
-                write!(f, "flagged  {flag} in {count} of {frames} frames")?;
-                match dropped_frames {
-                    1.. if flag == Flag::Dropped.name() => writeln!(f, ": {dropped_frames} missing before them")?,
-                    _ => writeln!(f)?,
-                }
+        for (flag, count) in flagged.flagged() {
+            write!(f, "flagged  {} in {count} of {frames} frames", flag.name())?;
+            match flag {
+                Flag::Dropped if *dropped_frames > 0 => writeln!(f, ": {dropped_frames} missing before them")?,
+                Flag::GelDamaged => writeln!(f, ": up to {:.1} % of the image", 100.0 * flagged.damaged_part())?,
+                _ => writeln!(f)?,
             }
         }
         for (reason, count) in without_depth {

@@ -58,7 +58,9 @@ pub use fingervision_source::open;
 pub use fingervision_source::{FrameFormat, Options, Source, SourceError};
 
 // From a frame to a reading.
-pub use fingervision_touch::{Fields, Flag, Flags, Reading, TrackError, Tracker, TractionGrid};
+pub use fingervision_touch::{
+    Fields, Fingerprint, Flag, Flags, HealthCounts, Reading, TrackError, Tracker, TractionGrid,
+};
 
 // The sensor.
 pub use fingervision_elastic::{GelBlock, LayerError};
@@ -66,8 +68,8 @@ pub use fingervision_optics::{Camera, CameraError, CameraParams, Distortion};
 pub use fingervision_settings::{Place, SettingsError};
 pub use fingervision_touch::{
     DensityMethod, DensityParams, DepthLaw, DepthLine, DepthMethod, DepthSection, ElasticMode, ElasticParams,
-    GuidedFilterParams, ImageSection, ParameterError, PerspectiveGain, Policy, Profile, ProfileError, ProfileReview,
-    ReferenceParams, Remark, Weight,
+    GuidedFilterParams, ImageSection, ParameterError, PatternSection, PerspectiveGain, Policy, Profile, ProfileError,
+    ProfileReview, ReferenceParams, Remark, Weight,
 };
 
 // The flow on its own.

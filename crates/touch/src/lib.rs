@@ -19,6 +19,7 @@ mod fingerprint;
 mod flag;
 mod guided_filter;
 mod health;
+mod health_counts;
 mod parameter_error;
 mod profile;
 mod reading;
@@ -40,6 +41,7 @@ pub use fields::Fields;
 pub use fingerprint::Fingerprint;
 pub use flag::{Flag, Flags};
 pub use guided_filter::{GuidedFilter, GuidedFilterParams};
+pub use health_counts::HealthCounts;
 pub use parameter_error::ParameterError;
 pub use profile::{
     CaptureSection, DepthMethod, DepthSection, ImageSection, PatternSection, Profile, ProfileError, ProfileReview,

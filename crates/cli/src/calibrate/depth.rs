@@ -15,6 +15,7 @@ use super::press::Press;
 use super::repeated::refuse_repeated;
 use super::{beside, load};
 use crate::failure::Failure;
+use crate::fingerprint;
 use crate::output::OutputArgs;
 
 /// Fit the relation from density feature to depth, using presses of known depth
@@ -163,6 +164,7 @@ pub(super) fn write<'a>(
     let picture = args.picture.clone().unwrap_or_else(|| beside(&args.profile, "depth"));
     write_png(&fit.draw(), &picture)?;
     update_profile(&args.profile, "depth", &DepthTable { density: &written.law })?;
+    fingerprint::write_of_presses(&args.presses, &args.profile)?;
     Ok((written, picture))
 }
 

@@ -14,6 +14,7 @@ use super::press::Press;
 use super::repeated::refuse_repeated;
 use super::{beside, load};
 use crate::failure::Failure;
+use crate::fingerprint;
 use crate::output::OutputArgs;
 
 /// Find Poisson's ratio, thickness and Young's modulus of the gel, from presses of known depth
@@ -78,6 +79,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     if let Some(table) = &written {
         update_profile(&args.profile, "gel", table)?;
     }
+    fingerprint::write_of_presses(&args.presses, &args.profile)?;
     let text = text(&report, written.as_ref(), &args.profile, &pictures);
     let result = GelResult { report: &report, written, profile: &args.profile, pictures: &pictures };
     args.output.result(out, &result, &text)

@@ -4,7 +4,7 @@ use std::fmt::{self, Write};
 use std::time::Duration;
 
 use fingervision_pipeline::{Message, SensorHandle, Subscription};
-use fingervision_touch::ReadingNumbers;
+use fingervision_touch::{HealthCounts, ReadingNumbers};
 use indicatif::ProgressBar;
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ const REFRESH: Duration = Duration::from_millis(200);
 #[derive(Debug, Default)]
 struct Shown {
     last: Option<ReadingNumbers>,
-    readings: u64,
+    health: HealthCounts,
     /// Capture times of the first and the last reading, s.
     times_s: Option<[f64; 2]>,
     /// Time from capture to reading of every reading since the last refresh, ms.
@@ -35,6 +35,8 @@ pub(crate) struct SensorSummary {
     dropped_by_camera: u64,
     dropped_before_tracking: u64,
     damaged: u64,
+    /// Number of readings with each flag that was ever set.
+    flagged: HealthCounts,
 }
 
 /// A recording beside the sensors.
@@ -79,7 +81,7 @@ fn take(message: Message, shown: &mut [Shown], handles: &[SensorHandle], line: &
             shown.times_s = Some([first_s, captured_s]);
             shown.latencies_ms.push(1e3 * (ready_s - captured_s));
             shown.last = Some(numbers);
-            shown.readings += 1;
+            shown.health.count(&numbers);
         }
         Message::Event { sensor, text, .. } => {
             line.suspend(|| output.note(&format!("{}: {text}", handles[sensor].name())));
@@ -115,7 +117,7 @@ impl Shown {
 
     fn frames_per_second(&self) -> f64 {
         let Some([first_s, last_s]) = self.times_s.filter(|[first_s, last_s]| last_s > first_s) else { return 0.0 };
-        (self.readings.saturating_sub(1)) as f64 / (last_s - first_s)
+        (self.health.readings().saturating_sub(1)) as f64 / (last_s - first_s)
     }
 
     fn summary(&self, handle: &SensorHandle) -> SensorSummary {
@@ -123,11 +125,12 @@ impl Shown {
         SensorSummary {
             sensor: handle.name().into(),
             source: handle.description().into(),
-            readings: self.readings,
+            readings: self.health.readings(),
             frames_per_second: self.frames_per_second(),
             dropped_by_camera: counts.camera.dropped,
             dropped_before_tracking: counts.dropped,
             damaged: counts.damaged + counts.camera.damaged,
+            flagged: self.health.clone(),
         }
     }
 }
@@ -142,6 +145,9 @@ impl fmt::Display for SensorSummary {
         }
         if self.damaged > 0 {
             write!(f, "; {} damaged", self.damaged)?;
+        }
+        for (flag, count) in self.flagged.flagged() {
+            write!(f, "\nflagged  {} in {count} of {readings} readings: {}", flag.name(), flag.sentence())?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
-//! `fingervision profile`: starts, shows and checks the file that describes a sensor.
+//! `fingervision profile`: starts, shows, checks and completes the file that describes a sensor.
 
 mod check;
+mod fingerprint;
 mod known;
 mod new;
 mod show;
@@ -12,7 +13,7 @@ use clap::Subcommand;
 
 use crate::failure::Failure;
 
-/// Start, show or check a profile, the file that describes one sensor
+/// Start, show, check or complete a profile, the file that describes one sensor
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -24,6 +25,7 @@ enum Task {
     New(new::Args),
     Show(show::Args),
     Check(check::Args),
+    Fingerprint(fingerprint::Args),
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
@@ -31,5 +33,6 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
         Task::New(args) => new::run(args, out),
         Task::Show(args) => show::run(args, out),
         Task::Check(args) => check::run(args, out),
+        Task::Fingerprint(args) => fingerprint::run(args, out),
     }
 }

@@ -3,10 +3,11 @@
 use std::fs;
 use std::path::Path;
 
+use fingervision_gel::Motion;
 use fingervision_touch::Profile;
 use serde_json::Value;
 
-use crate::workbench::{Ended, Workbench};
+use crate::workbench::{Ended, Workbench, picture, save};
 
 const KNOWN: &str = "--image-size 640x480 --region-of-interest 15,15,610,450 --distance-mm 25 --view-width-mm 38.125 \
                      --gel-size-mm 30,30 --thickness-mm 10";
@@ -198,4 +199,39 @@ fn a_profile_that_cannot_be_read_or_written_is_named_with_what_to_do() {
         .expect_failure("nowhere/a.toml: there is no such folder", "existing folder");
     bench.write("small.toml", "[image]\nregion_of_interest = [1, 1, 20, 40]\n");
     bench.run("profile check small.toml").expect_failure("image.region_of_interest = 20x40 px", "32 px or more");
+}
+
+#[test]
+fn a_fingerprint_in_the_profile_tells_another_sensor() {
+    let bench = Workbench::new();
+    bench.press(3);
+    for frame in 0..3 {
+        save(&picture(&Motion::STILL, 99, u64::from(frame)).into(), &bench.folder("other"), frame);
+    }
+    bench.write("sensor.toml", "name = 'left' # index\n");
+    let ended = bench.run("profile fingerprint sensor.toml press --json").expect_done();
+    let text = fs::read_to_string(bench.path("sensor.toml")).unwrap();
+    assert!(text.starts_with("name = 'left' # index\n\n[pattern]\nfingerprint = \""), "{text}");
+    assert!(text.contains(json(&ended)["fingerprint"].as_str().unwrap()), "{text}");
+    let flagged = |recording: &str| {
+        let run = format!("track {recording} --out run --overwrite --profile sensor.toml --json");
+        json(&bench.run(&run).expect_done())["flagged"]["other-sensor"].as_u64()
+    };
+    assert_eq!((flagged("press"), flagged("other")), (None, Some(3)));
+    let ended = bench.run("profile fingerprint sensor.toml other").expect_done();
+    assert!(ended.out.contains("before   that of another sensor: "), "{}", ended.out);
+    assert_eq!((flagged("press"), flagged("other")), (Some(3), None));
+}
+
+#[test]
+fn a_fingerprint_needs_texture() {
+    let bench = Workbench::new();
+    let grey = image::GrayImage::from_pixel(96, 64, image::Luma([90]));
+    for frame in 0..2 {
+        save(&grey.clone().into(), &bench.folder("grey"), frame);
+    }
+    bench.write("sensor.toml", "name = 'left'\n");
+    let ended = bench.run("profile fingerprint sensor.toml grey");
+    ended.expect_failure("the first image of grey has too little texture for a fingerprint", "light, focus");
+    assert_eq!(fs::read_to_string(bench.path("sensor.toml")).unwrap(), "name = 'left'\n");
 }

@@ -93,6 +93,7 @@ fn the_help_is_as_recorded() {
         "profile-new",
         "profile-show",
         "profile-check",
+        "profile-fingerprint",
         "completions",
         "man",
     ] {

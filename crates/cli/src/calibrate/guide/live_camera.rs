@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 use fingervision_image::Pixels;
 use fingervision_page::Page;
 use fingervision_pipeline::{Input, Interest, Message, Pace, Pipeline, Running, Sensor, Subscription, host_time_s};
-use fingervision_source::{CameraFrameDecoder, EncodedFrame, Options};
+use fingervision_source::{CameraFrameDecoder, EncodedFrame};
 use fingervision_touch::{Fields, Profile};
 
 use super::shoot::Pictures;
 use crate::failure::Failure;
 use crate::live::{LiveActions, PageArgs};
 use crate::output::OutputArgs;
-use crate::place::{Place, recorded, solve};
+use crate::place::Place;
 
 /// Frames that may wait while an image is written.
 const FRAMES: usize = 64;
@@ -33,13 +33,12 @@ pub(super) struct LiveCamera {
 impl LiveCamera {
     /// Starts the camera and the page.
     pub(super) fn open(camera: &Path, profile: Profile, page: PageArgs, output: OutputArgs) -> Result<Self, Failure> {
-        let input = match Place::of(camera)? {
-            Place::Camera(id) => Input::camera(fingervision_camera::open(profile.capture_from(id.as_deref()))?),
-            Place::Simulated(location) => Input::source(solve(&location, Options::default(), output)?, Pace::Recorded),
-            Place::Recording(path, sensor) => Input::source(recorded(&path, sensor.as_deref())?.1, Pace::Recorded),
-            Place::File(path) => {
-                Input::source(fingervision_simulation::open(&path, &Options::default())?, Pace::Recorded)
-            }
+        let place = Place::of(camera)?;
+        let input = if let Place::Camera(id) = &place {
+            Input::camera(fingervision_camera::open(profile.capture_from(id.as_deref()))?)
+        } else {
+            let no_camera = |_: Option<&str>| Err(Failure::new("no camera is named", "name one with --camera"));
+            Input::source(place.open(no_camera, output)?, Pace::Recorded)
         };
         let sensor = Sensor::open("calibration", profile, input, Fields::NONE)?;
         for remark in sensor.remarks() {
