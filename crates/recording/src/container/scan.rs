@@ -136,12 +136,7 @@ impl<R: Read + Seek> Scan<R> {
                     self.fault("a damaged record");
                 }
             }
-            kind::FOOTER => {
-                self.go_to(start + len)?;
-                let mut magic = [0; MAGIC.len()];
-                self.contents.is_closed = self.fill(&mut magic)? && magic == MAGIC;
-                return Ok(self.contents.is_closed);
-            }
+            kind::FOOTER => return self.footer(start + len),
             // An unused kind is a place where no record begins; later kinds may be added to the format.
             0 => {
                 self.fault("no record");
@@ -151,6 +146,14 @@ impl<R: Read + Seek> Scan<R> {
         }
         self.go_to(start + len)?;
         Ok(true)
+    }
+
+    /// Reads what follows the last record; false if the end of the file is missing.
+    fn footer(&mut self, end: u64) -> io::Result<bool> {
+        self.go_to(end)?;
+        let mut magic = [0; MAGIC.len()];
+        self.contents.is_closed = self.fill(&mut magic)? && magic == MAGIC;
+        Ok(self.contents.is_closed)
     }
 
     fn message(&mut self, start: u64, len: u64) -> io::Result<()> {

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod disk;
+mod format;
 mod fuzz;
 mod recorder;
 mod round_trip;
