@@ -36,7 +36,10 @@ fn its_index_leads_to_every_message() {
         for (channel, entries) in by_channel {
             for entry in entries {
                 let message = summary.seek_message(&bytes, chunk, &entry).unwrap();
-                assert_eq!((message.channel.topic.as_str(), message.log_time), (channel.topic.as_str(), entry.log_time));
+                assert_eq!(
+                    (message.channel.topic.as_str(), message.log_time),
+                    (channel.topic.as_str(), entry.log_time)
+                );
             }
         }
     }
