@@ -61,8 +61,9 @@ const LAYERS: [(&str, &[&str]); 22] = [
 ];
 
 /// Additional dependencies that are allowed in tests and examples: of any crate, simulated frames and mutated files; of
-/// the library, the fits.
-const FOR_TESTS: [(Option<&str>, &str); 3] = [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate")];
+/// the library, the fits; of recordings, a camera that fails on demand.
+const FOR_TESTS: [(Option<&str>, &str); 4] =
+    [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate"), (Some("recording"), "camera")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
 const HEAVY: [(&str, &[&str]); 29] = [
