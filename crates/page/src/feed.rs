@@ -15,8 +15,6 @@ use crate::picture::PictureCoder;
 use crate::shared::Shared;
 use crate::wire;
 
-/// How often numbers are sent: as often as a screen shows them.
-const BATCH_S: f64 = 0.03;
 /// Time between two snapshots of a sensor.
 const FIELDS_EVERY: Duration = Duration::from_millis(33);
 /// Time between two pictures that have to be coded here, s.
@@ -33,7 +31,6 @@ pub(crate) struct Feed {
     shared: Arc<Shared>,
     sensors: Vec<OneSensor>,
     batch: Vec<Row>,
-    batch_sent_s: f64,
     state_sent_s: f64,
     has_pages: bool,
 }
@@ -106,8 +103,7 @@ impl Row {
 impl Feed {
     pub(crate) fn new(subscription: Subscription, handles: Vec<SensorHandle>, shared: Arc<Shared>) -> Self {
         let sensors = handles.iter().map(|_| OneSensor::default()).collect();
-        let (batch_sent_s, state_sent_s) = (0.0, 0.0);
-        Self { subscription, handles, shared, sensors, batch: Vec::new(), batch_sent_s, state_sent_s, has_pages: false }
+        Self { subscription, handles, shared, sensors, batch: Vec::new(), state_sent_s: 0.0, has_pages: false }
     }
 
     pub(crate) fn run(mut self, is_stopped: &AtomicBool) {
@@ -119,10 +115,7 @@ impl Feed {
                 None => {}
             }
             let now_s = host_time_s();
-            if now_s - self.batch_sent_s >= BATCH_S {
-                self.batch_sent_s = now_s;
-                self.send_batch();
-            }
+            self.send_batch();
             if now_s - self.state_sent_s >= STATE_S {
                 self.state_sent_s = now_s;
                 self.send_state(now_s);
