@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use fingervision_camera::CameraSource;
 use fingervision_gel::PressCache;
 use fingervision_recording::{Recording, RecordingSource};
 use fingervision_simulation::SimulatedLocation;
@@ -62,14 +63,13 @@ impl Place {
 }
 
 impl Place {
-    /// Opens a place that is no camera; `camera` opens one, with what names it.
-    pub(crate) fn open(
-        &self,
-        camera: impl FnOnce(Option<&str>) -> Result<Box<dyn Source>, Failure>,
-        output: OutputArgs,
-    ) -> Result<Box<dyn Source>, Failure> {
+    /// The frames of this place; a camera captures as the profile's `[capture]` says.
+    pub(crate) fn source(&self, profile: &Profile, output: OutputArgs) -> Result<Box<dyn Source>, Failure> {
         Ok(match self {
-            Self::Camera(id) => camera(id.as_deref())?,
+            Self::Camera(id) => {
+                let camera = fingervision_camera::open(profile.capture_from(id.as_deref()))?;
+                Box::new(CameraSource::new(camera))
+            }
             Self::Simulated(location) => solve(location, Options::default(), output)?,
             Self::Recording(path, sensor) => recorded(path, sensor.as_deref())?.1,
             Self::File(path) => fingervision_simulation::open(path, &Options::default())?,

@@ -30,7 +30,6 @@ pub(crate) struct Feed {
     handles: Vec<SensorHandle>,
     shared: Arc<Shared>,
     sensors: Vec<OneSensor>,
-    batch: Vec<Row>,
     state_sent_s: f64,
     has_pages: bool,
 }
@@ -79,8 +78,13 @@ struct SensorState {
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Text<'a> {
-    Readings(&'a [Row]),
-    Event { sensor: usize, host_time_s: f64, text: &'a str },
+    /// A list, so that several can be sent together.
+    Readings([Row; 1]),
+    Event {
+        sensor: usize,
+        host_time_s: f64,
+        text: &'a str,
+    },
     State(State),
 }
 
@@ -103,7 +107,7 @@ impl Row {
 impl Feed {
     pub(crate) fn new(subscription: Subscription, handles: Vec<SensorHandle>, shared: Arc<Shared>) -> Self {
         let sensors = handles.iter().map(|_| OneSensor::default()).collect();
-        Self { subscription, handles, shared, sensors, batch: Vec::new(), state_sent_s: 0.0, has_pages: false }
+        Self { subscription, handles, shared, sensors, state_sent_s: 0.0, has_pages: false }
     }
 
     pub(crate) fn run(mut self, is_stopped: &AtomicBool) {
@@ -115,7 +119,6 @@ impl Feed {
                 None => {}
             }
             let now_s = host_time_s();
-            self.send_batch();
             if now_s - self.state_sent_s >= STATE_S {
                 self.state_sent_s = now_s;
                 self.send_state(now_s);
@@ -129,7 +132,6 @@ impl Feed {
         if has_pages != self.has_pages {
             self.has_pages = has_pages;
             self.subscription.set_fields_every(has_pages.then_some(FIELDS_EVERY));
-            self.batch.clear();
         }
     }
 
@@ -139,7 +141,7 @@ impl Feed {
         }
         match message {
             Message::Reading { sensor, numbers, captured_s, ready_s } => {
-                self.batch.push(Row::new(sensor, &numbers, captured_s, ready_s));
+                self.send(&Text::Readings([Row::new(sensor, &numbers, captured_s, ready_s)]));
             }
             Message::Fields { sensor, snapshot } => self.send_fields(sensor, &snapshot),
             Message::Event { sensor, host_time_s, text } => {
@@ -162,13 +164,6 @@ impl Feed {
         };
         let message = wire::fields(index, snapshot, arrows, picture);
         self.shared.send_fields(Bytes::from(message));
-    }
-
-    fn send_batch(&mut self) {
-        if !self.batch.is_empty() {
-            self.send(&Text::Readings(&self.batch));
-            self.batch.clear();
-        }
     }
 
     fn send_state(&self, now_s: f64) {

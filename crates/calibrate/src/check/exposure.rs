@@ -8,6 +8,16 @@ use super::thresholds::THRESHOLDS;
 /// Distance between the tested pixels along both axes.
 const STEP: usize = 2;
 
+/// Whether a value is at the bottom of the range, 0 to 255.
+pub(super) fn is_black(value: f32) -> bool {
+    value < 0.5
+}
+
+/// Whether a value is at the top of the range, 0 to 255.
+pub(super) fn is_saturated(value: f32) -> bool {
+    value > 254.5
+}
+
 /// The brightness statistics so far.
 #[derive(Debug)]
 pub(super) struct Exposure {
@@ -47,7 +57,7 @@ impl Exposure {
             |is: fn(f32) -> bool| values.as_flattened().iter().filter(|&&value| is(value)).count() as f64 / count;
         self.means.push(values.as_flattened().iter().map(|&value| f64::from(value)).sum::<f64>() / count);
         let image = self.means.len();
-        for (worst, now) in self.clipped.iter_mut().zip([part(|value| value < 0.5), part(|value| value > 254.5)]) {
+        for (worst, now) in self.clipped.iter_mut().zip([part(is_black), part(is_saturated)]) {
             if now > worst.0 {
                 *worst = (now, image);
             }

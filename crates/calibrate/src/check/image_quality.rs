@@ -2,6 +2,7 @@
 
 use fingervision_image::{Pixels, Rect};
 
+use super::exposure::{is_black, is_saturated};
 use super::thresholds::THRESHOLDS;
 
 /// Distance between the rows that are used.
@@ -37,13 +38,13 @@ impl ImageQuality {
             for x in region.x..region.x + region.width - 1 {
                 let (here, beside) = (pixels.levels(x, y), pixels.levels(x + 1, y));
                 for (value, next) in here.into_iter().zip(beside) {
+                    black += f64::from(u8::from(is_black(value)));
+                    saturated += f64::from(u8::from(is_saturated(value)));
                     let (value, next) = (f64::from(value), f64::from(next));
                     count += 1.0;
                     sum += value;
                     squares += value * value;
                     steps += (next - value) * (next - value);
-                    black += f64::from(u8::from(value < 0.5));
-                    saturated += f64::from(u8::from(value > 254.5));
                 }
             }
         }

@@ -38,7 +38,7 @@ impl LiveActions {
         Some(ended_text(&path, &recorder.stop()))
     }
 
-    /// Closes the recording and tells everybody what became of it.
+    /// Closes the recording, and sends its file, length and any error as an event.
     fn close_aloud(&self) {
         if let Some(text) = self.close() {
             self.subscriptions.announce(0, text);

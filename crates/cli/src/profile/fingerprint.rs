@@ -1,11 +1,9 @@
-//! `fingervision profile fingerprint`: writes what tells this sensor from others.
+//! `fingervision profile fingerprint`: writes the fingerprint by which another sensor is noticed.
 
 use std::fmt;
 use std::io::Write;
 use std::path::PathBuf;
 
-use fingervision_camera::CameraSource;
-use fingervision_source::Source;
 use fingervision_touch::Fingerprint;
 use serde::Serialize;
 
@@ -40,11 +38,7 @@ struct Written {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let profile = fingervision_calibrate::load_to_update(&args.file)?;
-    let camera = |id: Option<&str>| -> Result<Box<dyn Source>, Failure> {
-        let camera = fingervision_camera::open(profile.capture_from(id))?;
-        Ok(Box::new(CameraSource::new(camera)))
-    };
-    let mut source = Place::of(&args.source)?.open(camera, args.output)?;
+    let mut source = Place::of(&args.source)?.source(&profile, args.output)?;
     let shown = args.source.display();
     let Some(frame) = source.next_frame()? else {
         return Err(Failure::new(format!("{shown} contains no frame"), "give a recording of the untouched gel"));

@@ -20,12 +20,18 @@ fn sum_of(panel: &str) -> String {
 
 const IS_LIVE: &str = "document.querySelector('#state').textContent === 'Live'";
 
-#[test]
-fn the_map_moves_and_the_surface_turns() {
-    let Some(mut browser) = Chromium::start(&[]) else { return };
+/// A browser with these options that shows the page; none where there is no browser.
+fn opened(options: &[&str]) -> Option<(Chromium, Bench)> {
+    let mut browser = Chromium::start(options)?;
     let bench = Bench::start();
     browser.open(&bench.page.url());
     browser.wait_until(IS_LIVE);
+    Some((browser, bench))
+}
+
+#[test]
+fn the_map_moves_and_the_surface_turns() {
+    let Some((mut browser, _bench)) = opened(&[]) else { return };
     let bytes = "performance.getEntries().reduce((sum, entry) => sum + (entry.encodedBodySize || 0), 0)";
     let bytes = browser.value(bytes).as_f64().unwrap();
     assert!(bytes > 20e3 && bytes < MOST_BYTES, "the page has {bytes} bytes");
@@ -49,10 +55,7 @@ fn the_map_moves_and_the_surface_turns() {
 
 #[test]
 fn keys_record_and_a_refusal_is_shown() {
-    let Some(mut browser) = Chromium::start(&[]) else { return };
-    let bench = Bench::start();
-    browser.open(&bench.page.url());
-    browser.wait_until(IS_LIVE);
+    let Some((mut browser, bench)) = opened(&[]) else { return };
     browser.press("r");
     browser.wait_until("document.querySelector('#recording').textContent.includes('touch.mcap')");
     browser.press("r");
@@ -64,10 +67,7 @@ fn keys_record_and_a_refusal_is_shown() {
 
 #[test]
 fn a_new_zero_is_logged() {
-    let Some(mut browser) = Chromium::start(&[]) else { return };
-    let bench = Bench::start();
-    browser.open(&bench.page.url());
-    browser.wait_until(IS_LIVE);
+    let Some((mut browser, _bench)) = opened(&[]) else { return };
     browser.press("z");
     browser.wait_until("document.querySelector('#events').textContent.includes('finger: re-zeroed at frame ')");
     browser.wait_until("document.querySelector('.health').textContent.length > 0");
@@ -75,10 +75,7 @@ fn a_new_zero_is_logged() {
 
 #[test]
 fn a_reload_and_a_lost_server_are_survived() {
-    let Some(mut browser) = Chromium::start(&[]) else { return };
-    let mut bench = Bench::start();
-    browser.open(&bench.page.url());
-    browser.wait_until(IS_LIVE);
+    let Some((mut browser, mut bench)) = opened(&[]) else { return };
     browser.call("Page.reload", &serde_json::json!({}));
     browser.wait_until(IS_LIVE);
     bench.restart(|| browser.wait_until("document.querySelector('#state').textContent === 'Connection lost'"));
@@ -103,10 +100,7 @@ fn nothing_is_cut_off_on_a_phone_or_in_the_dark() {
 
 #[test]
 fn a_browser_without_webgl_shows_the_rest() {
-    let Some(mut browser) = Chromium::start(&["--disable-3d-apis"]) else { return };
-    let bench = Bench::start();
-    browser.open(&bench.page.url());
-    browser.wait_until(IS_LIVE);
+    let Some((mut browser, _bench)) = opened(&["--disable-3d-apis"]) else { return };
     browser.wait_until("document.querySelector('.surface .note').textContent.includes('no WebGL 2')");
     let first = browser.value(&sum_of("map"));
     browser.wait_until(&format!("{} !== {first}", sum_of("map")));
@@ -114,10 +108,7 @@ fn a_browser_without_webgl_shows_the_rest() {
 
 #[test]
 fn a_browser_that_is_killed_leaves_tracking_alone() {
-    let Some(mut browser) = Chromium::start(&[]) else { return };
-    let bench = Bench::start();
-    browser.open(&bench.page.url());
-    browser.wait_until(IS_LIVE);
+    let Some((browser, bench)) = opened(&[]) else { return };
     drop(browser);
     let handle = &bench.running.handles()[0];
     let (before, start) = (handle.counts().tracked, Instant::now());

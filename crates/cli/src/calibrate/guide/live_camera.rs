@@ -1,4 +1,4 @@
-//! The camera of a guided calibration: its newest image, and images that are taken when told.
+//! The camera of a guided calibration: its newest image, and images that are taken on request.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -37,8 +37,7 @@ impl LiveCamera {
         let input = if let Place::Camera(id) = &place {
             Input::camera(fingervision_camera::open(profile.capture_from(id.as_deref()))?)
         } else {
-            let no_camera = |_: Option<&str>| Err(Failure::new("no camera is named", "name one with --camera"));
-            Input::source(place.open(no_camera, output)?, Pace::Recorded)
+            Input::source(place.source(&profile, output)?, Pace::Recorded)
         };
         let sensor = Sensor::open("calibration", profile, input, Fields::NONE)?;
         for remark in sensor.remarks() {
