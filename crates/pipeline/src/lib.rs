@@ -1,10 +1,11 @@
 //! Sensors live: threads that capture and track, and hand their results to whoever subscribes.
 //!
-//! Every sensor has two threads. One *captures*: it takes frames from a camera as they come, or from a file or a
-//! simulation at their recorded times. The other one decodes and *tracks* them, with the same tracker as offline, so
-//! the same frames give the same bits.
+//! Every sensor has a thread that *captures*: it takes frames from a camera as they come, or from a file or a simulation
+//! at their recorded times. As many threads as there are cores decode and *track* them, for all sensors together: whichever
+//! has time takes the sensor that has waited longest, for one frame. A frame is tracked without interruption by the others,
+//! with the same tracker as offline, so the same frames give the same bits.
 //!
-//! Between them is a queue of two frames. If tracking is slower than the camera, the oldest frame is dropped and counted,
+//! Before each tracker is a queue of two frames. If tracking is slower than the camera, the oldest frame is dropped and counted,
 //! and the next reading is flagged `dropped`: a reading is late by at most the time of two frames, never by more and more.
 //! Recordings may also be tracked without loss ([`Pace::Lossless`]); then capture waits.
 //!
@@ -47,17 +48,21 @@ mod message;
 mod pipeline;
 mod pool;
 mod queue;
+mod ready;
+mod replay;
 mod sensor;
 mod shared;
 mod subscription;
 mod subscriptions;
 mod track;
+mod workers;
 
 pub use clock::host_time_s;
 pub use error::PipelineError;
 pub use input::{Input, Pace};
-pub use message::{Interest, Message, Snapshot};
+pub use message::{FrameTimes, Interest, Message, Snapshot};
 pub use pipeline::{Pipeline, Running};
+pub use replay::Replay;
 pub use sensor::{Sensor, SensorHandle};
 pub use shared::SensorCounts;
 pub use subscription::Subscription;
