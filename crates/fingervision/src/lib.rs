@@ -59,7 +59,7 @@ pub use fingervision_source::{FrameFormat, Options, Source, SourceError};
 
 // From a frame to a reading.
 pub use fingervision_touch::{
-    Fields, Fingerprint, Flag, Flags, HealthCounts, Reading, TrackError, Tracker, TractionGrid,
+    Fields, Fingerprint, Flag, Flags, HealthCounts, Reading, ReadingNumbers, TrackError, Tracker, TractionGrid,
 };
 
 // The sensor.

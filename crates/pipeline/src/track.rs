@@ -86,7 +86,7 @@ impl Track {
             self.is_rezeroing = true;
         }
         let reading = self.tracker.track(&self.frame).map_err(|error| error.to_string())?;
-        Ok((reading.numbers(), decode_ms))
+        Ok((reading.numbers, decode_ms))
     }
 
     /// Logs a new reference, before the first reading that is relative to it.
