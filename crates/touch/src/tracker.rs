@@ -15,7 +15,7 @@ use std::time::Instant;
 /// Tracks the gel through a stream of frames.
 ///
 /// It owns all scratch memory and the reading that it returns: a frame that needs no new reference allocates nothing.
-/// The same frames give the same bits, whatever their source; only [`Reading::latency_ms`] differs.
+/// The same frames give the same bits, whatever their source; only [`ReadingNumbers::latency_ms`](crate::ReadingNumbers) differs.
 #[derive(Debug)]
 pub struct Tracker {
     region: Rect,
