@@ -35,15 +35,15 @@ pub enum CameraError {
         /// The ids of the cameras that match.
         matches: Vec<String>,
     },
-    /// A number, which changes when cameras are plugged in.
+    /// The camera was named by a number, which can change when cameras are plugged in.
     #[error("{wanted:?} is a number, and numbers of cameras change")]
     Number {
         /// What was asked for.
         wanted: String,
-        /// The id of the camera that has the number now.
+        /// The id of the camera that currently has this number.
         now: Option<String>,
     },
-    /// The user may not open the camera.
+    /// The user lacks the permission to open the camera.
     #[error("{camera}: no permission to open {}", node.display())]
     Denied {
         /// The camera's id.
@@ -59,7 +59,7 @@ pub enum CameraError {
         /// Its node.
         node: PathBuf,
     },
-    /// The camera does not offer what the profile asks for.
+    /// The camera does not offer the mode that the profile requests.
     #[error("{camera} does not offer {wanted}")]
     NotOffered {
         /// The camera's id.
@@ -77,13 +77,13 @@ pub enum CameraError {
         /// The mode.
         mode: Mode,
     },
-    /// The camera is not plugged in any more.
+    /// The camera was unplugged.
     #[error("{camera}: unplugged")]
     Unplugged {
         /// The camera's id.
         camera: String,
     },
-    /// The camera delivers nothing.
+    /// The camera sends no frames.
     #[error("{camera}: no frame in {waited_s:.1} s")]
     TimedOut {
         /// The camera's id.
@@ -91,12 +91,12 @@ pub enum CameraError {
         /// How long, s.
         waited_s: f64,
     },
-    /// The system refuses.
+    /// The system reports an error.
     #[error("{camera}: {doing}: {error}")]
     Io {
         /// The camera's id.
         camera: String,
-        /// What was tried, as in `open`.
+        /// The operation that failed, as in `open`.
         doing: &'static str,
         /// The system's message.
         error: io::Error,
@@ -138,7 +138,7 @@ impl CameraError {
         }
     }
 
-    /// The error that a system's error means, for this camera.
+    /// Converts an error of the system into that of this camera.
     pub(crate) fn io(camera: &str, node: PathBuf, doing: &'static str, error: io::Error) -> Self {
         let camera = camera.to_owned();
         match error.raw_os_error() {
@@ -155,7 +155,7 @@ impl From<CameraError> for SourceError {
     }
 }
 
-/// Whether the camera is no longer there.
+/// Whether the error means that the camera is missing.
 pub(crate) fn is_gone(error: &io::Error) -> bool {
     let is_absent = error.kind() == io::ErrorKind::NotFound;
     is_absent || error.raw_os_error().is_some_and(|number| NO_DEVICE.contains(&number))
