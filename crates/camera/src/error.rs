@@ -36,7 +36,7 @@ pub enum CameraError {
         matches: Vec<String>,
     },
     /// The camera was named by a number, which can change when cameras are plugged in.
-    #[error("{wanted:?} is a number, and numbers of cameras change")]
+    #[error("{wanted:?} is a number, which can change when a device is plugged in")]
     Number {
         /// What was asked for.
         wanted: String,
@@ -113,7 +113,7 @@ impl CameraError {
                  /dev/video* must be passed in"
                     .into()
             }
-            Self::NoCamera => "cameras are read on Linux only; record a video and track that".into(),
+            Self::NoCamera => "cameras are supported on Linux only; record a video and track that".into(),
             Self::NotFound { present, .. } if present.is_empty() => "no camera is plugged in".into(),
             Self::NotFound { present, .. } => format!("cameras present: {}", present.join(", ")),
             Self::Ambiguous { .. } => "give the whole id of one of them, or its serial number".into(),
@@ -134,7 +134,7 @@ impl CameraError {
                 "unplug it and plug it in again; if it happens often, use a shorter cable or a port without a hub"
                     .into()
             }
-            Self::Io { .. } => "unplug the camera and plug it in again; `dmesg` shows what the system says".into(),
+            Self::Io { .. } => "unplug the camera and plug it in again; `dmesg` shows the messages of the system".into(),
         }
     }
 
@@ -164,6 +164,6 @@ pub(crate) fn is_gone(error: &io::Error) -> bool {
 fn several(wanted: Option<&str>) -> String {
     match wanted {
         Some(wanted) => format!("{wanted:?} matches several cameras"),
-        None => "there are several cameras, and none was chosen".into(),
+        None => "there are several cameras, and none is selected".into(),
     }
 }
