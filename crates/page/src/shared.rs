@@ -12,7 +12,7 @@ use crate::Actions;
 use crate::access::Access;
 use crate::hello::Hello;
 
-/// Texts and fields that a slow browser may be behind. Then it misses the oldest.
+/// Messages that may wait for a slow browser: texts, then fields. Beyond that the oldest are dropped.
 const TEXTS: usize = 64;
 const FIELDS: usize = 8;
 
