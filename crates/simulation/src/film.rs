@@ -1,4 +1,4 @@
-//! Simulated presses without end, for a page that shows something: `sim:letter?loop`.
+//! Simulated presses that repeat without end, for the web page: `sim:letter?loop`.
 
 use std::sync::mpsc::Receiver;
 

@@ -1,7 +1,7 @@
 //! Decodes the single frames of a camera: JPEG pictures, packed luma and chroma, grey, RGB.
 //!
-//! A camera delivers bytes in a layout that was agreed on before. Bytes that do not fit this layout are a damaged frame,
-//! never pixels: a frame that is cut off must not pass for a dark one.
+//! A camera delivers bytes in a known layout. Bytes that do not fit this layout are an error, never pixels: a frame
+//! that is cut off must not be taken for a dark one.
 
 use crate::FrameFormat;
 use crate::decoder::Decoder;

@@ -1,5 +1,5 @@
-//! One file for `NumPy`: the arrays of a run, the columns of its table, and its record, without compression, as
-//! `numpy.savez` writes them.
+//! One file for `NumPy`: the arrays of a run, the columns of its table, and its `run.toml`, without compression, in the
+//! format of `numpy.savez`.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};

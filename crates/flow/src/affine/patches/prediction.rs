@@ -1,7 +1,8 @@
-//! The start of a frame that follows others: a point goes on as it has moved.
+//! The start of a frame that follows others: every point continues its last motion.
 //!
-//! Without it a steady motion costs one more step at full size in every frame, and a fast one must be found by the coarse
-//! levels. A motion that stops, turns or begins is noticed by its residual; then the coarse levels follow it.
+//! Without it a steady motion needs one more step at full size in every frame, and a fast motion needs the coarse
+//! levels. A motion that begins, stops or changes direction is detected by its residual; then the coarse levels follow
+//! it.
 
 use super::{AffinePatches, AffineReference, LevelState};
 use crate::affine::refinement::Current;
