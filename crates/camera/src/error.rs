@@ -22,7 +22,7 @@ pub enum CameraError {
     /// No camera has this id, serial number or name.
     #[error("no camera matches {wanted:?}")]
     NotFound {
-        /// What was asked for.
+        /// The text that was given.
         wanted: String,
         /// The ids of the cameras that are there.
         present: Vec<String>,
@@ -30,7 +30,7 @@ pub enum CameraError {
     /// More than one camera matches.
     #[error("{}: {}", several(wanted.as_deref()), matches.join(", "))]
     Ambiguous {
-        /// What was asked for; absent if nothing was.
+        /// The text that was given; absent if there was none.
         wanted: Option<String>,
         /// The ids of the cameras that match.
         matches: Vec<String>,
@@ -38,7 +38,7 @@ pub enum CameraError {
     /// The camera was named by a number, which can change when cameras are plugged in.
     #[error("{wanted:?} is a number, which can change when a device is plugged in")]
     Number {
-        /// What was asked for.
+        /// The text that was given.
         wanted: String,
         /// The id of the camera that currently has this number.
         now: Option<String>,

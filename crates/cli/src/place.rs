@@ -53,7 +53,7 @@ impl Place {
             return Ok(Self::Recording(file.into(), Some(sensor.into())));
         }
         Ok(match text.strip_prefix(CAMERA) {
-            // A folder of this name is meant if there is one.
+            // If there is a folder of this name, it is used.
             Some("") if location.exists() => Self::File(location.into()),
             Some("" | ":") => Self::Camera(None),
             Some(rest) if rest.starts_with(':') => Self::Camera(Some(rest[1..].into())),

@@ -126,7 +126,7 @@ impl Feed {
         }
     }
 
-    /// Fields are wanted only while a page is open.
+    /// Requests fields only while a page is open.
     fn look_for_pages(&mut self) {
         let has_pages = self.shared.has_pages();
         if has_pages != self.has_pages {

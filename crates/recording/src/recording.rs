@@ -72,7 +72,7 @@ impl Recording {
         }
         let sensors = sensors(&contents);
         if sensors.is_empty() {
-            return Err(refused("no sensor is described in it, or it ends before".into()));
+            return Err(refused("it describes no sensor, or it ends too early".into()));
         }
         Ok(Self { path: path.to_owned(), contents: Arc::new(contents), sensors })
     }

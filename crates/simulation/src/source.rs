@@ -13,7 +13,7 @@ const PREFIX: &str = "sim:";
 
 /// Opens a simulated scene, `sim:SCENE`, or whatever [`fingervision_source::open`] does.
 ///
-/// A scene is solved first, which may take minutes; [`SimulatedSource::open`] tells how far it is.
+/// A scene is solved first, which may take minutes; [`SimulatedSource::open`] reports the progress.
 ///
 /// # Errors
 ///

@@ -79,7 +79,7 @@ pub struct Profile {
     /// The gel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gel: Option<GelBlock>,
-    /// What is known of the pattern.
+    /// The fingerprint of the pattern.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pattern: Option<PatternSection>,
     /// How depth is computed.
@@ -102,7 +102,7 @@ pub struct ImageSection {
     pub region_of_interest: [usize; 4],
 }
 
-/// What is known of the pattern.
+/// The fingerprint of the pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PatternSection {
@@ -230,7 +230,7 @@ impl Profile {
         Ok(())
     }
 
-    /// How this sensor is captured, by this camera instead of the profile's if one is named.
+    /// The settings to capture this sensor, with this camera instead of the profile's if one is given.
     #[must_use]
     pub fn capture_from(&self, camera: Option<&str>) -> CaptureSection {
         let section = self.capture.clone().unwrap_or_default();

@@ -32,7 +32,7 @@ struct Shot {
     role: Role,
 }
 
-/// What an image is measured for.
+/// The role of an image in the measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Role {
     /// Nothing: before the disturbance, or the image right after it.
@@ -43,7 +43,7 @@ enum Role {
     After,
 }
 
-/// What is found in the images of a disturbed press.
+/// The results for the images of a disturbed press.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Outcome {
     /// Of disturbed images that show the gel.

@@ -12,8 +12,8 @@ use crate::{FlowHistory, Picture};
 const PREDICTION_LEVEL: usize = 2;
 
 impl AffinePatches {
-    /// Sets the flow of the last frame as the current flow. Where that moves fast, its last change is added, unless the
-    /// picture then matches clearly worse. Returns whether it goes on everywhere.
+    /// Sets the flow of the last frame as the current flow. Where it changes fast, its last change is added, unless the
+    /// picture then matches clearly worse. Returns whether the prediction holds everywhere.
     pub(crate) fn predict(&mut self, reference: &AffineReference, current: &Picture, history: &FlowHistory) -> bool {
         self.start(history.last());
         let Some(earlier) = history.earlier() else { return false };
