@@ -41,7 +41,7 @@ pub struct World {
     pub ids: Vec<String>,
     /// Numbers of nodes that carry metadata.
     pub metadata: Vec<usize>,
-    /// What comes next, in order.
+    /// The next results, in order.
     pub coming: VecDeque<Coming>,
     /// The controls and their values.
     pub controls: Vec<(Control, i64)>,

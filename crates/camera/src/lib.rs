@@ -1,4 +1,4 @@
-//! Cameras: which are plugged in, what they offer, and their frames.
+//! Cameras: a list of those that are plugged in, their formats, and their frames.
 //!
 //! - [`cameras`] lists them and [`select`] finds one by its stable id, its serial number or a part of its name. A
 //!   number, as in `/dev/video0`, can change when a device is plugged in, so it selects nothing.

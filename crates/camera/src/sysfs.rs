@@ -1,8 +1,8 @@
 //! Video nodes and their stable ids, from the files of the system.
 //!
 //! udev makes links with stable names: `/dev/v4l/by-id` from maker, model and serial number, `/dev/v4l/by-path` from
-//! the port. Two cameras with the same serial number share one name by id, so they are told apart by their ports. Where
-//! udev does not run, as in a container, the id is made from the port's name in sysfs.
+//! the port. Two cameras with the same serial number share one name by id, so they are distinguished by their ports.
+//! Where udev does not run, as in a container, the id is made from the port's name in sysfs.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -16,7 +16,7 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// H.264 lets at most this many frames wait for an earlier one.
+/// In H.264 at most this many frames wait for an earlier one.
 const MAX_WAITING: usize = 16;
 
 /// Reads the frames of a video file in presentation order.

@@ -178,7 +178,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`ProfileError::Settings`] with its line, or whatever [`Profile::validate`] finds.
+    /// [`ProfileError::Settings`] with its line, or an error of [`Profile::validate`].
     pub fn from_toml(text: &str) -> Result<Self, ProfileError> {
         let profile: Self =
             if Self::is_run_record(text) { PROFILE.parse::<RunRecord>(text)?.profile } else { PROFILE.parse(text)? };
@@ -214,7 +214,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`ProfileError::Settings`] naming the path, or whatever [`Profile::validate`] finds.
+    /// [`ProfileError::Settings`] naming the path, or an error of [`Profile::validate`].
     pub fn set_all<'a>(
         &mut self,
         assignments: impl IntoIterator<Item = (&'a str, &'a str)>,

@@ -129,7 +129,7 @@ fn take(
     let path = args.folder.join(PROFILE);
     let profile = if path.exists() { Profile::load(&path)? } else { Profile::default() };
     let (region, capture) = (profile.image.map(|image| image.region_of_interest), profile.capture.clone());
-    // Values that are fitted later have no part in what the page shows.
+    // Values that are fitted later must not affect the page.
     let bare = Profile { image: profile.image, capture, flow: profile.flow, ..Profile::default() };
     let camera = match camera {
         Some(camera) => camera,
