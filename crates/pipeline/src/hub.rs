@@ -35,7 +35,7 @@ impl Hub {
         Subscription::new(subscriber)
     }
 
-    /// Sends a message to all subscribers that requested it, and removes those that were dropped.
+    /// Sends a message to all subscribers that requested it, and removes those whose subscription was dropped.
     pub(crate) fn publish(&self, message: &Message) {
         let mut state = self.lock();
         state.subscribers.retain(|subscriber| Arc::strong_count(subscriber) > 1);

@@ -15,7 +15,7 @@ use crate::{Interest, Pace, PipelineError, Sensor, SensorHandle, Subscription, S
 /// another one.
 const WAITING_FRAMES: usize = 2;
 
-/// Sensors that have not started yet. Who subscribes before the start gets all messages.
+/// Sensors that have not started yet. A subscriber that is made before the start gets all messages.
 pub struct Pipeline {
     sensors: Vec<Sensor>,
     hub: Arc<Hub>,
