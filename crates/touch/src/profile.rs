@@ -67,7 +67,7 @@ const SENSOR: &str = "
 pub struct Profile {
     /// The name of the sensor.
     pub name: String,
-    /// Which camera shows the gel, and how it captures; only live sources use it.
+    /// The sensor's camera and its settings; used only if the frames come from a camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub capture: Option<CaptureSection>,
     /// The part of the camera image that shows the gel; if absent, the whole image.
@@ -106,7 +106,7 @@ pub struct ImageSection {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PatternSection {
-    /// Tells this sensor from others; if absent, it is not compared.
+    /// Distinguishes this sensor from others; if absent, the pattern is not checked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fingerprint: Option<Fingerprint>,
 }
