@@ -134,7 +134,9 @@ impl CameraError {
                 "unplug it and plug it in again; if it happens often, use a shorter cable or a port without a hub"
                     .into()
             }
-            Self::Io { .. } => "unplug the camera and plug it in again; `dmesg` shows the messages of the system".into(),
+            Self::Io { .. } => {
+                "unplug the camera and plug it in again; `dmesg` shows the messages of the system".into()
+            }
         }
     }
 
