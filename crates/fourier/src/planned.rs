@@ -1,4 +1,4 @@
-//! Plans by precision.
+//! Plans for single and double precision.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use rustfft::{Fft, FftDirection, FftNum, FftPlanner};
 use crate::composed::composed;
 use crate::widened::Widened;
 
-/// A precision that has plans.
+/// A floating-point type for which plans exist.
 pub trait Planned: FftNum {
     /// Transforms of `length` real values, forward and inverse.
     fn real(length: usize) -> (Arc<dyn RealToComplex<Self>>, Arc<dyn ComplexToReal<Self>>);
