@@ -19,21 +19,21 @@ use crate::{Message, Snapshot, host_time_s};
 /// Snapshots that may be in use at the same time.
 const MOST_SNAPSHOTS: usize = 4;
 
-/// What is needed to track a sensor's frames. Dropping it tells everybody that the sensor has ended.
+/// What is needed to track a sensor's frames. Dropping it tells all subscribers that the sensor has ended.
 pub(crate) struct Track {
     index: usize,
     tracker: Tracker,
     decoder: CameraFrameDecoder,
     layout: CameraLayout,
     handle: SensorHandle,
-    /// The reference: it must not be dropped.
+    /// The first frame, which is the reference: it must not be dropped.
     first: Option<Captured>,
     /// The pixels of the frame that is tracked.
     frame: Frame,
     hub: Arc<Hub>,
     queue: Arc<Queue<Captured>>,
     snapshots: Pool<Snapshot>,
-    /// A new reference was asked for, and no frame has been tracked since.
+    /// A new reference was requested, and no frame has been tracked since.
     is_rezeroing: bool,
 }
 
@@ -75,7 +75,7 @@ impl Track {
     fn track(&mut self, frame: &EncodedFrame) -> Result<(ReadingNumbers, f64), String> {
         let begin = Instant::now();
         if frame.layout != self.layout {
-            // The camera was opened again and has another mode: the tracker refuses another size.
+            // The camera was opened again and may have another mode; the tracker refuses frames of another size.
             (self.layout, self.decoder) = (frame.layout, CameraFrameDecoder::new(frame.layout));
         }
         self.decoder.decode_into(&frame.bytes, &mut self.frame.pixels)?;
@@ -86,7 +86,7 @@ impl Track {
             self.is_rezeroing = true;
         }
         let reading = self.tracker.track(&self.frame).map_err(|error| error.to_string())?;
-        Ok((reading.numbers(), decode_ms))
+        Ok((reading.numbers, decode_ms))
     }
 
     /// Logs a new reference, before the first reading that is relative to it.
@@ -124,7 +124,7 @@ impl Track {
 
 impl Drop for Track {
     fn drop(&mut self) {
-        // Capture must not wait for a tracker that is gone.
+        // Capture must not wait for a tracker that has ended.
         self.queue.close();
         self.handle.shared.end();
         self.hub.publish(&Message::End { sensor: self.index });

@@ -16,7 +16,7 @@ use std::time::Instant;
 /// Tracks the gel through a stream of frames.
 ///
 /// It owns all scratch memory and the reading that it returns: a frame that needs no new reference allocates nothing.
-/// The same frames give the same bits, whatever their source; only [`Reading::latency_ms`] differs.
+/// The same frames give the same bits, whatever their source; only [`ReadingNumbers::latency_ms`](crate::ReadingNumbers) differs.
 #[derive(Debug)]
 pub struct Tracker {
     region: Rect,
@@ -28,7 +28,7 @@ pub struct Tracker {
     density: Option<DensityStage>,
     elastic: Option<ElasticStage>,
     watch: Watch,
-    /// How long a gel at rest must have drifted before it becomes the reference by itself, s.
+    /// Time at rest after which a gel that has drifted becomes the reference automatically, s.
     rezero_after_s: Option<f64>,
     previous: Option<(u64, f64)>,
     /// The reference that the last reading is relative to.
@@ -124,9 +124,9 @@ impl Tracker {
     /// Makes the next frame the new reference: from there on displacement, depth and force are relative to it.
     ///
     /// All references and the history of the previous frames are dropped. The readings that follow are those of a new
-    /// tracker that starts with that frame, bit for bit, except that frame numbers, dropped frames and the numbers of
-    /// references go on, and that the first of them has the flag [`Flag::NewReference`]. Allocates nothing by itself; the
-    /// frames that follow allocate as at a start, such as the first keyframe.
+    /// tracker that starts with that frame, bit for bit, with two exceptions: the numbers of frames and references and
+    /// the count of dropped frames continue, and the first reading has the flag [`Flag::NewReference`]. The call itself
+    /// allocates nothing; the frames that follow allocate as after a start, for example for the first keyframe.
     pub fn rezero(&mut self) {
         self.references.restart();
         self.estimator.restart();
@@ -162,20 +162,21 @@ impl Tracker {
         }
         self.check(frame.capture_time_s, &mut flags);
         let reading = &mut self.reading;
-        reading.sequence = frame.sequence;
-        reading.capture_time_s = frame.capture_time_s;
-        reading.dropped_frames += dropped;
-        reading.reference_id = matched.reference_id;
-        reading.reference_count = matched.reference_count;
-        reading.photometric_error = matched.photometric_error;
+        reading.numbers.sequence = frame.sequence;
+        reading.numbers.capture_time_s = frame.capture_time_s;
+        reading.numbers.dropped_frames += dropped;
+        reading.numbers.reference_id = matched.reference_id;
+        reading.numbers.reference_count = matched.reference_count;
+        reading.numbers.photometric_error = matched.photometric_error;
         // The estimate is overwritten for every frame: its fields can be moved out.
         std::mem::swap(&mut reading.flow, &mut self.estimate.flow);
         std::mem::swap(&mut reading.deviation, &mut self.estimate.deviation);
         std::mem::swap(&mut reading.valid, &mut self.estimate.valid);
-        reading.flags = flags;
-        reading.damaged_part = self.watch.damaged_part();
+        reading.numbers.flags = flags;
+        reading.numbers.damaged_part = self.watch.damaged_part();
         self.times.checks_ms = watch.lap_ms();
-        // The inverse uses the validity of the flow alone: it runs before the gaps of the density count as not valid.
+        // The elastic inverse uses the validity of the flow alone, so it runs before gaps of the density are marked as
+        // not valid.
         if let Some(stage) = &mut self.elastic {
             stage.run(&mut self.reading);
             let is_touched = self.reading.contact_area_mm2.is_some_and(|area| area > 0.0);
@@ -186,13 +187,13 @@ impl Tracker {
         }
         self.times.elastic_ms = if self.elastic.is_some() { watch.lap_ms() } else { 0.0 };
         if self.references.is_pressed_at_start() {
-            self.reading.flags.raise(Flag::PressedAtStart);
+            self.reading.numbers.flags.raise(Flag::PressedAtStart);
         }
         if let Some(stage) = &mut self.density {
             stage.run(&mut self.reading);
         }
         self.times.density_ms = if self.density.is_some() { watch.lap_ms() } else { 0.0 };
-        self.reading.latency_ms = arrival.elapsed().as_secs_f64() * 1e3;
+        self.reading.numbers.latency_ms = arrival.elapsed().as_secs_f64() * 1e3;
         Ok(&self.reading)
     }
 
