@@ -39,10 +39,10 @@ const MOST_SIDE: f64 = 4096.0;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Least number of frames to time; the last press is always finished
-    #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "load")]
     frames: u32,
     /// Write the press to a new folder instead: frames/*.png, the reference first, and their flow as truth/flow.npy
-    #[arg(long, value_name = "DIR", conflicts_with = "frames")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["frames", "load"])]
     write_frames: Option<PathBuf>,
     #[command(flatten)]
     sensors: SensorsArgs,

@@ -133,6 +133,8 @@ fn coded(frame: &Frame, quality: u8) -> Result<Vec<u8>, Failure> {
             encoder.encode(&levels.map(|[grey, _, _]| grey).collect::<Vec<u8>>(), columns, rows, ColorType::Luma)
         }
     };
-    done.map_err(|error| Failure::new(format!("frame {} cannot be coded: {error}", frame.sequence), "use other frames"))?;
+    done.map_err(|error| {
+        Failure::new(format!("frame {} cannot be coded: {error}", frame.sequence), "use other frames")
+    })?;
     Ok(bytes)
 }

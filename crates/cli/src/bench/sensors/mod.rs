@@ -18,38 +18,39 @@ use film::Film;
 use report::SensorsReport;
 use trial::Load;
 
-/// The values that no trial may exceed: each sensor keeps its film, its references and its reading.
+/// Each sensor has its own references and reading in memory.
 const MOST_SENSORS: i64 = 256;
 
 #[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("load").multiple(true).args(["sensors", "find"])))]
 pub(super) struct SensorsArgs {
-    /// Instead, let N simulated sensors send motion JPEG at camera rate, and track all of them as `live` does
+    /// Instead, track N simulated cameras at camera rate, as `live` does
     ///
-    /// A simulated press, 640x480 px, is played there and back, or the frames of --recording. All sensors send at the same
-    /// moment. Frames are coded before. Measured are: frames that were dropped, the time of each stage, the latency from
-    /// the moment at which a frame is due to its reading, memory and processor time. Depth, contact and force are
-    /// computed with elasticity in live mode; --set elastic.mode=exact changes that.
+    /// Each camera sends motion JPEG of a simulated press, forwards and backwards in turn, or the frames of --recording. All cameras
+    /// send at the same moments. The frames are encoded in advance. The report has the dropped frames, the time of each stage, the
+    /// latency from the moment at which a frame is due to its reading, memory and processor time. Depth, contact and force are
+    /// computed from elasticity in live mode; --set elastic.mode=exact changes that.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=MOST_SENSORS))]
     pub(super) sensors: Option<u16>,
-    /// Find the largest number of sensors that drop no frame; with --sensors the highest rate at which these drop none
+    /// Find the largest number of sensors without dropped frames; with --sensors, the highest rate without dropped frames
     #[arg(long)]
     pub(super) find: bool,
     /// Frames per second of each sensor
-    #[arg(long, value_name = "RATE", default_value_t = 90.0, value_parser = rate)]
+    #[arg(long, value_name = "RATE", default_value_t = 90.0, value_parser = rate, requires = "load")]
     rate: f64,
     /// Duration; with --find that of each trial
-    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = seconds)]
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = seconds, requires = "load")]
     seconds: f64,
     /// Play these frames instead of the simulated press, at most 300, of which the first shows the gel untouched
     ///
-    /// A folder, a video, a recording or a scene. They are coded as JPEG anew.
-    #[arg(long, value_name = "SOURCE", conflicts_with = "size")]
+    /// A folder, a video, a recording or a scene. They are encoded as JPEG again.
+    #[arg(long, value_name = "SOURCE", conflicts_with = "size", requires = "load")]
     recording: Option<PathBuf>,
     /// Columns and rows of the simulated press, px
-    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = size)]
+    #[arg(long, value_name = "WxH", default_value = "640x480", value_parser = size, requires = "load")]
     size: (usize, usize),
     /// JPEG quality, 1 to 100
-    #[arg(long, value_name = "Q", default_value_t = 85, value_parser = clap::value_parser!(u8).range(1..=100))]
+    #[arg(long, value_name = "Q", default_value_t = 85, value_parser = clap::value_parser!(u8).range(1..=100), requires = "load")]
     quality: u8,
 }
 

@@ -86,7 +86,8 @@ impl Percentiles {
 impl SensorsReport {
     pub(super) fn new(film: &Film, measured: Measured, found: Option<Found>) -> Self {
         let sustained_rate = measured.sustained_rate();
-        let Measured { load: Load { sensors, rate, workers, .. }, seconds, stages, stages_ms, latency_ms, .. } = measured;
+        let Measured { load: Load { sensors, rate, workers, .. }, seconds, stages, stages_ms, latency_ms, .. } =
+            measured;
         let Memory { whole, of_sensor, growth } = measured.memory;
         let times = stages.iter().copied().zip(stages_ms);
         // A stage that does not run has no time.
@@ -126,14 +127,20 @@ impl fmt::Display for SensorsReport {
         writeln!(f, "{frames}: {width}x{height} px, motion JPEG, {:.0} kB a frame", jpeg_bytes / 1e3)?;
         writeln!(f, "{threads} thread{}, {instruction_set}", plural(*threads))?;
         match self.found {
-            Some(Found::Sensors(most)) => writeln!(f, "largest number     {most} sensor{} at {rate:.1} frames/s", plural(most))?,
+            Some(Found::Sensors(most)) => {
+                writeln!(f, "largest number     {most} sensor{} at {rate:.1} frames/s", plural(most))?;
+            }
             Some(Found::Rate(rate)) => {
                 writeln!(f, "highest rate       {rate:.1} frames/s of {sensors} sensor{}", plural(*sensors))?;
             }
             None => {}
         }
         let Self { seconds, sustained_rate, readings, dropped_frames, touched_readings, .. } = self;
-        writeln!(f, "load               {sensors} sensor{} at {rate:.1} frames/s for {seconds:.1} s", plural(*sensors))?;
+        writeln!(
+            f,
+            "load               {sensors} sensor{} at {rate:.1} frames/s for {seconds:.1} s",
+            plural(*sensors)
+        )?;
         writeln!(f, "sustained          {sustained_rate:.1} readings/s of each")?;
         write!(f, "frames             {readings} tracked, {touched_readings} touched, {dropped_frames} dropped")?;
         if self.damaged_frames > 0 {
@@ -153,7 +160,8 @@ impl fmt::Display for SensorsReport {
         row(f, "due to reading", &self.latency_ms)?;
         if let (Some(memory), Some(of_sensor)) = (self.memory_mib, self.sensor_memory_mib) {
             write!(f, "memory             {memory:.0} MiB, {of_sensor:.1} MiB a sensor")?;
-            self.memory_growth_mib.map_or(Ok(()), |growth| write!(f, "; {growth:.1} MiB more after a third of the time"))?;
+            self.memory_growth_mib
+                .map_or(Ok(()), |growth| write!(f, "; {growth:.1} MiB more after a third of the time"))?;
             writeln!(f)?;
         }
         let (Some(cpus), Some(preemptions)) = (self.cpus, self.preemptions_per_second) else { return Ok(()) };
@@ -169,7 +177,7 @@ mod tests {
     fn percentiles_are_those_of_the_sorted_times() {
         let times = (0..=100).rev().map(f64::from).collect();
         let Percentiles { p50, p95, p99, max } = Percentiles::of(times);
-        assert_eq!([p50, p95, p99, max].map(f64::round), [50.0, 95.0, 99.0, 100.0]);
+        assert_eq!([p50, p95, p99, max].map(|time_ms| time_ms.round() as u32), [50, 95, 99, 100]);
         assert!(Percentiles::of(Vec::new()).p50.is_nan());
     }
 }
