@@ -33,7 +33,7 @@ pub(crate) enum Place {
 }
 
 impl Place {
-    /// The place that a user names: `camera`, `camera:ID`, `/dev/video0`, `sim:SCENE`, a path, `FILE.mcap?sensor=NAME`.
+    /// The place that a user names: `camera`, `camera:ID`, `/dev/v4l/by-id/…`, `sim:SCENE`, a path, `FILE.mcap?sensor=NAME`.
     ///
     /// # Errors
     ///
