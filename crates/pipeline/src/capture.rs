@@ -50,7 +50,8 @@ impl Capture {
         match self.input.next(wait, frame) {
             Next::Frame { captured_s } => {
                 let frame = Arc::clone(slot);
-                self.hand_on(Captured { frame, captured_s });
+                let truth = self.input.truth();
+                self.hand_on(Captured { frame, captured_s, truth });
             }
             Next::Event(text) => self.event(text),
             Next::Nothing => {}
@@ -71,8 +72,12 @@ impl Capture {
     }
 
     fn publish(&self, captured: &Captured) {
-        let Captured { frame, captured_s } = captured.clone();
-        self.hub.publish(&Message::Frame { sensor: self.index, frame, captured_s });
+        let (sensor, Captured { frame, captured_s, truth }) = (self.index, captured.clone());
+        let (sequence, capture_time_s) = (frame.sequence, frame.capture_time_s);
+        self.hub.publish(&Message::Frame { sensor, frame, captured_s });
+        if let Some(truth) = truth {
+            self.hub.publish(&Message::Truth { sensor, sequence, capture_time_s, captured_s, truth });
+        }
     }
 
     /// Counts a frame for which another one may have been dropped.

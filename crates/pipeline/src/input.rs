@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use fingervision_camera::{Arrived, Camera, CameraError};
 use fingervision_image::Frame;
-use fingervision_source::{EncodedFrame, Source};
+use fingervision_source::{EncodedFrame, FrameTruth, Source};
 
 use crate::clock::captured_s;
 use crate::{PipelineError, host_time_s};
@@ -89,6 +89,22 @@ impl Input {
         match &self.kind {
             Kind::Camera(camera) => camera.remarks().to_vec(),
             Kind::Source(player) => player.source.remarks(),
+        }
+    }
+
+    /// The truth of the frame that came last, if it is simulated.
+    pub(crate) fn truth(&self) -> Option<FrameTruth> {
+        match &self.kind {
+            Kind::Camera(_) => None,
+            Kind::Source(player) => player.source.truth(),
+        }
+    }
+
+    /// The scene, as TOML, if it is simulated.
+    pub(crate) fn scene_toml(&self) -> Option<String> {
+        match &self.kind {
+            Kind::Camera(_) => None,
+            Kind::Source(player) => player.source.scene_toml(),
         }
     }
 

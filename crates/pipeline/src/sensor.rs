@@ -35,6 +35,7 @@ pub struct SensorHandle {
     name: Arc<str>,
     description: Arc<str>,
     profile: Arc<Profile>,
+    scene_toml: Option<Arc<str>>,
     fields: Fields,
     size: (usize, usize),
     frame_size: (usize, usize),
@@ -69,7 +70,7 @@ impl Sensor {
                 Ok(pixels) => {
                     let tracker = Tracker::new(&profile, pixels.size(), pixels.is_colour(), fields)?;
                     let handle = SensorHandle::new(name, &input, profile, fields, &tracker, &pixels);
-                    let first = Captured { frame: Arc::new(first), captured_s };
+                    let first = Captured { frame: Arc::new(first), captured_s, truth: input.truth() };
                     return Ok(Self { input, tracker, decoder, first, handle });
                 }
                 Err(reason) => failure = Some(reason),
@@ -103,6 +104,7 @@ impl SensorHandle {
             name: name.into(),
             description: input.description().into(),
             profile: Arc::new(profile),
+            scene_toml: input.scene_toml().map(Into::into),
             fields,
             size: tracker.size(),
             frame_size: pixels.size(),
@@ -126,6 +128,12 @@ impl SensorHandle {
     #[must_use]
     pub fn profile(&self) -> &Profile {
         &self.profile
+    }
+
+    /// The scene that it shows, as TOML, if it is simulated.
+    #[must_use]
+    pub fn scene_toml(&self) -> Option<&str> {
+        self.scene_toml.as_deref()
     }
 
     /// The fields that its readings have.

@@ -1,11 +1,12 @@
 //! Recordings: what sensors saw and what was computed, in MCAP files.
 //!
 //! A recording contains, for each sensor, every frame bit by bit as it came, its number and time, the readings, the
-//! events and the profile. Tracking it gives the same fields as tracking the source did. Programs for robots' data show
+//! events and the profile, and of simulated sensors the truth. Tracking it gives the same fields as tracking the source did. Programs for robots' data show
 //! it: pictures, points, camera and events have Foxglove's schemas, and every schema is in the file.
 //!
 //! - [`RecordingWriter`] writes a file, only ever at its end: a program that is killed loses less than a second.
 //! - [`RecorderThread`] does so for sensors of a pipeline, from a subscription.
+//! - [`LiveMessages`] makes the same messages for programs that show them while they come.
 //! - [`Recording`] opens a file, closed or cut off; [`RecordingSource`] provides the frames of a sensor.
 //!
 //! ```no_run
@@ -25,19 +26,23 @@
 mod coding;
 mod container;
 mod error;
+mod live_messages;
 mod lossless;
 mod message;
+mod message_reader;
 mod numbers;
 mod recorder;
 mod recording;
 mod recording_source;
 mod schema;
+mod sensor_messages;
 mod topic;
 mod view;
 mod writer;
 
 pub use error::RecordingError;
+pub use live_messages::{LiveChannel, LiveMessages, LiveSink};
 pub use recorder::{RecorderOptions, RecorderProgress, RecorderThread};
-pub use recording::{Recording, RecordingSensor};
+pub use recording::{RecordedTruth, Recording, RecordingSensor};
 pub use recording_source::RecordingSource;
 pub use writer::{Clock, RecordedSensor, RecordingWriter};

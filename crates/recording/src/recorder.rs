@@ -101,7 +101,12 @@ impl RecorderThread {
     ) -> Result<Self, RecordingError> {
         let of_handle = |handle: &SensorHandle| RecordedSensor::of(handle, options.clock);
         let sensors: Vec<RecordedSensor> = handles.iter().map(of_handle).collect();
-        let writer = RecordingWriter::create(path, &sensors)?;
+        let mut writer = RecordingWriter::create(path, &sensors)?;
+        for (index, scene) in
+            handles.iter().enumerate().filter_map(|(index, handle)| Some((index, handle.scene_toml()?)))
+        {
+            writer.write_scene(index, scene)?;
+        }
         let shared = Arc::new(Shared { progress: Mutex::default(), is_stopped: AtomicBool::new(false), options });
         let times = vec![Times::default(); sensors.len()];
         let recorder = Recorder { writer, subscription, times, shared: Arc::clone(&shared) };
@@ -216,6 +221,12 @@ impl Recorder {
                 times.last_s = time_s;
                 writer.write_frame(*sensor, frame, *captured_s)?;
                 shared.lock().frames += 1;
+            }
+            Message::Truth { sensor, sequence, capture_time_s, captured_s, truth } => {
+                let time_s = time_s(clock, *captured_s, *capture_time_s);
+                if !self.times[*sensor].is_late(time_s, most_seconds) {
+                    writer.write_truth(*sensor, (*sequence, *capture_time_s), truth, *captured_s)?;
+                }
             }
             Message::Reading { sensor, numbers, captured_s, .. } if has_readings => {
                 let time_s = time_s(clock, *captured_s, numbers.capture_time_s);

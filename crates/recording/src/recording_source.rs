@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use fingervision_image::Frame;
-use fingervision_source::{CameraFrameDecoder, EncodedFrame, FrameFormat, Source, SourceError};
+use fingervision_source::{CameraFrameDecoder, EncodedFrame, FrameFormat, FrameTruth, Source, SourceError};
 
 use crate::container::scan::Place;
-use crate::recording::MessageReader;
+use crate::message_reader::MessageReader;
 use crate::topic::Topic;
-use crate::{Recording, RecordingError};
+use crate::{RecordedTruth, Recording, RecordingError};
 
 /// The frames of a sensor, in order, with their numbers and times as they were.
 pub struct RecordingSource {
@@ -17,6 +17,8 @@ pub struct RecordingSource {
     reader: MessageReader,
     frames: Vec<Place>,
     images: Vec<Place>,
+    /// Empty for a real sensor.
+    truths: Vec<RecordedTruth>,
     next: usize,
     /// Numbers of the first and the last frame.
     sequences: [u64; 2],
@@ -38,6 +40,7 @@ impl RecordingSource {
         let mut reader = recording.reader().map_err(|error| refused(&path, error))?;
         let frames = recording.places(sensor, Topic::Frame).to_vec();
         let images = recording.places(sensor, Topic::Image).to_vec();
+        let truths = recording.truths(sensor).map_err(|error| refused(&path, error))?;
         let (Some(first), Some(last), 2..) = (frames.first(), frames.last(), frames.len()) else {
             return Err(SourceError::TooFewFrames { path, count: frames.len() as u64 });
         };
@@ -51,8 +54,21 @@ impl RecordingSource {
         let pixels = decoder.decode(&encoded.bytes).map_err(|reason| damaged(encoded.sequence, reason))?;
         let sequences = [encoded.sequence, last_sequence.max(encoded.sequence)];
         let (format, decoder) = (FrameFormat::from(&pixels), Some(decoder));
-        let is_ended = false;
-        Ok(Self { recording, sensor, reader, frames, images, next: 0, sequences, format, decoder, encoded, is_ended })
+        let (next, is_ended) = (0, false);
+        Ok(Self {
+            recording,
+            sensor,
+            reader,
+            frames,
+            images,
+            truths,
+            next,
+            sequences,
+            format,
+            decoder,
+            encoded,
+            is_ended,
+        })
     }
 
     /// Writes the next frame as it came to `frame`; false after the last.
@@ -112,6 +128,15 @@ impl Source for RecordingSource {
 
     fn last_sequence(&self) -> Option<u64> {
         Some(self.sequences[1])
+    }
+
+    fn truth(&self) -> Option<FrameTruth> {
+        let found = self.truths.binary_search_by_key(&self.encoded.sequence, |recorded| recorded.sequence);
+        found.ok().and_then(|index| self.truths.get(index)).map(|recorded| recorded.truth)
+    }
+
+    fn scene_toml(&self) -> Option<String> {
+        self.recording.scene_toml(self.sensor).map(Into::into)
     }
 
     fn size(&self) -> (usize, usize) {

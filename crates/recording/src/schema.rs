@@ -173,11 +173,25 @@ pub(crate) static READING: Schema = Schema {
     ],
 };
 
+pub(crate) static TRUTH: Schema = Schema {
+    name: "fingervision.Truth",
+    fields: &[
+        TIME,
+        ("sequence", 2, One(Uint64)),
+        ("capture_time_s", 3, One(Double)),
+        ("depth_mm", 4, One(Double)),
+        ("force_x_n", 5, One(Double)),
+        ("force_y_n", 6, One(Double)),
+        ("force_z_n", 7, One(Double)),
+        ("torque_z_nmm", 8, One(Double)),
+    ],
+};
+
 static TIMESTAMP: Schema =
     Schema { name: "google.protobuf.Timestamp", fields: &[("seconds", 1, One(Int64)), ("nanos", 2, One(Int32))] };
 
 /// Every schema; one that is part of another comes before it.
-pub(crate) static ALL: [&Schema; 13] = [
+pub(crate) static ALL: [&Schema; 14] = [
     &TIMESTAMP,
     &VECTOR3,
     &QUATERNION,
@@ -191,6 +205,7 @@ pub(crate) static ALL: [&Schema; 13] = [
     &LOG,
     &FRAME,
     &READING,
+    &TRUTH,
 ];
 
 impl Schema {

@@ -4,8 +4,9 @@ use std::sync::mpsc::Receiver;
 
 use fingervision_gel::{Scene, Simulation};
 use fingervision_image::{Frame, Pixels};
-use fingervision_source::{FrameFormat, Options, Source, SourceError};
+use fingervision_source::{FrameFormat, FrameTruth, Options, Source, SourceError};
 
+use crate::frame::frame_truth;
 use crate::simulated_profile;
 
 /// Frames at rest before each press.
@@ -45,10 +46,14 @@ impl Press {
         REST + HOLD + 2 * (self.frames.len() - 1)
     }
 
+    /// The frame of the press that a step of the cycle shows.
+    fn index(&self, step: usize) -> usize {
+        let (last, place) = (self.frames.len() - 1, step.saturating_sub(REST));
+        if place <= last + HOLD { place.min(last) } else { 2 * last + HOLD - place }
+    }
+
     fn pixels(&mut self, step: usize) -> Result<Pixels, SourceError> {
-        let last = self.frames.len() - 1;
-        let place = step.saturating_sub(REST);
-        let index = if place <= last + HOLD { place.min(last) } else { 2 * last + HOLD - place };
+        let index = self.index(step);
         if let Some(pixels) = &self.frames[index] {
             return Ok(pixels.clone());
         }
@@ -121,6 +126,16 @@ impl Source for PressFilm {
         self.presses[0].simulation.size()
     }
 
+    /// On the way out the truth is that of the way in, whose image is shown again.
+    fn truth(&self) -> Option<FrameTruth> {
+        let press = &self.presses[self.press];
+        frame_truth(&press.simulation, press.index(self.step.checked_sub(1)?))
+    }
+
+    fn scene_toml(&self) -> Option<String> {
+        Some(self.first_scene().to_toml())
+    }
+
     fn description(&self) -> String {
         let ((width, height), scene) = (self.size(), self.first_scene());
         let format = FrameFormat { width, height, is_colour: scene.render.colour, bits: 8 };
@@ -157,6 +172,14 @@ mod tests {
         assert_eq!(film.presses.len(), 2);
         assert!(frames.iter().zip(0..).all(|(frame, number)| frame.sequence == number));
         assert!((frames[7].capture_time_s - 0.7).abs() < 1e-12);
+        // The truth is that of the image shown: none at rest, the largest force when held.
+        let mut again = PressFilm::new(solved("first", 1), None, &Options::default()).unwrap();
+        assert_eq!(again.truth(), None);
+        let depths: Vec<f64> = std::iter::from_fn(|| again.next_frame().unwrap().and(again.truth()))
+            .take(REST + HOLD + 7)
+            .map(|truth| truth.depth_mm)
+            .collect();
+        assert_eq!(depths[REST + 1], depths[REST + 2 * 3 + HOLD - 1]);
         // At rest, three steps in, held, three out, at rest again.
         let is_same = |a: usize, b: usize| frames[a].pixels == frames[b].pixels;
         let (deepest, out) = (REST + 3, REST + 3 + HOLD);
