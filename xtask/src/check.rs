@@ -5,12 +5,15 @@ use anyhow::{Context, Result, ensure};
 use std::io::Write;
 use std::process::Command;
 
+/// Features that are off by default.
+const FEATURES: &str = "--features=fingervision-cli/foxglove";
+
 pub(crate) fn run(out: &mut impl Write) -> Result<()> {
     lengths::run(out)?;
     layers::run(out)?;
     circles::run(out)?;
     cargo(&["fmt", "--all", "--check"], out)?;
-    cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], out)?;
+    cargo(&["clippy", "--workspace", "--all-targets", FEATURES, "--locked", "--quiet", "--", "-D", "warnings"], out)?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], out)
 }
 

@@ -35,7 +35,7 @@ impl FoxgloveServerError {
     #[must_use]
     pub fn hint(&self) -> &'static str {
         match self {
-            Self::PortTaken { .. } => "name another port, as in --foxglove 8766, or end the other program",
+            Self::PortTaken { .. } => "name another port, as in --foxglove=8766, or end the other program",
             Self::Bind { .. } => "use a port above 1023",
             Self::Start { .. } => "close other programs and try again",
         }

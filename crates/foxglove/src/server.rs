@@ -13,8 +13,10 @@ use crate::FoxgloveServerError;
 
 /// Only programs on this machine reach the server: it knows no token.
 const HOST: &str = "127.0.0.1";
+/// Messages that may wait for the thread: half of them are frames, of which the sensors can lend about 190 to all.
+const WAITING_MESSAGES: usize = 64;
 /// Messages that may wait for one client, a second's worth of pictures.
-const WAITING_MESSAGES: usize = 256;
+const CLIENT_MESSAGES: usize = 256;
 /// How long the thread waits for a message.
 const WAIT: Duration = Duration::from_millis(100);
 /// Time between two surfaces of a sensor.
@@ -51,7 +53,7 @@ impl FoxgloveServer {
         let messages = LiveMessages::new(&sensors);
         let channels = Channels::open(&messages.channels(), &context).map_err(failed)?;
         let server = context.websocket_server().name("fingervision").bind(HOST, port);
-        let server = server.message_backlog_size(WAITING_MESSAGES).start_blocking().map_err(failed)?;
+        let server = server.message_backlog_size(CLIENT_MESSAGES).start_blocking().map_err(failed)?;
         let is_stopped = Arc::new(AtomicBool::new(false));
         let (port, stop) = (server.port(), Arc::clone(&is_stopped));
         let feed = Feed { subscription, messages, channels, _context: context, has_clients: false };

@@ -1,8 +1,9 @@
 //! Recordings: what sensors saw and what was computed, in MCAP files.
 //!
 //! A recording contains, for each sensor, every frame bit by bit as it came, its number and time, the readings, the
-//! events and the profile, and of simulated sensors the truth. Tracking it gives the same fields as tracking the source did. Programs for robots' data show
-//! it: pictures, points, camera and events have Foxglove's schemas, and every schema is in the file.
+//! events and the profile, and of simulated sensors the truth. Tracking it gives the same fields as tracking the source
+//! did. Programs for robots' data show it: pictures, points, camera and events have Foxglove's schemas, and every schema
+//! is in the file.
 //!
 //! - [`RecordingWriter`] writes a file, only ever at its end: a program that is killed loses less than a second.
 //! - [`RecorderThread`] does so for sensors of a pipeline, from a subscription.

@@ -172,18 +172,27 @@ mod tests {
         assert_eq!(film.presses.len(), 2);
         assert!(frames.iter().zip(0..).all(|(frame, number)| frame.sequence == number));
         assert!((frames[7].capture_time_s - 0.7).abs() < 1e-12);
-        // The truth is that of the image shown: none at rest, the largest force when held.
-        let mut again = PressFilm::new(solved("first", 1), None, &Options::default()).unwrap();
-        assert_eq!(again.truth(), None);
-        let depths: Vec<f64> = std::iter::from_fn(|| again.next_frame().unwrap().and(again.truth()))
-            .take(REST + HOLD + 7)
-            .map(|truth| truth.depth_mm)
-            .collect();
-        assert_eq!(depths[REST + 1], depths[REST + 2 * 3 + HOLD - 1]);
         // At rest, three steps in, held, three out, at rest again.
         let is_same = |a: usize, b: usize| frames[a].pixels == frames[b].pixels;
         let (deepest, out) = (REST + 3, REST + 3 + HOLD);
         assert!(is_same(0, REST) && is_same(deepest, out) && !is_same(deepest - 1, deepest));
         assert!(is_same(deepest - 1, out + 1) && is_same(deepest - 2, out + 2) && is_same(0, out + 3));
+    }
+
+    #[test]
+    fn the_truth_is_that_of_the_image_shown() {
+        let mut film = PressFilm::new(solved("first", 1), None, &Options::default()).unwrap();
+        assert_eq!(film.truth(), None, "no frame was shown");
+        let shown = std::iter::from_fn(|| film.next_frame().unwrap().and(film.truth()));
+        let truths: Vec<FrameTruth> = shown.take(REST + HOLD + 7).collect();
+        let (deepest, out) = (REST + 3, REST + 3 + HOLD);
+        let simulation = &film.presses[0].simulation;
+        for (step, index) in [(0, 0), (REST, 0), (REST + 1, 1), (deepest, 3), (out, 3), (out + 1, 2), (out + 3, 0)] {
+            let (pose, state) = (simulation.poses()[index], &simulation.states()[index]);
+            let expected =
+                FrameTruth { depth_mm: pose.depth_mm, force_n: state.force_n, torque_nmm: state.torque_nmm[2] };
+            assert_eq!(truths[step], expected, "step {step}");
+        }
+        assert!(truths[deepest].force_n[2] > truths[REST + 1].force_n[2], "{truths:?}");
     }
 }

@@ -9,6 +9,7 @@ mod calibrate_guide;
 mod damage;
 mod elastic;
 mod evaluate;
+mod foxglove;
 mod live;
 mod output;
 mod part;

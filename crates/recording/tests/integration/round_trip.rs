@@ -131,7 +131,7 @@ fn a_reading_of_a_chunk_whose_sum_is_wrong_is_left_out() {
     let whole = written::bytes(400);
     let sound = Recording::open(&file(folder.path(), &whole)).unwrap().readings(1).unwrap();
     assert_eq!(sound.len(), 400);
-    // The number of the reading of frame 5 of sensor 1 stands in it twice: as a message of a pair.
+    // A byte of the time of reading 5, which only readings have: the file stays readable, the chunk's sum is wrong.
     let mut bytes = whole.clone();
     let time = 0.5_f64.to_le_bytes();
     let at = bytes.windows(8).position(|window| window == time).unwrap();
