@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use fingervision_pipeline::{Interest, Pace, Pipeline};
+use fingervision_pipeline::{Interest, Pace, Pipeline, Sensor};
 use fingervision_recording::{Clock, RecorderOptions, RecorderProgress, RecorderThread};
 use serde::Serialize;
 
@@ -38,7 +38,7 @@ pub(crate) struct Args {
     /// End after so many seconds, by the cameras' or the files' time
     #[arg(long, value_name = "N", value_parser = seconds)]
     seconds: Option<f64>,
-    /// Record frames, events and the profile, no readings
+    /// Record frames, events and the profile, no readings: nothing is tracked, which takes less processor time
     #[arg(long)]
     frames_only: bool,
     /// Replace a file that exists
@@ -64,7 +64,11 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let named = SensorArgs { sources: args.sources.clone(), options: args.sensors.clone() };
     let has_camera = named.has_camera()?;
     let (pace, clock) = if has_camera { (Pace::Recorded, Clock::Host) } else { (Pace::Lossless, Clock::Source) };
-    let pipeline = Pipeline::prepare(named.open(pace, args.output)?);
+    let mut sensors = named.open(pace, args.output)?;
+    if args.frames_only {
+        sensors = sensors.into_iter().map(Sensor::without_tracking).collect();
+    }
+    let pipeline = Pipeline::prepare(sensors);
     let interest = RecorderThread::interest();
     let subscription = if has_camera { pipeline.subscribe(interest) } else { pipeline.subscribe_lossless(interest) };
     let shown = Interest { capacity: SHOWN_MESSAGES, ..Interest::readings() };

@@ -67,7 +67,7 @@ impl Capture {
 
     fn hand_on(&self, captured: Captured) {
         self.publish(&captured);
-        let dropped = self.queue.push(captured).is_some();
+        let dropped = self.handle.is_tracked() && self.queue.push(captured).is_some();
         self.count(dropped);
     }
 

@@ -22,7 +22,7 @@ const MOST_DAMAGED: usize = 10;
 /// A sensor that is ready to start: its first frame has come, and its profile fits it.
 pub struct Sensor {
     pub(crate) input: Input,
-    pub(crate) tracker: Tracker,
+    pub(crate) tracker: Option<Tracker>,
     pub(crate) decoder: CameraFrameDecoder,
     /// The first frame, which was not tracked yet.
     pub(crate) first: Captured,
@@ -39,6 +39,7 @@ pub struct SensorHandle {
     fields: Fields,
     size: (usize, usize),
     frame_size: (usize, usize),
+    is_tracked: bool,
     pub(crate) shared: Arc<Shared>,
 }
 
@@ -71,13 +72,20 @@ impl Sensor {
                     let tracker = Tracker::new(&profile, pixels.size(), pixels.is_colour(), fields)?;
                     let handle = SensorHandle::new(name, &input, profile, fields, &tracker, &pixels);
                     let first = Captured { frame: Arc::new(first), captured_s, truth: input.truth() };
-                    return Ok(Self { input, tracker, decoder, first, handle });
+                    return Ok(Self { input, tracker: Some(tracker), decoder, first, handle });
                 }
                 Err(reason) => failure = Some(reason),
             }
         }
         let reason = failure.unwrap_or_else(|| "nothing came".into());
         Err(PipelineError::NoFrame { sensor: name.into(), reason })
+    }
+
+    /// The same sensor, whose frames are captured and not tracked: it has frames and events, no readings.
+    #[must_use]
+    pub fn without_tracking(mut self) -> Self {
+        (self.tracker, self.handle.is_tracked) = (None, false);
+        self
     }
 
     /// The sensor's handle.
@@ -108,6 +116,7 @@ impl SensorHandle {
             fields,
             size: tracker.size(),
             frame_size: pixels.size(),
+            is_tracked: true,
             shared: Arc::default(),
         }
     }
@@ -152,6 +161,12 @@ impl SensorHandle {
     #[must_use]
     pub fn frame_size(&self) -> (usize, usize) {
         self.frame_size
+    }
+
+    /// Whether its frames are tracked.
+    #[must_use]
+    pub fn is_tracked(&self) -> bool {
+        self.is_tracked
     }
 
     /// What happened to its frames so far.

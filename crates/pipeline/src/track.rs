@@ -21,7 +21,8 @@ const MOST_SNAPSHOTS: usize = 4;
 /// Tracks until the queue is closed and empty.
 pub(crate) struct Track {
     pub(crate) index: usize,
-    pub(crate) tracker: Tracker,
+    /// Absent if frames are not tracked; then none comes.
+    pub(crate) tracker: Option<Tracker>,
     pub(crate) decoder: CameraFrameDecoder,
     pub(crate) layout: CameraLayout,
     pub(crate) handle: SensorHandle,
@@ -38,7 +39,7 @@ impl Track {
         let (handle, hub, queue) = (self.handle.clone(), Arc::clone(&self.hub), Arc::clone(&self.queue));
         let _end = End { index: self.index, handle, hub, queue };
         let mut snapshots = Pool::new(MOST_SNAPSHOTS);
-        let mut first = Some(self.first.clone());
+        let mut first = self.tracker.is_some().then(|| self.first.clone());
         while first.is_some() || !self.queue.is_done() {
             let Some(captured) = first.take().or_else(|| self.queue.pop(WAIT)) else { continue };
             match self.track(&captured.frame) {
@@ -59,12 +60,13 @@ impl Track {
             // The camera was opened again and has another mode: the tracker refuses another size.
             (self.layout, self.decoder) = (frame.layout, CameraFrameDecoder::new(frame.layout));
         }
+        let tracker = self.tracker.as_mut().ok_or("it is not tracked")?;
         let pixels = self.decoder.decode(&frame.bytes)?;
         if self.handle.shared.take_rezero() {
-            self.tracker.rezero();
+            tracker.rezero();
             self.is_rezeroing = true;
         }
-        let reading = self.tracker.track(&frame_of(frame, pixels)).map_err(|error| error.to_string())?;
+        let reading = tracker.track(&frame_of(frame, pixels)).map_err(|error| error.to_string())?;
         Ok(reading.numbers)
     }
 
@@ -83,7 +85,7 @@ impl Track {
         self.handle.shared.count(|counts| counts.tracked += 1);
         self.hub.publish(&Message::Reading { sensor, numbers, captured_s, ready_s });
         self.hub.publish_fields(sensor, ready_s, || {
-            let reading = self.tracker.reading();
+            let reading = self.tracker.as_ref()?.reading();
             let frame = &captured.frame;
             let make = || Snapshot { reading: reading.clone(), frame: Arc::clone(frame), captured_s, ready_s };
             let slot = snapshots.free(make)?;
