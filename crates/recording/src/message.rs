@@ -226,6 +226,14 @@ pub(crate) struct Reading {
     pub(crate) force_z_n: Option<f32>,
     #[prost(float, optional, tag = "16")]
     pub(crate) torque_z_nmm: Option<f32>,
+    #[prost(float, tag = "17")]
+    pub(crate) damaged_part: f32,
+    #[prost(float, tag = "18")]
+    pub(crate) mean_level: f32,
+    #[prost(float, tag = "19")]
+    pub(crate) saturated_part: f32,
+    #[prost(float, tag = "20")]
+    pub(crate) sharpness: f32,
 }
 
 /// What a simulation knows of a frame: `fingervision.Truth`.

@@ -170,6 +170,10 @@ pub(crate) static READING: Schema = Schema {
         ("force_y_n", 14, Optional(Float)),
         ("force_z_n", 15, Optional(Float)),
         ("torque_z_nmm", 16, Optional(Float)),
+        ("damaged_part", 17, One(Float)),
+        ("mean_level", 18, One(Float)),
+        ("saturated_part", 19, One(Float)),
+        ("sharpness", 20, One(Float)),
     ],
 };
 
