@@ -152,9 +152,13 @@ mod tests {
     use std::sync::mpsc;
 
     fn solved(name: &str, seed: u64) -> Simulation {
-        let mut scene = Scene::find("board").unwrap();
+        solved_scene("board", None, name, seed)
+    }
+
+    fn solved_scene(scene: &str, set: Option<(&str, &str)>, name: &str, seed: u64) -> Simulation {
+        let mut scene = Scene::find(scene).unwrap();
         let sets = [("render.width", "32"), ("render.height", "24"), ("motion.frames", "4")];
-        scene.set_all(sets).unwrap();
+        scene.set_all(sets.into_iter().chain(set)).unwrap();
         scene.set_seed(seed);
         scene.name = name.into();
         let mut simulation = Simulation::new(&scene).unwrap();
@@ -181,7 +185,8 @@ mod tests {
 
     #[test]
     fn the_truth_is_that_of_the_image_shown() {
-        let mut film = PressFilm::new(solved("first", 1), None, &Options::default()).unwrap();
+        let press = solved_scene("circle", Some(("mesh.cells", "[12, 12, 3]")), "press", 1);
+        let mut film = PressFilm::new(press, None, &Options::default()).unwrap();
         assert_eq!(film.truth(), None, "no frame was shown");
         let shown = std::iter::from_fn(|| film.next_frame().unwrap().and(film.truth()));
         let truths: Vec<FrameTruth> = shown.take(REST + HOLD + 7).collect();

@@ -5,7 +5,8 @@ use fingervision_pipeline::Running;
 use crate::failure::Failure;
 
 /// What a program without the feature answers.
-const ABSENT: &str = "this program was built without Foxglove; `cargo build --release --features foxglove` builds it in";
+const ABSENT: &str =
+    "this program was built without Foxglove; `cargo build --release --features foxglove` builds it in";
 
 #[cfg(feature = "foxglove")]
 pub(super) use fingervision_foxglove::FoxgloveServer;

@@ -95,7 +95,8 @@ fn take(message: Message, shown: &mut [Shown], handles: &[SensorHandle], line: &
 
 /// One line on all sensors.
 fn text(shown: &mut [Shown], handles: &[SensorHandle], beside: Option<String>) -> String {
-    let parts = shown.iter_mut().zip(handles).map(|(shown, handle)| format!("{}: {}", handle.name(), shown.text(handle)));
+    let parts =
+        shown.iter_mut().zip(handles).map(|(shown, handle)| format!("{}: {}", handle.name(), shown.text(handle)));
     parts.chain(beside).collect::<Vec<_>>().join(" | ")
 }
 

@@ -149,6 +149,10 @@ fn our_messages_have_the_fields_of_their_schemas() {
         force_y_n: Some(0.0),
         force_z_n: Some(0.0),
         torque_z_nmm: Some(0.0),
+        damaged_part: 1.0,
+        mean_level: 1.0,
+        saturated_part: 1.0,
+        sharpness: 1.0,
     };
     expect_fields(&super::READING, &reading);
     let truth = message::Truth {
