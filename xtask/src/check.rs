@@ -1,12 +1,9 @@
 //! `cargo xtask check`: all checks except the tests.
 
-use crate::{circles, layers, lengths, workspace};
+use crate::{FEATURES, circles, layers, lengths, workspace};
 use anyhow::{Context, Result, ensure};
 use std::io::Write;
 use std::process::Command;
-
-/// Features that are off by default.
-const FEATURES: &str = "--features=fingervision-cli/foxglove";
 
 pub(crate) fn run(out: &mut impl Write) -> Result<()> {
     lengths::run(out)?;

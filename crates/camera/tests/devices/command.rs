@@ -76,6 +76,29 @@ fn a_camera_is_tracked_to_a_folder() {
 
 #[test]
 #[ignore = "needs the cameras of cargo xtask camera-test"]
+fn motion_jpeg_is_recorded_bit_by_bit() {
+    let film = film();
+    let _producer = Producer::start(node(NAME), SIZE, 5, film.clone());
+    let (camera, file) = (format!("camera:{NAME}"), "/tmp/recorded.mcap");
+    let ended = command(&["record", &camera, file, "--seconds", "4", "--frames-only"]).output().unwrap();
+    let said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
+    assert!(ended.status.success(), "{said}");
+    let bytes = fs::read(file).unwrap();
+    for (number, picture) in film.iter().enumerate() {
+        assert!(
+            bytes.windows(picture.len()).any(|part| part == picture),
+            "picture {number} is not in the file: {said}"
+        );
+    }
+    let mut track = Command::new(std::env::var_os("FINGERVISION").unwrap());
+    let ended = track.args(["track", file, "--out", "/tmp/of-recording", "--frames", "0..6"]).output().unwrap();
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    let table = fs::read_to_string("/tmp/of-recording/readings.csv").unwrap();
+    assert!(table.lines().count() > 4 && !table.contains("lost"), "{table}");
+}
+
+#[test]
+#[ignore = "needs the cameras of cargo xtask camera-test"]
 fn a_camera_is_shown_on_the_page() {
     let _producer = Producer::start(node(NAME), SIZE, 5, film());
     let camera = format!("camera:{NAME}");
