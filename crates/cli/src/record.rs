@@ -7,6 +7,7 @@ use fingervision_pipeline::{Interest, Pace, Pipeline, Sensor};
 use fingervision_recording::{Clock, RecorderOptions, RecorderProgress, RecorderThread};
 use serde::Serialize;
 
+use crate::disk;
 use crate::failure::Failure;
 use crate::live::sensors::{SensorArgs, SensorOptions};
 use crate::live::status::{self, Beside, SensorSummary};
@@ -84,7 +85,12 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
         args.output
             .note(&format!("{lost} frames or readings are not in the file: this computer or its disk is too slow"));
     }
-    let text = format!("recorded {}", summary_text(&args.file, &progress));
+    // After an error nobody knows how many of the frames are in the file.
+    let text = if progress.error.is_some() {
+        format!("{}: {} were written", args.file.display(), disk::size(progress.bytes))
+    } else {
+        format!("recorded {}", summary_text(&args.file, &progress))
+    };
     let RecorderProgress { bytes, seconds, frames, readings, lost: lost_messages, error, .. } = progress;
     let summary = RecordSummary { file: args.file.clone(), bytes, seconds, frames, readings, lost_messages, sensors };
     args.output.result(out, &summary, &text)?;

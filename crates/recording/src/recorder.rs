@@ -1,5 +1,6 @@
 //! A thread that records sensors while they run.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -109,7 +110,7 @@ impl RecorderThread {
         }
         let shared = Arc::new(Shared { progress: Mutex::default(), is_stopped: AtomicBool::new(false), options });
         let times = vec![Times::default(); sensors.len()];
-        let recorder = Recorder { writer, subscription, times, shared: Arc::clone(&shared) };
+        let recorder = Recorder { path: path.to_owned(), writer, subscription, times, shared: Arc::clone(&shared) };
         let thread = thread::Builder::new().name("recorder".into()).spawn(move || recorder.run());
         let thread = thread.map_err(|error| RecordingError::Thread { path: path.to_owned(), error })?;
         Ok(Self { path: path.to_owned(), shared, thread: Some(thread) })
@@ -168,6 +169,7 @@ impl Shared {
 
 /// What the thread works with.
 struct Recorder {
+    path: PathBuf,
     writer: RecordingWriter,
     subscription: Subscription,
     times: Vec<Times>,
@@ -177,7 +179,7 @@ struct Recorder {
 impl Recorder {
     fn run(mut self) {
         let done = self.record();
-        let Self { writer, subscription, shared, .. } = self;
+        let Self { writer, subscription, shared, path, .. } = self;
         // Sensors that would wait must not wait for the disk.
         drop(subscription);
         let done = done.and_then(|()| writer.finish());
@@ -185,7 +187,11 @@ impl Recorder {
         progress.is_ended = true;
         match done {
             Ok(bytes) => progress.bytes = bytes,
-            Err(error) => progress.error = Some([error.to_string(), error.hint()]),
+            Err(error) => {
+                progress.error = Some([error.to_string(), error.hint()]);
+                // What was written of the last chunk counts, too.
+                progress.bytes = fs::metadata(&path).map_or(progress.bytes, |metadata| metadata.len());
+            }
         }
     }
 
