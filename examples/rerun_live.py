@@ -1,17 +1,24 @@
 """Sends the numbers of a running `fingervision live` to Rerun, as they come.
 
     pip install rerun-sdk websockets
-    python rerun_live.py ws://127.0.0.1:8090/ws
+    python rerun_live.py ws://127.0.0.1:8090/ws              # opens the viewer
+    python rerun_live.py ws://127.0.0.1:8090/ws live.rrd     # writes a file that `rerun live.rrd` opens
 """
 
 import json
 import sys
+from contextlib import suppress
 
 import rerun as rr
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-rr.init("fingervision", spawn=True)
-with connect(sys.argv[1]) as page:
+address, *saved = sys.argv[1:]
+rr.init("fingervision", spawn=not saved)
+if saved:
+    rr.save(saved[0])
+# The program closes the connection when it ends.
+with suppress(ConnectionClosed), connect(address) as page:
     for message in page:
         readings = json.loads(message).get("readings", []) if isinstance(message, str) else []
         for reading in readings:
