@@ -19,7 +19,7 @@ use crate::{RecordingError, numbers};
 /// The first bytes of every recording.
 const SIGNATURE: [u8; 8] = *b"\x89MCAP0\r\n";
 
-/// A recording that was opened: what it contains is known, its frames are read when they are asked for.
+/// An open recording. Its contents are known; frames are read when they are requested.
 #[derive(Debug, Clone)]
 pub struct Recording {
     path: PathBuf,
@@ -32,7 +32,7 @@ pub struct Recording {
 pub struct RecordingSensor {
     /// Its name.
     pub name: String,
-    /// One line on where its frames came from.
+    /// One line that describes the source of its frames.
     pub source: String,
     /// Number of its frames.
     pub frames: u64,
@@ -57,12 +57,12 @@ pub struct RecordedTruth {
 }
 
 impl Recording {
-    /// Opens a file. What was cut off, because the program was killed or the disk was full, is missing; everything
-    /// before can be read.
+    /// Opens a file. If its end is cut off, because the program was killed or the disk was full, everything before can
+    /// be read.
     ///
     /// # Errors
     ///
-    /// [`RecordingError::Read`] if the system refuses, [`RecordingError::NotARecording`] if the file has no sensors.
+    /// [`RecordingError::Read`] if the file cannot be read, [`RecordingError::NotARecording`] if it has no sensors.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let file = File::open(path).map_err(RecordingError::reading(path))?;
         let contents = scan(file).map_err(RecordingError::reading(path))?;
@@ -75,7 +75,7 @@ impl Recording {
         }
         let sensors = sensors(&contents);
         if sensors.is_empty() {
-            return Err(refused("no sensor is described in it, or it ends before".into()));
+            return Err(refused("it describes no sensor, or it ends too early".into()));
         }
         Ok(Self { path: path.to_owned(), contents: Arc::new(contents), sensors })
     }
@@ -105,7 +105,8 @@ impl Recording {
     ///
     /// # Errors
     ///
-    /// [`RecordingError::Sensor`] if there is no such one, or several and no name.
+    /// [`RecordingError::Sensor`] if there is no sensor of this name, or no name is given and there are several
+    /// sensors.
     pub fn sensor(&self, name: Option<&str>) -> Result<usize, RecordingError> {
         let is_wanted = |sensor: &RecordingSensor| name.is_none_or(|name| sensor.name == name);
         let mut found = (0..self.sensors.len()).filter(|index| self.sensors.get(*index).is_some_and(is_wanted));
@@ -119,7 +120,7 @@ impl Recording {
         }
     }
 
-    /// The profile that was in force for a sensor; absent if it is not in the file.
+    /// The profile with which a sensor was tracked; `None` if it is not in the file.
     ///
     /// # Errors
     ///
@@ -207,7 +208,7 @@ impl Recording {
         Ok(MessageReader::new(file, Arc::clone(&self.contents)))
     }
 
-    /// Where the messages of a topic are.
+    /// The positions of the messages of a topic.
     pub(crate) fn places(&self, sensor: usize, topic: Topic) -> &[Place] {
         self.sensors.get(sensor).map_or(&[], |sensor| places(&self.contents, &sensor.prefix, topic))
     }

@@ -1,4 +1,4 @@
-//! Writes a recording: frames as they came, readings, events, and what other programs show.
+//! Writes a recording: unchanged frames, readings, events, and messages for other programs' displays.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -15,7 +15,7 @@ use crate::lossless::Encoder;
 use crate::sensor_messages::{MessageSink, SensorMessages, Times};
 use crate::topic::{Topic, prefixes};
 
-/// The metadata that describe a sensor.
+/// The name of the metadata that describe a sensor.
 pub(crate) const SENSOR_METADATA: &str = "fingervision.sensor";
 /// The name of the profile in a file, behind the sensor's prefix.
 pub(crate) const PROFILE_NAME: &str = "profile.toml";
@@ -27,9 +27,9 @@ pub(crate) const SCENE_NAME: &str = "scene.toml";
 pub struct RecordedSensor {
     /// Its name.
     pub name: String,
-    /// One line on where its frames come from.
+    /// One line that describes the source of its frames.
     pub description: String,
-    /// The profile in force.
+    /// The profile in use.
     pub profile: Profile,
     /// Columns and rows of its frames, px.
     pub frame_size: (usize, usize),
@@ -37,13 +37,13 @@ pub struct RecordedSensor {
     pub clock: Clock,
 }
 
-/// What the time of a message is taken from. The source's own times are stored in any case.
+/// The clock from which the time of a message is taken. The source's own times are stored in any case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clock {
-    /// When a frame was captured: for cameras.
+    /// The host's clock at the capture of a frame: for cameras.
     Host,
-    /// The source's times, from the begin of the recording on: for files and simulated presses, which are read as fast
-    /// as they are tracked.
+    /// The source's times, counted from the beginning of the recording: for files and simulated presses, which are read
+    /// as fast as they are tracked.
     Source,
 }
 
@@ -61,8 +61,8 @@ impl RecordedSensor {
     }
 }
 
-/// A recording that grows. Dropped without [`finish`](Self::finish), it lacks its last half second and its index, and
-/// can be read all the same.
+/// A recording that is being written. If it is dropped without [`finish`](Self::finish), its last half second and its
+/// index are missing; the rest can be read.
 #[derive(Debug)]
 pub struct RecordingWriter<W = File> {
     path: PathBuf,
@@ -97,7 +97,7 @@ impl RecordingWriter {
     ///
     /// # Errors
     ///
-    /// [`RecordingError::Write`] if the disk refuses it.
+    /// [`RecordingError::Write`] if it cannot be written.
     pub fn finish(self) -> Result<u64, RecordingError> {
         let Self { path, to, .. } = self;
         let len = |file: File| file.sync_all().and_then(|()| file.metadata()).map(|metadata| metadata.len());
@@ -134,7 +134,7 @@ impl<W: Write> RecordingWriter<W> {
         Ok(writer)
     }
 
-    /// Writes what does not change: the profile, the name, the camera.
+    /// Writes the data that do not change: the profile, the name, the camera.
     fn describe(&mut self, index: usize, sensor: &RecordedSensor) -> io::Result<()> {
         let (to, state, prefix) = (&mut self.to, &self.sensors[index], self.prefixes[index].as_str());
         let pairs = [("name", sensor.name.as_str()), ("topics", prefix), ("source", sensor.description.as_str())];
@@ -160,13 +160,12 @@ impl<W: Write> RecordingWriter<W> {
         done.map_err(RecordingError::writing(&self.path))
     }
 
-    /// Adds a frame, captured at this time of [`host_time_s`], as it came: JPEG as an image, others without loss, and a
-    /// small picture of these from time to time.
+    /// Adds a frame, captured at this time of [`host_time_s`], unchanged: JPEG as an image, others without loss, and
+    /// small pictures of these at a limited rate.
     ///
     /// # Errors
     ///
-    /// [`RecordingError::Write`] if the file cannot take it. What was written before can be read; nothing more is
-    /// written.
+    /// [`RecordingError::Write`] if it cannot be written. What was written before can be read; nothing more is written.
     ///
     /// # Panics
     ///
@@ -208,8 +207,8 @@ impl<W: Write> RecordingWriter<W> {
         self.end(done)
     }
 
-    /// Adds the surface of a whole reading as points, which other programs show; nothing without depth or without a
-    /// camera in the profile.
+    /// Adds the surface of a whole reading as points, for other programs' displays. Does nothing without depth or
+    /// without a camera in the profile.
     ///
     /// # Errors
     ///
@@ -229,7 +228,7 @@ impl<W: Write> RecordingWriter<W> {
         self.end(done)
     }
 
-    /// Writes what has waited for half a second; to be called where nothing comes.
+    /// Writes messages that have waited for half a second. To be called while no message arrives.
     ///
     /// # Errors
     ///
