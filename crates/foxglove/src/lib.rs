@@ -1,10 +1,10 @@
-//! Sensors live in Foxglove, the program that shows data of robots.
+//! Live sensors in Foxglove, a program that shows data of robots.
 //!
-//! [`FoxgloveServer::start`] serves the WebSocket that Foxglove opens as a data source. Topics, messages and schemas are those
-//! of a recording, so the same layout shows both; the stored frames are left out. A topic that nobody shows costs nothing.
+//! [`FoxgloveServer::start`] serves a WebSocket that Foxglove opens as a data source. Topics, messages and schemas are those of
+//! a recording, without the stored frames, so the same layout shows both. A topic that no client shows is not encoded.
 //!
-//! The server takes readings as any other subscriber of a pipeline ([`fingervision_pipeline`]): a client that is too slow loses
-//! messages, and tracking never waits for it.
+//! The server is a subscriber of a pipeline ([`fingervision_pipeline`]): a client that is too slow loses messages, and tracking
+//! does not wait for it.
 
 mod error;
 mod server;

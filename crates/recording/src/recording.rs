@@ -56,6 +56,14 @@ pub struct RecordedTruth {
     pub truth: FrameTruth,
 }
 
+impl RecordedTruth {
+    pub(crate) fn of(message: &Truth) -> Self {
+        let force_n = [message.force_x_n, message.force_y_n, message.force_z_n];
+        let truth = FrameTruth { depth_mm: message.depth_mm, force_n, torque_nmm: message.torque_z_nmm };
+        Self { sequence: message.sequence, capture_time_s: message.capture_time_s, truth }
+    }
+}
+
 impl Recording {
     /// Opens a file. If its end is cut off, because the program was killed or the disk was full, everything before can
     /// be read.
@@ -176,12 +184,7 @@ impl Recording {
     ///
     /// [`RecordingError::Read`] if the system refuses.
     pub fn truths(&self, sensor: usize) -> Result<Vec<RecordedTruth>, RecordingError> {
-        let of_message = |message: &Truth| {
-            let force_n = [message.force_x_n, message.force_y_n, message.force_z_n];
-            let truth = FrameTruth { depth_mm: message.depth_mm, force_n, torque_nmm: message.torque_z_nmm };
-            RecordedTruth { sequence: message.sequence, capture_time_s: message.capture_time_s, truth }
-        };
-        Ok(self.messages::<Truth>(sensor, Topic::Truth)?.iter().map(of_message).collect())
+        Ok(self.messages::<Truth>(sensor, Topic::Truth)?.iter().map(RecordedTruth::of).collect())
     }
 
     /// The events of a sensor, in order, as [`Self::readings`].

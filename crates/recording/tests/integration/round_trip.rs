@@ -155,9 +155,9 @@ fn the_truth_of_a_simulation_comes_back_and_is_part_of_the_source() {
         FrameTruth { depth_mm, force_n: [0.0, -depth_mm, 1.0 / 3.0], torque_nmm: -depth_mm }
     };
     for number in 0..5 {
-        let frame = written::frame(0, number);
-        writer.write_frame(0, &frame, 50.0).unwrap();
-        writer.write_truth(0, (frame.sequence, frame.capture_time_s), &truth(number), 50.0).unwrap();
+        let (frame, captured_s) = (written::frame(0, number), 50.0 + 0.1 * number as f64);
+        writer.write_frame(0, &frame, captured_s).unwrap();
+        writer.write_truth(0, (frame.sequence, frame.capture_time_s), &truth(number), captured_s).unwrap();
     }
     writer.finish().unwrap();
     let recording = Recording::open(&path).unwrap();
