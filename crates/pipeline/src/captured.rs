@@ -6,6 +6,7 @@ use fingervision_source::{EncodedFrame, FrameTruth};
 
 /// A frame on its way to the tracker.
 #[derive(Clone)]
+#[expect(clippy::struct_field_names, reason = "the time has this name in messages and files")]
 pub(crate) struct Captured {
     pub(crate) frame: Arc<EncodedFrame>,
     pub(crate) captured_s: f64,

@@ -84,7 +84,7 @@ impl<W: Write> Mp4Writer<W> {
         let mut config = EncoderConfig::baseline(width, height);
         (config.gop_size, config.min_keyint) = (FRAGMENT_LEN, FRAGMENT_LEN);
         (config.qp, config.level_idc) = (QUANTISER, LEVEL);
-        let encoder = Encoder::new(config).map_err(|error| SinkError::writing(path)(other(error)))?;
+        let encoder = Encoder::new(config).map_err(|error| SinkError::writing(path)(io::Error::other(error)))?;
         let planes = Planes::new(width, height);
         let path = path.to_path_buf();
         Ok(Self { path, to, encoder, planes, fragment: Fragment::default(), has_track: false, last_ticks: 0 })
@@ -104,7 +104,7 @@ impl<W: Write> Mp4Writer<W> {
         let Planes { width, height, luma, blue, red } = &self.planes;
         let planes = YuvPlanes::tight(*width, *height, luma, blue, red);
         let coded = planes.map(|planes| self.encoder.encode_planes(&planes));
-        let coded = coded.ok_or_else(|| other("the size is odd"))?.map_err(other)?;
+        let coded = coded.ok_or_else(|| io::Error::other("the size is odd"))?.map_err(io::Error::other)?;
         let ticks = self.ticks(time_s);
         self.fragment.end_last((ticks - self.last_ticks) as u32);
         self.last_ticks = ticks;
@@ -140,7 +140,8 @@ impl<W: Write> Mp4Writer<W> {
         if !self.has_track {
             let of_kind = |wanted| units.iter().find(|unit| kind(unit) == wanted).copied();
             let parameters = of_kind(SEQUENCE_PARAMETERS).zip(of_kind(PICTURE_PARAMETERS));
-            let (sequence, picture) = parameters.ok_or_else(|| other("the encoder described no sequence"))?;
+            let (sequence, picture) =
+                parameters.ok_or_else(|| io::Error::other("the encoder described no sequence"))?;
             let track = Track { size: (self.planes.width, self.planes.height), sequence, picture };
             self.to.write_all(&track.bytes())?;
             self.has_track = true;
@@ -172,8 +173,4 @@ impl<W: Write> Mp4Writer<W> {
 
 fn kind(unit: &[u8]) -> u8 {
     unit.first().map_or(0, |header| header & 0x1f)
-}
-
-fn other(error: impl ToString) -> io::Error {
-    io::Error::other(error.to_string())
 }

@@ -22,7 +22,7 @@ mod built_in {
     use super::*;
 
     /// Longer than a development build needs to solve and track a press.
-    const WAIT: Duration = Duration::from_secs(120);
+    const WAIT: Duration = Duration::from_mins(2);
 
     /// Ends the command when a test fails, too.
     struct Running(Child);
