@@ -33,6 +33,7 @@ mod lossless;
 mod message;
 mod message_reader;
 mod numbers;
+mod recorded_sensor;
 mod recorder;
 mod recording;
 mod recording_source;
@@ -44,7 +45,8 @@ mod writer;
 
 pub use error::RecordingError;
 pub use live_messages::{LiveChannel, LiveMessages, LiveSink};
+pub use recorded_sensor::{Clock, RecordedSensor};
 pub use recorder::{RecorderOptions, RecorderProgress, RecorderThread};
 pub use recording::{RecordedTruth, Recording, RecordingSensor};
 pub use recording_source::RecordingSource;
-pub use writer::{Clock, RecordedSensor, RecordingWriter};
+pub use writer::RecordingWriter;

@@ -11,8 +11,7 @@ use crate::container::writer::Stamp;
 use crate::lossless::{Encoder, Storage};
 use crate::message::{CompressedImage, Frame, Log, Truth, put_with_bytes, timestamp};
 use crate::topic::Topic;
-use crate::writer::{Clock, RecordedSensor};
-use crate::{coding, numbers, schema, view};
+use crate::{Clock, RecordedSensor, coding, numbers, schema, view};
 
 /// Time between two previews of a sensor, s.
 const PREVIEW_PERIOD_S: f64 = 0.1;

@@ -5,15 +5,15 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use fingervision_pipeline::{SensorHandle, host_time_s};
+use fingervision_pipeline::host_time_s;
 use fingervision_source::{EncodedFrame, FrameTruth};
-use fingervision_touch::{Profile, Reading, ReadingNumbers};
+use fingervision_touch::{Reading, ReadingNumbers};
 
-use crate::RecordingError;
 use crate::container::writer::{Stamp, Writer};
 use crate::lossless::Encoder;
 use crate::sensor_messages::{MessageSink, SensorMessages, Times};
 use crate::topic::{Topic, prefixes};
+use crate::{RecordedSensor, RecordingError};
 
 /// The name of the metadata that describe a sensor.
 pub(crate) const SENSOR_METADATA: &str = "fingervision.sensor";
@@ -21,45 +21,6 @@ pub(crate) const SENSOR_METADATA: &str = "fingervision.sensor";
 pub(crate) const PROFILE_NAME: &str = "profile.toml";
 /// The name of a simulated sensor's scene in a file, behind the sensor's prefix.
 pub(crate) const SCENE_NAME: &str = "scene.toml";
-
-/// A sensor whose frames and readings are recorded.
-#[derive(Debug, Clone)]
-pub struct RecordedSensor {
-    /// Its name.
-    pub name: String,
-    /// One line that describes the source of its frames.
-    pub description: String,
-    /// The profile in use.
-    pub profile: Profile,
-    /// Columns and rows of its frames, px.
-    pub frame_size: (usize, usize),
-    /// The clock of the messages' times.
-    pub clock: Clock,
-}
-
-/// The clock from which the time of a message is taken. The source's own times are stored in any case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Clock {
-    /// The host's clock at the capture of a frame: for cameras.
-    Host,
-    /// The source's times, counted from the beginning of the recording: for files and simulated presses, which are read
-    /// as fast as they are tracked.
-    Source,
-}
-
-impl RecordedSensor {
-    /// A sensor of a pipeline.
-    #[must_use]
-    pub fn of(handle: &SensorHandle, clock: Clock) -> Self {
-        Self {
-            name: handle.name().into(),
-            description: handle.description().into(),
-            profile: handle.profile().clone(),
-            frame_size: handle.frame_size(),
-            clock,
-        }
-    }
-}
 
 /// A recording that is being written. If it is dropped without [`finish`](Self::finish), its last half second and its
 /// index are missing; the rest can be read.
