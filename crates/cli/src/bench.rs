@@ -1,7 +1,8 @@
-//! `fingervision bench`: measures speed and accuracy of tracking on this machine.
+//! `fingervision bench`: measures speed and accuracy of tracking on this machine, or how many sensors it carries.
 
 mod press;
 mod report;
+mod sensors;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ use crate::profile_args::ProfileArgs;
 
 use press::{FRAMES, Press};
 use report::{ElasticTimes, Report, end_point_error_px};
+use sensors::SensorsArgs;
 
 /// Columns and rows of the press if the profile names none, px.
 const SIZE: (usize, usize) = (610, 450);
@@ -43,12 +45,17 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DIR", conflicts_with = "frames")]
     write_frames: Option<PathBuf>,
     #[command(flatten)]
+    sensors: SensorsArgs,
+    #[command(flatten)]
     profile: ProfileArgs,
     #[command(flatten)]
     output: OutputArgs,
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    if args.sensors.is_asked() {
+        return sensors::run(args, out);
+    }
     let mut profile = args.profile.load_or(calibrated())?;
     let size = image_size(&profile);
     // The images show only what is tracked: positions in a profile are those in the region.

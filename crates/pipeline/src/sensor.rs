@@ -24,8 +24,8 @@ pub struct Sensor {
     pub(crate) input: Input,
     pub(crate) tracker: Option<Tracker>,
     pub(crate) decoder: CameraFrameDecoder,
-    /// The first frame, which was not tracked yet.
-    pub(crate) first: Captured,
+    /// The first frame, which was not tracked yet, as it came and decoded.
+    pub(crate) first: (Captured, Frame),
     pub(crate) handle: SensorHandle,
 }
 
@@ -71,7 +71,8 @@ impl Sensor {
                 Ok(pixels) => {
                     let tracker = Tracker::new(&profile, pixels.size(), pixels.is_colour(), fields)?;
                     let handle = SensorHandle::new(name, &input, profile, fields, &tracker, &pixels);
-                    let first = Captured { frame: Arc::new(first), captured_s, truth: input.truth() };
+                    let frame = frame_of(&first, pixels);
+                    let first = (Captured { frame: Arc::new(first), captured_s, truth: input.truth() }, frame);
                     return Ok(Self { input, tracker: Some(tracker), decoder, first, handle });
                 }
                 Err(reason) => failure = Some(reason),
@@ -102,7 +103,7 @@ impl Sensor {
 }
 
 /// A frame of these pixels.
-pub(crate) fn frame_of(encoded: &EncodedFrame, pixels: Pixels) -> Frame {
+fn frame_of(encoded: &EncodedFrame, pixels: Pixels) -> Frame {
     Frame { sequence: encoded.sequence, capture_time_s: encoded.capture_time_s, pixels }
 }
 

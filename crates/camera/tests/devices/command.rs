@@ -66,7 +66,7 @@ fn expect_recorded(film: &[Vec<u8>]) {
         assert!(is_there, "picture {number} is not in the file: {said}");
     }
     let mut track = Command::new(std::env::var_os("FINGERVISION").unwrap());
-    let ended = track.args(["track", file, "--out", "/tmp/of-recording", "--frames", "0..6"]).output().unwrap();
+    let ended = track.args(["track", file, "--out", "/tmp/of-recording", "--frames", "0..16"]).output().unwrap();
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     let table = fs::read_to_string("/tmp/of-recording/readings.csv").unwrap();
     assert!(table.lines().count() > 4 && !table.contains("lost"), "{table}");

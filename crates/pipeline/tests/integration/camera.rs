@@ -65,7 +65,7 @@ fn a_camera_that_was_unplugged_goes_on_with_new_frames() {
     running.stop();
     assert_eq!(numbers.last(), Some(&10));
     assert!(numbers.windows(2).all(|pair| pair[1] > pair[0]), "{numbers:?}");
-    // The camera has nothing more to send, and may be found silent before the test ends.
+    // On a busy machine a pause may follow.
     let expected = ["the camera is unplugged; capture goes on when it is back", "the camera captures again"];
     assert_eq!(sentences[..2], expected, "{sentences:?}");
 }
