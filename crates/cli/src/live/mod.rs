@@ -112,15 +112,17 @@ pub(crate) fn run_sensors(
             output.note("no browser was found; open this address in one");
         }
     }
-    let foxglove = show.foxglove.map(|port| foxglove::start(port, &running)).transpose()?;
-    if let Some(server) = &foxglove {
-        output.note(&format!("Foxglove: open the connection {}", server.url()));
-    }
-    let sensors = status::show(running.handles(), &messages, actions.as_ref(), output);
+    let sensors = {
+        // Ends after the block, with its thread.
+        let foxglove = show.foxglove.map(|port| foxglove::start(port, &running)).transpose()?;
+        if let Some(server) = &foxglove {
+            output.note(&format!("Foxglove: open the connection {}", server.url()));
+        }
+        status::show(running.handles(), &messages, actions.as_ref(), output)
+    };
     if let Some(page) = page {
         page.stop();
     }
-    drop(foxglove);
     running.stop();
     if let Some(text) = actions.close() {
         output.note(&text);
