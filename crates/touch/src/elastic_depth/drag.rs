@@ -61,15 +61,10 @@ impl Drag {
         self.is_found.then_some(WithoutDrag { seen: &self.seen, dragged_mm: &self.dragged_mm })
     }
 
-    /// Attributes the whole motion to the indentation until the next search for shear.
-    pub(super) fn forget(&mut self) {
-        self.is_found = false;
-    }
-
     /// Finds the motion of contact along the surface and the displacement it causes; returns whether there is any.
     pub(super) fn find(&mut self, surface: &Surface, contact: &ContactFinder) -> bool {
         let Some((share, motion)) = motion_of(surface, contact).filter(|(share, _)| *share > 0.0) else {
-            self.forget();
+            self.is_found = false;
             return false;
         };
         let centres = self.coarse.grid.centres_mm().zip(self.coarse.around());

@@ -57,8 +57,8 @@ pub const MOST_UNEXPLAINED: f64 = THRESHOLDS.most_unexplained;
 
 /// Termination of the solver for tractions in exact mode.
 const EXACT: Limits = Limits { tolerance: 1e-3, most_iterations: 30 };
-/// The same in live mode: a fixed number of steps from the tractions of the previous frame.
-const LIVE: Limits = Limits { tolerance: 1e-2, most_iterations: 1 };
+/// The same in live mode, from the tractions of the previous frame: one step where contact moves slowly.
+const LIVE: Limits = Limits { tolerance: 0.03, most_iterations: 8 };
 
 /// The gel's surface as square cells, row by row, its centre in the grid's middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,8 +89,6 @@ pub struct ElasticDepth {
     contact: ContactFinder,
     /// None where the network is not used.
     drag: Option<Drag>,
-    /// Whether the displacement by shear is computed in the frame itself, not taken from the previous one.
-    is_exact: bool,
     held: HeldGel,
     /// Depth, its deviation and the share in contact of the cells, to be interpolated to the pixels; a fourth number
     /// fills the lanes.
@@ -125,9 +123,9 @@ impl ElasticDepth {
         let drag = drag.map(|operator| Drag::new(surface.grid.len(), coarse, operator, limits));
         let held = HeldGel::new(coarse, operator, limits);
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
-        let (cells, is_exact) = (vec![[0.0; KNOWN]; surface.grid.len()], params.mode == ElasticMode::Exact);
+        let cells = vec![[0.0; KNOWN]; surface.grid.len()];
         let is_outside_training = params.is_outside_training(camera, gel);
-        Ok(Self { gel: *gel, is_outside_training, contact, drag, is_exact, held, cells, surface, fields })
+        Ok(Self { gel: *gel, is_outside_training, contact, drag, held, cells, surface, fields })
     }
 
     /// The fields of one frame, from its flow, px, the deviation of the flow, px, and its validity.
@@ -151,15 +149,14 @@ impl ElasticDepth {
         &self.fields
     }
 
-    /// Finds contact and its depth. In live mode the displacement by shear is that of the previous frame.
+    /// Finds contact and its depth: contact from the whole motion, then the displacement by shear and twist, then the depth
+    /// without it. If a frame used that of the previous frame instead, jumps would give wrong depths, and contact and shear
+    /// would change each other from frame to frame even in a still image.
     fn find_contact(&mut self) {
-        if let Some(drag) = self.drag.as_mut().filter(|_| self.is_exact) {
-            drag.forget();
-        }
-        self.contact.find(&self.surface, self.drag.as_ref().and_then(Drag::found));
-        let is_dragged = self.drag.as_mut().is_some_and(|drag| drag.find(&self.surface, &self.contact));
-        if is_dragged && self.is_exact {
-            self.contact.find_depth(&self.surface, self.drag.as_ref().and_then(Drag::found));
+        self.contact.find(&self.surface, None);
+        let Some(drag) = &mut self.drag else { return };
+        if drag.find(&self.surface, &self.contact) {
+            self.contact.find_depth(&self.surface, drag.found());
         }
     }
 
