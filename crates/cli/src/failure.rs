@@ -24,13 +24,21 @@ use crate::interrupt;
 
 /// Why a command ends early.
 #[derive(Debug)]
-pub(crate) enum Failure {
+#[non_exhaustive]
+pub enum Failure {
     /// Something went wrong.
     Stated {
         /// One line that names the thing and the value.
         message: String,
         /// What to do about it, if anything.
         hint: Option<String>,
+    },
+    /// The arguments are wrong.
+    Usage {
+        /// One line that names the argument.
+        message: String,
+        /// What is expected.
+        hint: String,
     },
     /// The reader of the output has closed it.
     BrokenPipe,
@@ -41,12 +49,26 @@ impl Failure {
         Self::Stated { message: message.into(), hint: Some(hint.into()) }
     }
 
+    /// What to do about it, if anything.
+    #[must_use]
+    pub fn hint(&self) -> Option<&str> {
+        match self {
+            Self::Stated { hint, .. } => hint.as_deref(),
+            Self::Usage { hint, .. } => Some(hint),
+            Self::BrokenPipe => None,
+        }
+    }
+
     /// Writes the error and its hint: a line each, or one JSON object in a line. Returns the exit code.
     pub(crate) fn report(&self, wording: Wording, errors: &mut impl Write) -> ExitCode {
-        let Self::Stated { message, hint } = self else { return ExitCode::SUCCESS };
+        let (message, hint) = match self {
+            Self::Stated { message, hint } => (message, hint.as_deref()),
+            Self::Usage { message, hint } => (message, Some(hint.as_str())),
+            Self::BrokenPipe => return ExitCode::SUCCESS,
+        };
         let exit_code = interrupt::exit_code().unwrap_or(1);
         // If standard error cannot be written, nobody can be informed.
-        let _ = wording.error(message, hint.as_deref(), exit_code, errors);
+        let _ = wording.error(message, hint, exit_code, errors);
         ExitCode::from(exit_code)
     }
 }
@@ -90,7 +112,7 @@ impl Wording {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Stated { message, .. } => f.write_str(message),
+            Self::Stated { message, .. } | Self::Usage { message, .. } => f.write_str(message),
             Self::BrokenPipe => f.write_str("the output was closed"),
         }
     }

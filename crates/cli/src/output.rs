@@ -1,5 +1,6 @@
 //! The output of a command, as text or JSON.
 
+use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
@@ -11,6 +12,19 @@ use crate::failure::{Failure, Wording};
 
 /// Interval at which a bar is redrawn while nothing happens.
 const TICK: Duration = Duration::from_millis(200);
+
+thread_local! {
+    /// The notes of a command that another program has called; absent if they are printed.
+    static COLLECTED: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
+}
+
+/// Runs a command and returns its notes instead of printing them.
+pub(crate) fn collecting_notes(run: impl FnOnce() -> Result<(), Failure>) -> Result<Vec<String>, Failure> {
+    COLLECTED.set(Some(Vec::new()));
+    let outcome = run();
+    let notes = COLLECTED.take().unwrap_or_default();
+    outcome.map(|()| notes)
+}
 
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(crate) struct OutputArgs {
@@ -32,9 +46,16 @@ impl OutputArgs {
         if self.json { Wording::Json } else { Wording::Text }
     }
 
-    /// Prints a note for the user on standard error.
+    /// Prints a note for the user on standard error, or keeps it for the program that has called the command.
     pub(crate) fn note(self, text: &str) {
-        if !self.quiet {
+        let is_collected = COLLECTED.with_borrow_mut(|notes| match notes {
+            Some(notes) => {
+                notes.push(text.to_owned());
+                true
+            }
+            None => false,
+        });
+        if !self.quiet && !is_collected {
             // If standard error cannot be written, nobody can be informed.
             let _ = self.wording().note(text, &mut io::stderr());
         }

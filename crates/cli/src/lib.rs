@@ -4,6 +4,8 @@
 //! if possible, a `hint:`, 2 wrong usage, 130 ended by Ctrl-C and 143 by SIGTERM. A reader that closes the pipe early
 //! is not an error. With `--json` every message is a JSON object on its own line, `{"error", "hint", "exit_code"}` or
 //! `{"note"}`.
+//!
+//! [`run`] is the whole program. [`call`] runs a command for another program, which takes the result as text.
 
 mod bench;
 mod calibrate;
@@ -40,14 +42,16 @@ mod tracking;
 mod truth;
 mod whole_number;
 
-use std::env;
 use std::ffi::OsString;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use failure::{Failure, Wording};
+pub use failure::Failure;
+use failure::Wording;
+pub use place::Place;
+pub use tracking::fields_to_compute;
 
 /// The exit code of wrong usage.
 const WRONG_USAGE: u8 = 2;
@@ -114,20 +118,39 @@ impl Command {
     }
 }
 
-fn main() -> ExitCode {
-    let arguments: Vec<OsString> = env::args_os().collect();
+/// Runs the program with the arguments of the process, the first of which is its name. Handles signals, prints errors.
+#[must_use]
+pub fn run(arguments: &[OsString]) -> ExitCode {
     let is_json = arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json");
     let wording = if is_json { Wording::Json } else { Wording::Text };
-    let cli = match parse(&arguments) {
+    let cli = match parse(arguments) {
         Ok(cli) => cli,
         Err(error) if is_json && error.use_stderr() => return wrong_usage(&error),
         Err(error) => error.exit(),
     };
     let done = watch_for_signals(wording)
-        .and_then(|()| expect_text(wording, &arguments))
+        .and_then(|()| expect_text(wording, arguments))
         .and_then(|()| cli.threads.apply())
         .and_then(|()| cli.command.run(&mut io::stdout().lock()));
     done.map_or_else(|failure| failure.report(wording, &mut io::stderr().lock()), |()| ExitCode::SUCCESS)
+}
+
+/// Runs a command, with the arguments behind the program's name, and writes its result to `out`. Returns the notes for the
+/// user. Handles no signals, and does not end the process.
+///
+/// # Errors
+///
+/// [`Failure::Usage`] if the arguments are wrong, otherwise why the command failed.
+pub fn call(arguments: &[OsString], out: &mut impl Write) -> Result<Vec<String>, Failure> {
+    let name = OsString::from("fingervision");
+    let arguments: Vec<OsString> = std::iter::once(name).chain(arguments.iter().cloned()).collect();
+    let cli = parse(&arguments).map_err(|error| {
+        let (message, hint) = usage_lines(&error);
+        Failure::Usage { message, hint }
+    })?;
+    expect_text(Wording::Json, &arguments)?;
+    cli.threads.apply()?;
+    output::collecting_notes(|| cli.command.run(out))
 }
 
 fn parse(arguments: &[OsString]) -> Result<Cli, clap::Error> {
@@ -159,15 +182,20 @@ fn watch_for_signals(wording: Wording) -> Result<(), Failure> {
     })
 }
 
-/// Wrong usage, for a program: clap's first line, and the rest of its message as the hint.
+/// Wrong usage, for a program.
 fn wrong_usage(error: &clap::Error) -> ExitCode {
+    let (message, hint) = usage_lines(error);
+    // Without standard error there is no one to inform.
+    let _ = Wording::Json.error(&message, Some(&hint), WRONG_USAGE, &mut io::stderr().lock());
+    ExitCode::from(WRONG_USAGE)
+}
+
+/// The first line of clap's message, and the rest of it as the hint.
+fn usage_lines(error: &clap::Error) -> (String, String) {
     let text = error.to_string();
     let (message, rest) = text.split_once('\n').unwrap_or((&text, ""));
     let hint = rest.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
-    let message = message.trim_start_matches("error: ");
-    // Without standard error there is no one to inform.
-    let _ = Wording::Json.error(message, Some(&hint), WRONG_USAGE, &mut io::stderr().lock());
-    ExitCode::from(WRONG_USAGE)
+    (message.trim_start_matches("error: ").into(), hint)
 }
 
 /// JSON contains only text: refuses, before any work, names that could not be written in the result.
