@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
-use fingervision_touch::{FORCE_COLUMNS, Flag, HealthCounts, Reading};
+use fingervision_touch::{FORCE_COLUMNS, Flag, HealthCounts, Reading, ReadingNumbers};
 use serde::{Serialize, Serializer};
 
 use crate::skipped::Skipped;
@@ -115,10 +115,10 @@ impl Tally {
         }
         self.tracking_ms += reading.latency_ms;
         self.latencies_ms.push(reading.latency_ms);
-        self.flagged.count(&reading.numbers());
+        self.flagged.count(&reading.numbers);
         let is_deeper = |depth: &f32| self.deepest.is_none_or(|deepest| *depth >= deepest.max_depth_mm);
         if let Some(max_depth_mm) = reading.max_depth_mm.filter(is_deeper) {
-            let &Reading { sequence, contact_area_mm2, force_n, torque_nmm: torque_z_nmm, .. } = reading;
+            let ReadingNumbers { sequence, contact_area_mm2, force_n, torque_nmm: torque_z_nmm, .. } = reading.numbers;
             let force = force_n.map(Force::from);
             self.deepest = Some(Deepest { sequence, max_depth_mm, contact_area_mm2, force, torque_z_nmm });
         }
@@ -228,10 +228,10 @@ mod tests {
         let tracker = Tracker::new(&Profile::default(), (64, 64), false, Fields::NONE).unwrap();
         let mut reading = tracker.reading().clone();
         if let Some(flag) = flag {
-            reading.flags.raise(flag);
+            reading.numbers.flags.raise(flag);
         }
-        (reading.depth, reading.force_n) = (Some(Image::filled(64, 64, 0.0)), Some([0.0; 3]));
-        (reading.max_depth_mm, reading.contact_area_mm2) = (max_depth_mm, Some(contact_area_mm2));
+        (reading.depth, reading.numbers.force_n) = (Some(Image::filled(64, 64, 0.0)), Some([0.0; 3]));
+        (reading.numbers.max_depth_mm, reading.numbers.contact_area_mm2) = (max_depth_mm, Some(contact_area_mm2));
         reading
     }
 
@@ -254,7 +254,7 @@ mod tests {
     fn the_first_frame_does_not_distort_the_time_per_frame() {
         let readings = [192.4, 40.0, 39.0, 41.0].map(|latency_ms| {
             let mut reading = reading(None, None, 0.0);
-            reading.latency_ms = latency_ms;
+            reading.numbers.latency_ms = latency_ms;
             reading
         });
         let text = summary(&readings[..3]).to_string();

@@ -32,7 +32,7 @@
 //!
 //! Lengths are in mm, forces in N, positions in images in px, `(x, y)` with x right, y down and integers at pixel
 //! centres; arrays are `[row][column]`. Depth is positive where the gel is pressed in. All fields of a reading lie on the
-//! reference grid: they belong to points of the gel. [`Reading::flags`] lists the problems of a frame. [`Reading::valid`] and
+//! reference grid: they belong to points of the gel. [`ReadingNumbers::flags`] lists the problems of a frame. [`Reading::valid`] and
 //! [`Reading::depth_deviation`] mark the pixels that are not valid.
 //!
 //! Errors name the wrong quantity and its value; their `hint()`, if there is one, says what to do about it. Enums and structs
@@ -59,7 +59,7 @@ pub use fingervision_source::{FrameFormat, Options, Source, SourceError};
 
 // From a frame to a reading.
 pub use fingervision_touch::{
-    Fields, Fingerprint, Flag, Flags, HealthCounts, Reading, TrackError, Tracker, TractionGrid,
+    Fields, Fingerprint, Flag, Flags, HealthCounts, Reading, ReadingNumbers, TrackError, Tracker, TractionGrid,
 };
 
 // The sensor.

@@ -65,7 +65,7 @@ impl Track {
             self.is_rezeroing = true;
         }
         let reading = self.tracker.track(&frame_of(frame, pixels)).map_err(|error| error.to_string())?;
-        Ok(reading.numbers())
+        Ok(reading.numbers)
     }
 
     /// Logs a new reference, before the first reading that is relative to it.

@@ -118,7 +118,7 @@ impl Sink for RunFolder {
     /// [`SinkError::Write`] if a file cannot take it. The reading then is in no file.
     fn write(&mut self, reading: &Reading, _frame: &Frame) -> Result<(), SinkError> {
         self.fields.stage(reading)?;
-        self.table.write(&reading.numbers())?;
+        self.table.write(&reading.numbers)?;
         self.fields.commit()?;
         self.frames += 1;
         Ok(())

@@ -1,33 +1,18 @@
 //! The reading: everything that is computed from one frame.
 
+use std::ops::Deref;
+
 use fingervision_flow::FlowField;
 use fingervision_image::Image;
 
-use crate::{Flags, TractionGrid};
+use crate::{ReadingNumbers, TractionGrid};
 
 /// Every quantity computed from one frame. All fields lie on the reference grid.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Reading {
-    /// The frame's number in its source.
-    pub sequence: u64,
-    /// When the frame was exposed, s, on the source's clock.
-    pub capture_time_s: f64,
-    /// Frames that the source dropped since tracking began.
-    pub dropped_frames: u64,
-    /// Number of the reference that the frame was matched with, from 0.
-    pub reference_id: u64,
-    /// Number of references that were kept when the frame was matched.
-    pub reference_count: usize,
-    /// Photometric error, grey levels: under the stack policy the largest error of the coarse check that decides about
-    /// references, otherwise the root mean square of the matching patches' residuals.
-    pub photometric_error: f32,
-    /// Time from the frame's arrival to this reading, ms. It is the only value that differs from run to run.
-    pub latency_ms: f64,
-    /// The problems of the reading.
-    pub flags: Flags,
-    /// Part of the image that never tracks while the gel around it does, 0 to 1; see [`Flag::GelDamaged`](crate::Flag).
-    pub damaged_part: f32,
+    /// Everything that belongs to the whole frame; `reading.force_n` is short for `reading.numbers.force_n`.
+    pub numbers: ReadingNumbers,
     /// Displacement, px.
     pub flow: FlowField,
     /// Predicted standard deviation of the flow, px; infinite where there is no measurement.
@@ -50,14 +35,6 @@ pub struct Reading {
     pub displacement: Option<[Image<f32>; 3]>,
     /// Traction on the gel, `MPa`; if requested, with elastic depth and a known Young's modulus.
     pub traction: Option<TractionGrid>,
-    /// Largest depth where it is valid, mm.
-    pub max_depth_mm: Option<f32>,
-    /// Area of contact in the undeformed surface, mm²; with elastic depth.
-    pub contact_area_mm2: Option<f32>,
-    /// Force on the gel `(x, y, z)`, N; with elastic depth and a known Young's modulus.
-    pub force_n: Option<[f32; 3]>,
-    /// Torque on the gel about the z axis through the centre of contact, N mm; where there is a force.
-    pub torque_nmm: Option<f32>,
 }
 
 impl Reading {
@@ -66,15 +43,7 @@ impl Reading {
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         Self {
-            sequence: 0,
-            capture_time_s: 0.0,
-            dropped_frames: 0,
-            reference_id: 0,
-            reference_count: 0,
-            photometric_error: 0.0,
-            latency_ms: 0.0,
-            flags: Flags::default(),
-            damaged_part: 0.0,
+            numbers: ReadingNumbers::default(),
             flow: FlowField::zero(width, height),
             deviation: Image::filled(width, height, f32::INFINITY),
             valid: Image::filled(width, height, 0),
@@ -84,10 +53,6 @@ impl Reading {
             contact: None,
             displacement: None,
             traction: None,
-            max_depth_mm: None,
-            contact_area_mm2: None,
-            force_n: None,
-            torque_nmm: None,
         }
     }
 
@@ -104,6 +69,7 @@ impl Reading {
 
     /// Takes over all values of `other`; allocates nothing if both are readings of the same tracker.
     pub fn copy_from(&mut self, other: &Self) {
+        self.numbers = other.numbers;
         self.flow.copy_from(&other.flow);
         self.deviation.copy_from(&other.deviation);
         self.valid.copy_from(&other.valid);
@@ -122,7 +88,14 @@ impl Reading {
             }
             (to, from) => to.clone_from(from),
         }
-        self.take_numbers(&other.numbers());
+    }
+}
+
+impl Deref for Reading {
+    type Target = ReadingNumbers;
+
+    fn deref(&self) -> &ReadingNumbers {
+        &self.numbers
     }
 }
 

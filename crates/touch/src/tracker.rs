@@ -15,7 +15,7 @@ use std::time::Instant;
 /// Tracks the gel through a stream of frames.
 ///
 /// It owns all scratch memory and the reading that it returns: a frame that needs no new reference allocates nothing.
-/// The same frames give the same bits, whatever their source; only [`Reading::latency_ms`] differs.
+/// The same frames give the same bits, whatever their source; only [`ReadingNumbers::latency_ms`](crate::ReadingNumbers) differs.
 #[derive(Debug)]
 pub struct Tracker {
     region: Rect,
@@ -121,7 +121,7 @@ impl Tracker {
         let spare = spare.filter(|spare| spare.has_the_fields_of(&self.reading));
         let spare = spare.unwrap_or_else(|| self.reading.clone());
         let taken = std::mem::replace(&mut self.reading, spare);
-        self.reading.dropped_frames = taken.dropped_frames;
+        self.reading.numbers.dropped_frames = taken.dropped_frames;
         taken
     }
 
@@ -164,18 +164,18 @@ impl Tracker {
         }
         self.check(frame.capture_time_s, &mut flags);
         let reading = &mut self.reading;
-        reading.sequence = frame.sequence;
-        reading.capture_time_s = frame.capture_time_s;
-        reading.dropped_frames += dropped;
-        reading.reference_id = matched.reference_id;
-        reading.reference_count = matched.reference_count;
-        reading.photometric_error = matched.photometric_error;
+        reading.numbers.sequence = frame.sequence;
+        reading.numbers.capture_time_s = frame.capture_time_s;
+        reading.numbers.dropped_frames += dropped;
+        reading.numbers.reference_id = matched.reference_id;
+        reading.numbers.reference_count = matched.reference_count;
+        reading.numbers.photometric_error = matched.photometric_error;
         // The estimate is overwritten for every frame: its fields can be moved out.
         std::mem::swap(&mut reading.flow, &mut self.estimate.flow);
         std::mem::swap(&mut reading.deviation, &mut self.estimate.deviation);
         std::mem::swap(&mut reading.valid, &mut self.estimate.valid);
-        reading.flags = flags;
-        reading.damaged_part = self.watch.damaged_part();
+        reading.numbers.flags = flags;
+        reading.numbers.damaged_part = self.watch.damaged_part();
         // The inverse uses the validity of the flow alone: it runs before the gaps of the density count as not valid.
         if let Some(stage) = &mut self.elastic {
             stage.run(&mut self.reading);
@@ -186,12 +186,12 @@ impl Tracker {
             }
         }
         if self.references.is_pressed_at_start() {
-            self.reading.flags.raise(Flag::PressedAtStart);
+            self.reading.numbers.flags.raise(Flag::PressedAtStart);
         }
         if let Some(stage) = &mut self.density {
             stage.run(&mut self.reading);
         }
-        self.reading.latency_ms = arrival.elapsed().as_secs_f64() * 1e3;
+        self.reading.numbers.latency_ms = arrival.elapsed().as_secs_f64() * 1e3;
         Ok(&self.reading)
     }
 

@@ -1,12 +1,17 @@
 //! Exposure and focus of a single image, for a person who adjusts the camera.
 
+use fingervision_flow::Picture;
 use fingervision_image::{Pixels, Rect};
 
 use super::exposure::{is_black, is_saturated};
 use super::thresholds::THRESHOLDS;
 
-/// Distance between the rows that are used.
+/// Distance between the rows that are used for the exposure.
 const ROW_STEP: usize = 2;
+/// The coarsest pyramid level that the sharpness needs.
+const COARSEST_LEVEL: usize = 2;
+/// The smallest side of a region, px: two pixels at the coarsest level.
+const LEAST_SIDE: usize = 8;
 
 /// Exposure and focus of one image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,10 +23,8 @@ pub struct ImageQuality {
     pub saturated: f64,
     /// Part of the values at the bottom of their range.
     pub black: f64,
-    /// Root mean square of the differences between horizontal neighbours, over the standard deviation of all values;
-    /// dimensionless. It grows with focus and does not depend on the light. It also grows with noise, and depends on the
-    /// pattern, so only values of the same gel can be compared.
-    pub sharpness: f64,
+    /// [`Picture::sharpness`], dimensionless.
+    pub sharpness: f32,
 }
 
 impl ImageQuality {
@@ -29,29 +32,22 @@ impl ImageQuality {
     #[must_use]
     pub fn of(pixels: &Pixels, region: Rect) -> Option<Self> {
         let (columns, rows) = pixels.size();
-        if !region.is_inside(columns, rows) || region.width < 2 || region.height == 0 {
+        if !region.is_inside(columns, rows) || region.width.min(region.height) < LEAST_SIDE {
             return None;
         }
-        let (mut count, mut sum, mut squares, mut steps) = (0.0, 0.0, 0.0, 0.0);
-        let (mut black, mut saturated) = (0.0, 0.0);
+        let mut picture = Picture::new(region.width, region.height, COARSEST_LEVEL, false);
+        picture.load(pixels, region).ok()?;
+        let (mut count, mut sum, mut black, mut saturated) = (0.0, 0.0, 0.0, 0.0);
         for y in (region.y..region.y + region.height).step_by(ROW_STEP) {
-            for x in region.x..region.x + region.width - 1 {
-                let (here, beside) = (pixels.levels(x, y), pixels.levels(x + 1, y));
-                for (value, next) in here.into_iter().zip(beside) {
-                    black += f64::from(u8::from(is_black(value)));
-                    saturated += f64::from(u8::from(is_saturated(value)));
-                    let (value, next) = (f64::from(value), f64::from(next));
-                    count += 1.0;
-                    sum += value;
-                    squares += value * value;
-                    steps += (next - value) * (next - value);
-                }
+            for value in (region.x..region.x + region.width).flat_map(|x| pixels.levels(x, y)) {
+                count += 1.0;
+                sum += f64::from(value);
+                black += f64::from(u8::from(is_black(value)));
+                saturated += f64::from(u8::from(is_saturated(value)));
             }
         }
-        let mean_level = sum / count;
-        let variance = (squares / count - mean_level * mean_level).max(0.0);
-        let sharpness = if variance > 0.0 { (steps / count / variance).sqrt() } else { 0.0 };
-        Some(Self { mean_level, saturated: saturated / count, black: black / count, sharpness })
+        let sharpness = picture.sharpness();
+        Some(Self { mean_level: sum / count, saturated: saturated / count, black: black / count, sharpness })
     }
 
     /// What is wrong with the exposure, with the limits of the check of a recording.
@@ -71,29 +67,41 @@ mod tests {
     use super::*;
     use fingervision_image::Image;
 
-    fn stripes(dark: u8, bright: u8, width: usize) -> Pixels {
-        let values = (0..64 * 48).map(|at| if ((at % 64) / width).is_multiple_of(2) { dark } else { bright });
-        Pixels::Grey8(Image::from_vec(64, 48, values.collect()).unwrap())
+    /// Stripes of this width whose edges are ramps of `edge` px.
+    fn stripes([dark, bright]: [u8; 2], width: usize, edge: usize) -> Pixels {
+        let level = |x: usize| {
+            let part = (0..edge).filter(|offset| ((x + offset) / width) % 2 == 1).count() as f32 / edge as f32;
+            (f32::from(dark) + part * (f32::from(bright) - f32::from(dark))).round() as u8
+        };
+        Pixels::Grey8(Image::from_fn(64, 48, |x, _| level(x)))
     }
 
     fn quality(pixels: &Pixels) -> ImageQuality {
-        ImageQuality::of(pixels, Rect { x: 0, y: 0, width: 64, height: 48 }).unwrap()
+        ImageQuality::of(pixels, Rect::whole(64, 48)).unwrap()
     }
 
     #[test]
-    fn sharpness_grows_with_detail_and_not_with_light() {
-        let (coarse, fine) = (quality(&stripes(50, 150, 16)), quality(&stripes(50, 150, 4)));
-        assert!(fine.sharpness > 1.5 * coarse.sharpness, "{fine:?} {coarse:?}");
-        let brighter = quality(&stripes(60, 200, 4));
-        assert!((fine.sharpness - brighter.sharpness).abs() < 0.02, "{fine:?} {brighter:?}");
-        assert!((fine.mean_level - 100.0).abs() < 5.0);
+    fn sharpness_grows_with_focus_and_not_with_light() {
+        let (sharp, blurred) = (quality(&stripes([50, 150], 16, 1)), quality(&stripes([50, 150], 16, 5)));
+        assert!(sharp.sharpness > 1.5 * blurred.sharpness, "{sharp:?} {blurred:?}");
+        let brighter = quality(&stripes([60, 200], 16, 5));
+        assert!((blurred.sharpness / brighter.sharpness - 1.0).abs() < 0.02, "{blurred:?} {brighter:?}");
+        assert!((sharp.mean_level - 100.0).abs() < 1e-9, "{sharp:?}");
     }
 
     #[test]
     fn light_that_is_wrong_is_named() {
-        assert_eq!(quality(&stripes(60, 180, 4)).exposure_advice(), None);
-        assert!(quality(&stripes(0, 20, 4)).exposure_advice().unwrap().starts_with("too dark"));
-        assert!(quality(&stripes(200, 255, 4)).exposure_advice().unwrap().starts_with("too bright"));
-        assert_eq!(ImageQuality::of(&stripes(0, 9, 4), Rect { x: 0, y: 0, width: 65, height: 48 }), None);
+        let advice = |levels| quality(&stripes(levels, 4, 1)).exposure_advice();
+        assert_eq!(advice([60, 180]), None);
+        assert!(advice([0, 20]).unwrap().starts_with("too dark"));
+        assert!(advice([200, 255]).unwrap().starts_with("too bright"));
+    }
+
+    #[test]
+    fn a_region_that_does_not_fit_or_is_too_small_has_no_quality() {
+        let pixels = stripes([0, 9], 4, 1);
+        for (width, height, fits) in [(65, 48, false), (64, 7, false), (7, 48, false), (8, 8, true)] {
+            assert_eq!(ImageQuality::of(&pixels, Rect::whole(width, height)).is_some(), fits, "{width}x{height}");
+        }
     }
 }

@@ -20,7 +20,7 @@ fn sum_of(panel: &str) -> String {
 
 const IS_LIVE: &str = "document.querySelector('#state').textContent === 'Live'";
 
-/// A browser with these options that shows the page; none where there is no browser.
+/// Starts a browser with these options and opens the page. `None` if no browser is installed.
 fn opened(options: &[&str]) -> Option<(Chromium, Bench)> {
     let mut browser = Chromium::start(options)?;
     let bench = Bench::start();

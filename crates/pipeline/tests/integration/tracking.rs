@@ -33,7 +33,7 @@ fn the_same_frames_give_the_same_bits_as_offline() {
         _ => None,
     });
     let numbers: Vec<_> = numbers.collect();
-    assert_eq!(numbers, offline.iter().map(|reading| lasting(reading.numbers())).collect::<Vec<_>>());
+    assert_eq!(numbers, offline.iter().map(|reading| lasting(reading.numbers)).collect::<Vec<_>>());
     let mut compared = 0;
     for message in &messages {
         let Message::Fields { snapshot, .. } = message else { continue };

@@ -102,11 +102,11 @@ impl Overlay {
 
     fn draw_title(&self, canvas: &mut Canvas) {
         let shown = &self.shown;
-        let time_s = shown.capture_time_s - self.course.start_s();
-        canvas.text(&format!("Frame {} at {time_s:.2} s", shown.sequence), (MARGIN, 40.0), HEADING);
-        if shown.flags.iter().next().is_some() {
+        let time_s = shown.numbers.capture_time_s - self.course.start_s();
+        canvas.text(&format!("Frame {} at {time_s:.2} s", shown.numbers.sequence), (MARGIN, 40.0), HEADING);
+        if shown.numbers.flags.iter().next().is_some() {
             let style = Style { colour: WARNING_INK, anchor: Anchor::Right, ..BODY };
-            canvas.text(&format!("{}", shown.flags), (self.layout.width - MARGIN, 40.0), style);
+            canvas.text(&format!("{}", shown.numbers.flags), (self.layout.width - MARGIN, 40.0), style);
         }
     }
 
@@ -124,10 +124,10 @@ impl Overlay {
             Outline::of(contact).moved(flow).draw(canvas, panel);
         }
         let mut facts = Vec::new();
-        facts.extend(shown.max_depth_mm.map(|depth| format!("depth up to {} mm", number(depth))));
-        facts.extend(shown.contact_area_mm2.map(|area| format!("contact {} mm²", number(area))));
+        facts.extend(shown.numbers.max_depth_mm.map(|depth| format!("depth up to {} mm", number(depth))));
+        facts.extend(shown.numbers.contact_area_mm2.map(|area| format!("contact {} mm²", number(area))));
         facts.extend(
-            shown.force_n.map(|[x, y, normal]| {
+            shown.numbers.force_n.map(|[x, y, normal]| {
                 format!("normal force {} N, shear force {} N", number(normal), number(x.hypot(y)))
             }),
         );

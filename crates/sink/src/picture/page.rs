@@ -36,12 +36,12 @@ pub(super) fn draw(strongest: &Strongest, course: &Course, mm_per_px: Option<f32
 }
 
 fn draw_title(canvas: &mut Canvas, strongest: &Strongest, course: &Course) {
-    let time_s = strongest.capture_time_s - course.start_s();
+    let time_s = strongest.numbers.capture_time_s - course.start_s();
     let strength = strongest.strength;
     let title = if strength.max_px.is_nan() {
-        format!("Frame {}: no valid flow", strongest.sequence)
+        format!("Frame {}: no valid flow", strongest.numbers.sequence)
     } else {
-        format!("Frame {} at {time_s:.2} s: flow up to {} px", strongest.sequence, number(strength.max_px))
+        format!("Frame {} at {time_s:.2} s: flow up to {} px", strongest.numbers.sequence, number(strength.max_px))
     };
     canvas.text(&title, (MARGIN, 60.0), TITLE);
 
@@ -52,16 +52,16 @@ fn draw_title(canvas: &mut Canvas, strongest: &Strongest, course: &Course) {
         let of = if frames == 1 { "The only frame".into() } else { format!("Strongest of {frames} frames") };
         format!("{of}: mean flow {} px", number(strength.mean_px))
     }];
-    facts.extend(strongest.max_depth_mm.map(|depth| format!("depth up to {} mm", number(depth))));
-    facts.extend(strongest.contact_area_mm2.map(|area| format!("contact {} mm²", number(area))));
-    facts.extend(strongest.force_n.map(|force| {
+    facts.extend(strongest.numbers.max_depth_mm.map(|depth| format!("depth up to {} mm", number(depth))));
+    facts.extend(strongest.numbers.contact_area_mm2.map(|area| format!("contact {} mm²", number(area))));
+    facts.extend(strongest.numbers.force_n.map(|force| {
         let [x, y, z] = force.map(number);
         format!("force ({x}, {y}, {z}) N")
     }));
-    facts.extend(strongest.torque_nmm.map(|torque| format!("torque {} N mm", number(torque))));
+    facts.extend(strongest.numbers.torque_nmm.map(|torque| format!("torque {} N mm", number(torque))));
     canvas.text(&facts.join("  ·  "), (MARGIN, 90.0), NOTE);
-    if strongest.flags.iter().next().is_some() {
+    if strongest.numbers.flags.iter().next().is_some() {
         let style = Style { is_bold: true, colour: WARNING_INK, anchor: Anchor::Right, ..BODY };
-        canvas.text(&format!("Flags: {}", strongest.flags), (WIDTH - MARGIN, 60.0), style);
+        canvas.text(&format!("Flags: {}", strongest.numbers.flags), (WIDTH - MARGIN, 60.0), style);
     }
 }

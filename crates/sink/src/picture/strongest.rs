@@ -3,7 +3,7 @@
 use fingervision_flow::FlowField;
 use fingervision_image::{Frame, Image, ImageError, Rect, grey_into};
 use fingervision_plot::round_up;
-use fingervision_touch::{Flag, Flags, Reading};
+use fingervision_touch::{Flag, Reading, ReadingNumbers};
 
 use crate::SinkError;
 
@@ -61,16 +61,10 @@ impl Quantity {
 /// A copy of the data for a picture of one frame.
 #[derive(Debug)]
 pub(super) struct Strongest {
-    pub(super) sequence: u64,
-    pub(super) capture_time_s: f64,
+    pub(super) numbers: ReadingNumbers,
     /// Place in the run, from 0.
     pub(super) frame: u64,
     pub(super) strength: Strength,
-    pub(super) flags: Flags,
-    pub(super) max_depth_mm: Option<f32>,
-    pub(super) contact_area_mm2: Option<f32>,
-    pub(super) force_n: Option<[f32; 3]>,
-    pub(super) torque_nmm: Option<f32>,
     pub(super) flow: FlowField,
     pub(super) valid: Image<u8>,
     /// The camera image in the region of interest, grey levels.
@@ -88,15 +82,9 @@ impl Strongest {
     /// A frame without pixels, weaker than any other.
     pub(super) fn none() -> Self {
         Self {
-            sequence: 0,
-            capture_time_s: 0.0,
+            numbers: ReadingNumbers::default(),
             frame: 0,
             strength: Strength { mean_px: f32::NAN, max_px: f32::NAN },
-            flags: Flags::default(),
-            max_depth_mm: None,
-            contact_area_mm2: None,
-            force_n: None,
-            torque_nmm: None,
             flow: FlowField::zero(0, 0),
             valid: Image::filled(0, 0, 0),
             grey: Image::filled(0, 0, 0.0),
@@ -118,9 +106,7 @@ impl Strongest {
             return Err(SinkError::SizeMismatch { field: "region of the camera image", expected, actual });
         }
         grey_into(&frame.pixels, region, &mut self.grey).map_err(|error| outside(&error, region, frame))?;
-        (self.sequence, self.capture_time_s) = (reading.sequence, reading.capture_time_s);
-        (self.flags, self.force_n, self.torque_nmm) = (reading.flags, reading.force_n, reading.torque_nmm);
-        (self.max_depth_mm, self.contact_area_mm2) = (reading.max_depth_mm, reading.contact_area_mm2);
+        self.numbers = reading.numbers;
         self.flow.copy_from(&reading.flow);
         self.valid.copy_from(&reading.valid);
         match (&reading.depth, &reading.density) {

@@ -78,7 +78,7 @@ fn contact_is_drawn_where_its_points_are_now_and_force_below() {
         reading.flow.v.values_mut().fill(0.0);
     });
     assert!(difference(&whole, &still, camera.0.clone(), camera.1.clone()) > 60, "the outline moves with the gel");
-    let without_force = of(|reading| reading.force_n = None);
+    let without_force = of(|reading| reading.numbers.force_n = None);
     assert!(difference(&whole, &without_force, camera.0, camera.1) < 40);
     assert!(difference(&whole, &without_force, 40..460, 370..480) > 60, "the force is written below");
     let flat = of(|reading| reading.depth.as_mut().unwrap().values_mut().fill(0.0));

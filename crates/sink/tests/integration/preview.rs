@@ -37,7 +37,7 @@ fn the_strongest_frame_is_shown() {
 fn a_frame_that_lost_track_is_not_shown() {
     let mut preview = preview();
     let mut lost = PRESS.reading(10);
-    lost.flags.raise(Flag::Lost);
+    lost.numbers.flags.raise(Flag::Lost);
     for (reading, frame) in [(PRESS.reading(0), 0), (lost, 10)] {
         preview.write(&reading, &PRESS.frame(frame)).unwrap();
     }
@@ -54,7 +54,7 @@ fn contact_is_outlined_and_the_force_read_out() {
     };
     let whole = draw(|_| {});
     assert!(panels(&whole) != panels(&draw(|reading| reading.contact = None)), "the outline is drawn");
-    let without_force = draw(|reading| (reading.force_n, reading.torque_nmm) = (None, None));
+    let without_force = draw(|reading| (reading.numbers.force_n, reading.numbers.torque_nmm) = (None, None));
     assert!(whole.values()[..130 * 1600] != without_force.values()[..130 * 1600], "the force is read out");
     assert!(panels(&whole) == panels(&without_force));
 }
@@ -75,7 +75,7 @@ fn depth_and_force_are_drawn_over_time_where_they_are_known() {
     let mut without = preview();
     for frame in 0..24 {
         let mut reading = PRESS.reading(frame);
-        (reading.force_n, reading.max_depth_mm) = (None, None);
+        (reading.numbers.force_n, reading.numbers.max_depth_mm) = (None, None);
         without.write(&reading, &PRESS.frame(frame)).unwrap();
     }
     let picture = without.draw().unwrap();

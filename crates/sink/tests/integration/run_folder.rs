@@ -110,11 +110,12 @@ fn an_absent_value_is_an_empty_cell() {
     let folder = tempfile::tempdir().unwrap();
     let mut run = RunFolder::create(folder.path(), &options(false), "").unwrap();
     let mut reading = PRESS.reading(0);
-    reading.flags.raise(Flag::Lost);
-    reading.flags.raise(Flag::DensityGap);
-    (reading.max_depth_mm, reading.force_n, reading.torque_nmm) = (None, Some([0.5, -0.25, 2.0]), Some(-1.5));
+    reading.numbers.flags.raise(Flag::Lost);
+    reading.numbers.flags.raise(Flag::DensityGap);
+    (reading.numbers.max_depth_mm, reading.numbers.force_n, reading.numbers.torque_nmm) =
+        (None, Some([0.5, -0.25, 2.0]), Some(-1.5));
     run.write(&reading, &PRESS.frame(0)).unwrap();
-    (reading.contact_area_mm2, reading.force_n, reading.torque_nmm) = (None, None, None);
+    (reading.numbers.contact_area_mm2, reading.numbers.force_n, reading.numbers.torque_nmm) = (None, None, None);
     run.write(&reading, &PRESS.frame(0)).unwrap();
     let table = fs::read_to_string(folder.path().join("readings.csv")).unwrap();
     let expected = "sequence,capture_time_s,reference_id,reference_count,photometric_error,max_depth_mm,\

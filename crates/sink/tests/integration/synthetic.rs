@@ -46,10 +46,10 @@ impl Press {
         });
         let valid = Image::from_fn(width, height, |x, y| u8::from(self.is_valid(x, y)));
         let mut reading = Reading::new(width, height);
-        reading.sequence = frame as u64;
-        reading.capture_time_s = 1_234.5 + frame as f64 / 90.0;
-        reading.reference_count = 1;
-        (reading.photometric_error, reading.latency_ms) = (2.5, 7.25);
+        reading.numbers.sequence = frame as u64;
+        reading.numbers.capture_time_s = 1_234.5 + frame as f64 / 90.0;
+        reading.numbers.reference_count = 1;
+        (reading.numbers.photometric_error, reading.numbers.latency_ms) = (2.5, 7.25);
         (reading.flow, reading.valid) = (flow, valid);
         reading.deviation = Image::filled(width, height, 0.05);
         reading.density = Some(Image::from_fn(width, height, |x, y| 0.1 * depth.at(x, y)));
@@ -59,10 +59,10 @@ impl Press {
         reading.displacement = Some(displacement);
         reading.traction = Some(Self::traction(strength));
         reading.depth = Some(depth);
-        reading.max_depth_mm = Some(1.83 * strength);
-        reading.contact_area_mm2 = Some(41.0 * strength);
-        reading.force_n = Some([0.31 * strength, -0.04 * strength, 2.7 * strength]);
-        reading.torque_nmm = Some(-1.5 * strength);
+        reading.numbers.max_depth_mm = Some(1.83 * strength);
+        reading.numbers.contact_area_mm2 = Some(41.0 * strength);
+        reading.numbers.force_n = Some([0.31 * strength, -0.04 * strength, 2.7 * strength]);
+        reading.numbers.torque_nmm = Some(-1.5 * strength);
         reading
     }
 

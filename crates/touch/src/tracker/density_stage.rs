@@ -40,7 +40,7 @@ impl DensityStage {
     pub(super) fn run(&mut self, reading: &mut Reading) {
         self.estimator.estimate_into(&reading.flow, &mut self.field);
         if self.field.has_gap {
-            reading.flags.raise(Flag::DensityGap);
+            reading.numbers.flags.raise(Flag::DensityGap);
         }
         for (valid, field) in reading.valid.values_mut().iter_mut().zip(self.field.valid.values()) {
             *valid &= field;
@@ -49,7 +49,7 @@ impl DensityStage {
         self.filter.filter_into(&self.field.feature, &reading.valid, feature);
         if let (Some(to_depth), Some(depth)) = (&self.to_depth, &mut reading.depth) {
             to_depth.depth_into(feature, &mut reading.valid, depth);
-            reading.max_depth_mm = super::largest_valid(depth, &reading.valid);
+            reading.numbers.max_depth_mm = super::largest_valid(depth, &reading.valid);
         }
     }
 }

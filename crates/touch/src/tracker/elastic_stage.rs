@@ -50,7 +50,7 @@ impl ElasticStage {
             (Flag::UncertainFlow, found.is_flow_uncertain),
         ] {
             if holds {
-                reading.flags.raise(flag);
+                reading.numbers.flags.raise(flag);
             }
         }
         if found.is_unexplained {
@@ -66,7 +66,7 @@ impl ElasticStage {
 
 /// Moves the results into the reading. Planes are exchanged: the next frame overwrites all of them.
 fn take(found: &mut ElasticFields, reading: &mut Reading) {
-    reading.max_depth_mm = super::largest_valid(&found.depth_mm, &found.on_gel);
+    reading.numbers.max_depth_mm = super::largest_valid(&found.depth_mm, &found.on_gel);
     if let Some(depth) = &mut reading.depth {
         std::mem::swap(depth, &mut found.depth_mm);
     }
@@ -79,8 +79,8 @@ fn take(found: &mut ElasticFields, reading: &mut Reading) {
     if let (Some(traction), Some(found)) = (&mut reading.traction, &found.traction_mpa) {
         traction.traction_mpa.copy_from_slice(&found.traction_mpa);
     }
-    reading.contact_area_mm2 = Some(found.contact_area_mm2);
-    (reading.force_n, reading.torque_nmm) = (found.force_n, found.torque_nmm);
+    reading.numbers.contact_area_mm2 = Some(found.contact_area_mm2);
+    (reading.numbers.force_n, reading.numbers.torque_nmm) = (found.force_n, found.torque_nmm);
 }
 
 /// Clears the fields: infinite deviation, no contact, no force.
@@ -90,6 +90,6 @@ fn clear(reading: &mut Reading) {
     reading.depth_deviation.iter_mut().for_each(|plane| plane.values_mut().fill(f32::INFINITY));
     reading.contact.iter_mut().for_each(|plane| plane.values_mut().fill(0));
     reading.traction.iter_mut().for_each(|grid| grid.traction_mpa.fill([0.0; 3]));
-    (reading.max_depth_mm, reading.contact_area_mm2) = (None, None);
-    (reading.force_n, reading.torque_nmm) = (None, None);
+    (reading.numbers.max_depth_mm, reading.numbers.contact_area_mm2) = (None, None);
+    (reading.numbers.force_n, reading.numbers.torque_nmm) = (None, None);
 }

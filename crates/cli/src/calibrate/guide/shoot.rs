@@ -20,7 +20,7 @@ const STILLS: usize = 30;
 /// How often the line with exposure and focus is written anew.
 const REFRESH: Duration = Duration::from_millis(200);
 /// The best sharpness so far fades by this factor with every image, so that another gel gets another best.
-const FADE: f64 = 0.9995;
+const FADE: f32 = 0.9995;
 
 /// A camera that is asked for images.
 pub(super) trait Pictures {
@@ -40,7 +40,7 @@ pub(super) struct Shoot<'a, P, W> {
     pub(super) line: ProgressBar,
     /// The part of the image that is used.
     pub(super) region: Option<Rect>,
-    pub(super) best_sharpness: f64,
+    pub(super) best_sharpness: f32,
 }
 
 impl<P: Pictures, W: Write> Shoot<'_, P, W> {
@@ -141,7 +141,7 @@ impl<P: Pictures, W: Write> Shoot<'_, P, W> {
         let region = self.region.unwrap_or(Rect { x: 0, y: 0, width, height });
         let Some(quality) = ImageQuality::of(pixels, region) else { return };
         self.best_sharpness = quality.sharpness.max(FADE * self.best_sharpness);
-        let focus = 100.0 * quality.sharpness / self.best_sharpness.max(f64::MIN_POSITIVE);
+        let focus = 100.0 * quality.sharpness / self.best_sharpness.max(f32::MIN_POSITIVE);
         let exposure = quality.exposure_advice().unwrap_or("exposure is right");
         self.line.set_message(format!(
             "mean level {:.0}, {:.1} % saturated: {exposure}; focus {focus:.0} % of the best so far",
