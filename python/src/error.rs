@@ -3,7 +3,6 @@
 use std::fmt::Display;
 
 use fingervision_camera::CameraError;
-use fingervision_cli::Failure;
 use fingervision_flow::FlowError;
 use fingervision_gel::SceneError;
 use fingervision_image::ImageError;
@@ -96,12 +95,5 @@ impl Fault for FlowError {
 impl Fault for ImageError {
     fn raised(self) -> PyErr {
         exception("ArgumentError", &self.to_string(), None)
-    }
-}
-
-impl Fault for Failure {
-    fn raised(self) -> PyErr {
-        let class = if matches!(self, Self::Usage { .. }) { "UsageError" } else { "CommandError" };
-        exception(class, &self.to_string(), self.hint())
     }
 }

@@ -16,14 +16,14 @@ use crate::settings::assignments;
 /// Dense flow from a reference to other images of the same size, without a sensor.
 ///
 /// Everything that depends only on the reference is computed once. `set` sets parameters by their paths in a profile, as
-/// in `{"flow.finest_level": 1}`; `channels` is `"rgb"` or `"bgr"`.
+/// in `{"flow.finest_level": 1}`; `channels` is the order of colour, `"rgb"` or `"bgr"`; grey images need none.
 ///
 /// Raises `FlowError` for an image that is too small, `ProfileError` for a wrong parameter, and `ArgumentError` and
 /// `ArgumentTypeError` as `Tracker.track`.
 #[pyclass(frozen, name = "FlowEstimator", module = "fingervision")]
 pub(crate) struct PyFlowEstimator {
     state: Mutex<State>,
-    channels: Channels,
+    channels: Option<Channels>,
     size: (usize, usize),
 }
 
@@ -50,14 +50,14 @@ pub(crate) struct PyFlow {
 #[pymethods]
 impl PyFlowEstimator {
     #[new]
-    #[pyo3(signature = (reference, *, channels="rgb", set=None))]
+    #[pyo3(signature = (reference, *, channels=None, set=None))]
     fn new(
         py: Python<'_>,
         reference: &Bound<'_, PyAny>,
-        channels: &str,
+        channels: Option<&str>,
         set: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let channels = Channels::of(channels)?;
+        let channels = channels.map(Channels::of).transpose()?;
         let set = assignments(set)?;
         if let Some((key, _)) = set.iter().find(|(key, _)| !key.starts_with("flow.")) {
             return Err(wrong_value(
@@ -89,6 +89,8 @@ impl PyFlowEstimator {
             let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
             let State { estimator, reference, picture, estimate } = &mut *state;
             load(picture, &image)?;
+            // What was found for another image has no influence.
+            estimator.restart();
             estimator.estimate(reference, picture, Start::Search(None), estimate);
             PyResult::Ok(estimate.clone())
         })?;

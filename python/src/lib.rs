@@ -50,6 +50,5 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(simulation::scenes, module)?)?;
     module.add_function(wrap_pyfunction!(camera::cameras, module)?)?;
     module.add_function(wrap_pyfunction!(command::run, module)?)?;
-    module.add_function(wrap_pyfunction!(command::call, module)?)?;
     Ok(())
 }

@@ -9,6 +9,8 @@ use crate::error::{OrRaise, wrong_type, wrong_value};
 
 /// What an image has to be.
 const NEEDED: &str = "a NumPy array is needed: uint8 or uint16, of shape (H, W) for grey or (H, W, 3) for colour";
+/// What the order of channels can be.
+const CHANNELS: &str = "give channels=\"rgb\", or channels=\"bgr\" for images that OpenCV has read";
 /// The memory of the CPU, as DLPack numbers devices.
 const CPU: i32 = 1;
 
@@ -25,21 +27,21 @@ impl Channels {
         match name {
             "rgb" => Ok(Self::Rgb),
             "bgr" => Ok(Self::Bgr),
-            _ => Err(wrong_value(
-                format!("channels is {name:?}"),
-                "give \"rgb\", or \"bgr\" for images that OpenCV has read",
-            )),
+            _ => Err(wrong_value(format!("channels is {name:?}"), CHANNELS)),
         }
     }
 }
 
 /// A copy of an image, in `spare` if it has the same size and format. Any strides and read-only arrays are accepted.
-pub(crate) fn pixels(image: &Bound<'_, PyAny>, channels: Channels, spare: Option<Pixels>) -> PyResult<Pixels> {
+/// Colour needs the order of its channels.
+pub(crate) fn pixels(image: &Bound<'_, PyAny>, channels: Option<Channels>, spare: Option<Pixels>) -> PyResult<Pixels> {
     let array = array(image)?;
     let array = array.cast::<PyUntypedArray>()?;
     expect_shape(array.shape())?;
     let is_colour = array.shape().len() == 3;
     if is_colour {
+        let channels = channels
+            .ok_or_else(|| wrong_value("the image has colour, and the order of its channels is not given", CHANNELS))?;
         if let Ok(array) = array.cast::<PyArray3<u8>>() {
             let into = if let Some(Pixels::Rgb8(image)) = spare { Some(image) } else { None };
             return Ok(Pixels::Rgb8(colour(&array.readonly().as_array(), channels, into)?));

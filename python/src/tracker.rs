@@ -19,7 +19,7 @@ use crate::tracking::Tracking;
 ///
 /// `profile` is a `Profile`, the path of its file, or `None` for a sensor without calibration: displacement and density
 /// only. `fields` lists what is computed; without it all that the profile is calibrated for. `channels` is the order of
-/// colour: `"rgb"`, or `"bgr"` for images that OpenCV has read. `frames_per_second` gives images without a time theirs.
+/// colour: `"rgb"`, or `"bgr"` for images that OpenCV has read; grey images need none. `frames_per_second` gives images without a time theirs.
 /// `set` sets values of the profile by their paths, as in `{"flow.finest_level": 1}`.
 ///
 /// While an image is tracked, other threads of Python run. Each thread should have a tracker of its own; calls of the same
@@ -29,7 +29,7 @@ use crate::tracking::Tracking;
 #[pyclass(frozen, name = "Tracker", module = "fingervision")]
 pub(crate) struct PyTracker {
     state: Mutex<State>,
-    channels: Channels,
+    channels: Option<Channels>,
     frames_per_second: f64,
 }
 
@@ -47,11 +47,11 @@ impl PyTracker {
 #[pymethods]
 impl PyTracker {
     #[new]
-    #[pyo3(signature = (profile=None, *, fields=None, channels="rgb", frames_per_second=30.0, set=None))]
+    #[pyo3(signature = (profile=None, *, fields=None, channels=None, frames_per_second=30.0, set=None))]
     fn new(
         profile: Option<&Bound<'_, PyAny>>,
         fields: Option<&Bound<'_, PyAny>>,
-        channels: &str,
+        channels: Option<&str>,
         frames_per_second: f64,
         set: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
@@ -62,7 +62,7 @@ impl PyTracker {
         }
         let tracking = Tracking::new(profile, fields::requested(fields)?);
         let state = Mutex::new(State { tracking, next_sequence: 0 });
-        Ok(Self { state, channels: Channels::of(channels)?, frames_per_second })
+        Ok(Self { state, channels: channels.map(Channels::of).transpose()?, frames_per_second })
     }
 
     /// The reading of an image: `(H, W)` or `(H, W, 3)`, uint8 or uint16.

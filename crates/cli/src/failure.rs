@@ -2,7 +2,6 @@
 
 use std::fmt;
 use std::io::{self, ErrorKind, Write};
-use std::process::ExitCode;
 
 use fingervision_calibrate::ProfileFileError;
 use fingervision_calibrate::camera::BoardError;
@@ -24,21 +23,13 @@ use crate::interrupt;
 
 /// Why a command ends early.
 #[derive(Debug)]
-#[non_exhaustive]
-pub enum Failure {
+pub(crate) enum Failure {
     /// Something went wrong.
     Stated {
         /// One line that names the thing and the value.
         message: String,
         /// What to do about it, if anything.
         hint: Option<String>,
-    },
-    /// The arguments are wrong.
-    Usage {
-        /// One line that names the argument.
-        message: String,
-        /// What is expected.
-        hint: String,
     },
     /// The reader of the output has closed it.
     BrokenPipe,
@@ -49,27 +40,13 @@ impl Failure {
         Self::Stated { message: message.into(), hint: Some(hint.into()) }
     }
 
-    /// What to do about it, if anything.
-    #[must_use]
-    pub fn hint(&self) -> Option<&str> {
-        match self {
-            Self::Stated { hint, .. } => hint.as_deref(),
-            Self::Usage { hint, .. } => Some(hint),
-            Self::BrokenPipe => None,
-        }
-    }
-
     /// Writes the error and its hint: a line each, or one JSON object in a line. Returns the exit code.
-    pub(crate) fn report(&self, wording: Wording, errors: &mut impl Write) -> ExitCode {
-        let (message, hint) = match self {
-            Self::Stated { message, hint } => (message, hint.as_deref()),
-            Self::Usage { message, hint } => (message, Some(hint.as_str())),
-            Self::BrokenPipe => return ExitCode::SUCCESS,
-        };
+    pub(crate) fn report(&self, wording: Wording, errors: &mut impl Write) -> u8 {
+        let Self::Stated { message, hint } = self else { return 0 };
         let exit_code = interrupt::exit_code().unwrap_or(1);
         // If standard error cannot be written, nobody can be informed.
-        let _ = wording.error(message, hint, exit_code, errors);
-        ExitCode::from(exit_code)
+        let _ = wording.error(message, hint.as_deref(), exit_code, errors);
+        exit_code
     }
 }
 
@@ -112,7 +89,7 @@ impl Wording {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Stated { message, .. } | Self::Usage { message, .. } => f.write_str(message),
+            Self::Stated { message, .. } => f.write_str(message),
             Self::BrokenPipe => f.write_str("the output was closed"),
         }
     }

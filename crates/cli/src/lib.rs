@@ -5,7 +5,7 @@
 //! is not an error. With `--json` every message is a JSON object on its own line, `{"error", "hint", "exit_code"}` or
 //! `{"note"}`.
 //!
-//! [`run`] is the whole program. [`call`] runs a command for another program, which takes the result as text.
+//! [`run`] is the whole program, for those who start it from another language.
 
 mod bench;
 mod calibrate;
@@ -44,12 +44,10 @@ mod whole_number;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
-use std::process::ExitCode;
 
 use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-pub use failure::Failure;
-use failure::Wording;
+use failure::{Failure, Wording};
 pub use place::Place;
 pub use tracking::fields_to_compute;
 
@@ -118,9 +116,12 @@ impl Command {
     }
 }
 
-/// Runs the program with the arguments of the process, the first of which is its name. Handles signals, prints errors.
+/// Runs the program and returns its exit code. The first argument is the program's name.
+///
+/// Takes over signals, prints to standard output and standard error, and ends the process itself after a signal, after
+/// wrong usage, and after `--help`.
 #[must_use]
-pub fn run(arguments: &[OsString]) -> ExitCode {
+pub fn run(arguments: &[OsString]) -> u8 {
     let is_json = arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json");
     let wording = if is_json { Wording::Json } else { Wording::Text };
     let cli = match parse(arguments) {
@@ -132,25 +133,7 @@ pub fn run(arguments: &[OsString]) -> ExitCode {
         .and_then(|()| expect_text(wording, arguments))
         .and_then(|()| cli.threads.apply())
         .and_then(|()| cli.command.run(&mut io::stdout().lock()));
-    done.map_or_else(|failure| failure.report(wording, &mut io::stderr().lock()), |()| ExitCode::SUCCESS)
-}
-
-/// Runs a command, with the arguments behind the program's name, and writes its result to `out`. Returns the notes for the
-/// user. Handles no signals, and does not end the process.
-///
-/// # Errors
-///
-/// [`Failure::Usage`] if the arguments are wrong, otherwise why the command failed.
-pub fn call(arguments: &[OsString], out: &mut impl Write) -> Result<Vec<String>, Failure> {
-    let name = OsString::from("fingervision");
-    let arguments: Vec<OsString> = std::iter::once(name).chain(arguments.iter().cloned()).collect();
-    let cli = parse(&arguments).map_err(|error| {
-        let (message, hint) = usage_lines(&error);
-        Failure::Usage { message, hint }
-    })?;
-    expect_text(Wording::Json, &arguments)?;
-    cli.threads.apply()?;
-    output::collecting_notes(|| cli.command.run(out))
+    done.map_or_else(|failure| failure.report(wording, &mut io::stderr().lock()), |()| 0)
 }
 
 fn parse(arguments: &[OsString]) -> Result<Cli, clap::Error> {
@@ -182,20 +165,15 @@ fn watch_for_signals(wording: Wording) -> Result<(), Failure> {
     })
 }
 
-/// Wrong usage, for a program.
-fn wrong_usage(error: &clap::Error) -> ExitCode {
-    let (message, hint) = usage_lines(error);
-    // Without standard error there is no one to inform.
-    let _ = Wording::Json.error(&message, Some(&hint), WRONG_USAGE, &mut io::stderr().lock());
-    ExitCode::from(WRONG_USAGE)
-}
-
-/// The first line of clap's message, and the rest of it as the hint.
-fn usage_lines(error: &clap::Error) -> (String, String) {
+/// Wrong usage, for a program: clap's first line, and the rest of its message as the hint.
+fn wrong_usage(error: &clap::Error) -> u8 {
     let text = error.to_string();
     let (message, rest) = text.split_once('\n').unwrap_or((&text, ""));
     let hint = rest.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
-    (message.trim_start_matches("error: ").into(), hint)
+    let message = message.trim_start_matches("error: ");
+    // Without standard error there is no one to inform.
+    let _ = Wording::Json.error(message, Some(&hint), WRONG_USAGE, &mut io::stderr().lock());
+    WRONG_USAGE
 }
 
 /// JSON contains only text: refuses, before any work, names that could not be written in the result.

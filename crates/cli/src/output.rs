@@ -1,6 +1,5 @@
 //! The output of a command, as text or JSON.
 
-use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
@@ -12,19 +11,6 @@ use crate::failure::{Failure, Wording};
 
 /// Interval at which a bar is redrawn while nothing happens.
 const TICK: Duration = Duration::from_millis(200);
-
-thread_local! {
-    /// The notes of a command that another program has called; absent if they are printed.
-    static COLLECTED: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
-}
-
-/// Runs a command and returns its notes instead of printing them.
-pub(crate) fn collecting_notes(run: impl FnOnce() -> Result<(), Failure>) -> Result<Vec<String>, Failure> {
-    COLLECTED.set(Some(Vec::new()));
-    let outcome = run();
-    let notes = COLLECTED.take().unwrap_or_default();
-    outcome.map(|()| notes)
-}
 
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(crate) struct OutputArgs {
@@ -46,16 +32,9 @@ impl OutputArgs {
         if self.json { Wording::Json } else { Wording::Text }
     }
 
-    /// Prints a note for the user on standard error, or keeps it for the program that has called the command.
+    /// Prints a note for the user on standard error.
     pub(crate) fn note(self, text: &str) {
-        let is_collected = COLLECTED.with_borrow_mut(|notes| match notes {
-            Some(notes) => {
-                notes.push(text.to_owned());
-                true
-            }
-            None => false,
-        });
-        if !self.quiet && !is_collected {
+        if !self.quiet {
             // If standard error cannot be written, nobody can be informed.
             let _ = self.wording().note(text, &mut io::stderr());
         }

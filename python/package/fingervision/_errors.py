@@ -12,6 +12,7 @@ __all__ = [
     "FieldError",
     "FlowError",
     "NotFoundError",
+    "NoteWarning",
     "ProfileError",
     "RecordingError",
     "SceneError",
@@ -86,3 +87,7 @@ class CommandError(Error):
 
 class UsageError(CommandError, ValueError):
     """A command was called with wrong options."""
+
+
+class NoteWarning(UserWarning):
+    """A note of a command for its user."""

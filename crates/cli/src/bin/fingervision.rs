@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    fingervision_cli::run(&std::env::args_os().collect::<Vec<_>>())
+    fingervision_cli::run(&std::env::args_os().collect::<Vec<_>>()).into()
 }
