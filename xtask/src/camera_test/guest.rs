@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 
-use super::expect_success;
+use crate::expect_success;
 use super::packages::Packages;
 
 /// The first program of the guest.

@@ -1,0 +1,147 @@
+//! `cargo xtask python`: builds the Python wheel and tests it in a fresh environment.
+//!
+//! Everything is installed in the target folder: `tools` has what builds the wheel, `fresh` is made anew each time and
+//! has the wheel and what tests it. Where Python or its packages cannot be had, the tests are skipped, and a line says
+//! why.
+
+use std::env;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+/// The oldest Python that the wheel is for.
+const OLDEST: &str = "3.10";
+/// What a released wheel may have, bytes.
+const LARGEST_WHEEL: u64 = 15_000_000;
+const MATURIN: &str = "maturin>=1.9,<2";
+const ZIG: &str = "ziglang";
+const TESTERS: [&str; 4] = ["pytest>=8", "mypy>=1.14", "pyright[nodejs]>=1.1.390", "matplotlib>=3.8"];
+
+/// Options of the tests.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Fail instead of skipping the tests where Python or packages are missing.
+    #[arg(long)]
+    required: bool,
+    /// Test a wheel of the development profile, whose libraries `cargo test` has built already.
+    #[arg(long)]
+    dev: bool,
+    /// Install this package too, for the examples that need it, as in `--with torch`; may be repeated.
+    #[arg(long, value_name = "PACKAGE")]
+    with: Vec<String>,
+    /// Only build wheels that run on older systems, for x86-64 and aarch64, with Zig as the linker.
+    #[arg(long, conflicts_with_all = ["dev", "with"])]
+    wheels: bool,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
+    let folder = crate::target_folder().join("python");
+    fs::create_dir_all(&folder)?;
+    let needed: &[&str] = if args.wheels { &[MATURIN, ZIG] } else { &[MATURIN] };
+    let tools = match python().and_then(|python| environment(&python, &folder.join("tools"), needed)) {
+        Ok(tools) => tools,
+        Err(why) if !args.required => {
+            writeln!(out, "python: skipped, {why:#}")?;
+            return Ok(());
+        }
+        Err(why) => return Err(why),
+    };
+    let wheels = folder.join("wheels");
+    if args.wheels {
+        return portable(&tools, &wheels, out);
+    }
+    let wheel = build(&tools, &wheels, if args.dev { &["--profile", "dev"] } else { &["--release"] })?;
+    report(&wheel, !args.dev, out)?;
+    let fresh = folder.join("fresh");
+    if fresh.exists() {
+        fs::remove_dir_all(&fresh)?;
+    }
+    let wheel = wheel.display().to_string();
+    let packages: Vec<&str> =
+        [wheel.as_str()].into_iter().chain(TESTERS).chain(args.with.iter().map(String::as_str)).collect();
+    let fresh = environment(&python()?, &fresh, &packages)?;
+    test(&fresh, out)
+}
+
+/// The interpreter: `FINGERVISION_PYTHON`, or `python3`.
+fn python() -> Result<PathBuf> {
+    let python = PathBuf::from(env::var_os("FINGERVISION_PYTHON").unwrap_or_else(|| "python3".into()));
+    let code = "import sys; print('%d.%d' % sys.version_info[:2]); sys.exit(sys.version_info < (3, 10))";
+    let output = Command::new(&python).args(["-c", code]).output();
+    let output = output.with_context(|| format!("{} cannot be run", python.display()))?;
+    let version = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+    ensure!(output.status.success(), "{} is Python {version}, and {OLDEST} is needed", python.display());
+    Ok(python)
+}
+
+/// The interpreter of an environment with these packages, made if there is none.
+fn environment(python: &Path, folder: &Path, packages: &[&str]) -> Result<PathBuf> {
+    let own = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    if !own.is_file() {
+        crate::expect_success(Command::new(python).args(["-m", "venv"]).arg(folder))?;
+    }
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    crate::expect_success(Command::new(&own).args(install).args(packages))?;
+    Ok(own)
+}
+
+/// Builds a wheel into a folder that has no other one.
+fn build(tools: &Path, wheels: &Path, options: &[&str]) -> Result<PathBuf> {
+    if wheels.exists() {
+        fs::remove_dir_all(wheels)?;
+    }
+    maturin(tools, wheels, options)?;
+    let mut found = fs::read_dir(wheels)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
+    found.pop().with_context(|| format!("maturin built no wheel in {}", wheels.display()))
+}
+
+fn maturin(tools: &Path, wheels: &Path, options: &[&str]) -> Result<()> {
+    let mut maturin = Command::new(tools);
+    maturin.args(["-m", "maturin", "build", "--locked", "--out"]).arg(wheels).args(options);
+    crate::expect_success(maturin.current_dir(crate::workspace().join("python"))).map(|_| ())
+}
+
+/// Wheels for glibc 2.17 and later.
+fn portable(tools: &Path, wheels: &Path, out: &mut impl Write) -> Result<()> {
+    if wheels.exists() {
+        fs::remove_dir_all(wheels)?;
+    }
+    for target in ["x86_64-unknown-linux-gnu", "aarch64-unknown-linux-gnu"] {
+        maturin(tools, wheels, &["--release", "--zig", "--compatibility", "manylinux2014", "--target", target])?;
+    }
+    for wheel in fs::read_dir(wheels)? {
+        report(&wheel?.path(), true, out)?;
+    }
+    Ok(())
+}
+
+/// Prints the size of a wheel; a released one may not be too large.
+fn report(wheel: &Path, is_released: bool, out: &mut impl Write) -> Result<()> {
+    let bytes = fs::metadata(wheel)?.len();
+    let name = wheel.file_name().unwrap_or_default().display();
+    writeln!(out, "python: {name}, {:.1} MB", bytes as f64 / 1e6)?;
+    ensure!(!is_released || bytes <= LARGEST_WHEEL, "{name} has {bytes} bytes, and {LARGEST_WHEEL} are allowed");
+    Ok(())
+}
+
+/// Compares the stubs with the module, checks all types, and runs the tests and the examples.
+fn test(python: &Path, out: &mut impl Write) -> Result<()> {
+    let interpreter = python.display().to_string();
+    let chores: [(&str, &[&str]); 4] = [
+        ("documentation of the stubs", &["stub_docs.py", "--check"]),
+        ("stubtest", &["-m", "mypy.stubtest", "fingervision._native", "--concise"]),
+        ("pyright", &["-m", "pyright", "--pythonpath", &interpreter]),
+        ("pytest", &["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]),
+    ];
+    for (name, arguments) in chores {
+        let mut chore = Command::new(python);
+        chore.args(arguments).env("PYTHONDONTWRITEBYTECODE", "1").current_dir(crate::workspace().join("python"));
+        let status = chore.status().with_context(|| format!("{name} cannot be run"))?;
+        ensure!(status.success(), "{name} found faults");
+        writeln!(out, "{name}: clean")?;
+    }
+    Ok(())
+}
