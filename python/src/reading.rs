@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use fingervision_image::Pixels;
 use fingervision_sink::Field;
-use fingervision_touch::{Profile, Reading};
+use fingervision_touch::{Profile, Reading, ReadingNumbers};
 use numpy::ToPyArray;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -34,7 +34,13 @@ impl Pool {
 }
 
 /// An array that is made when it is first asked for.
-type Lazy = PyOnceLock<Py<PyAny>>;
+struct Lazy(PyOnceLock<Py<PyAny>>);
+
+impl Default for Lazy {
+    fn default() -> Self {
+        Self(PyOnceLock::new())
+    }
+}
 
 #[derive(Default)]
 struct Arrays {
@@ -88,7 +94,7 @@ impl PyReading {
 
 /// The array of a cell, made by `make` at the first time.
 fn once(py: Python<'_>, cell: &Lazy, make: impl FnOnce() -> PyResult<Py<PyAny>>) -> PyResult<Py<PyAny>> {
-    cell.get_or_try_init(py, make).map(|array| array.clone_ref(py))
+    cell.0.get_or_try_init(py, make).map(|array| array.clone_ref(py))
 }
 
 #[pymethods]
@@ -132,7 +138,8 @@ impl PyReading {
     /// The names of the reading's problems, as in `("lost",)`; `fingervision.FLAGS` explains them.
     #[getter]
     fn flags<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, self.reading.flags.iter().map(fingervision_touch::Flag::name))
+        let names: Vec<&str> = self.reading.flags.iter().map(fingervision_touch::Flag::name).collect();
+        PyTuple::new(py, names)
     }
 
     /// Part of the image that never tracks while the gel around it does, 0 to 1.
@@ -144,8 +151,8 @@ impl PyReading {
     /// The names of the fields that this reading has.
     #[getter]
     fn fields<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let fields = Field::ALL.into_iter().filter(|field| field.is_in(&self.reading)).map(Field::name);
-        PyTuple::new(py, fields)
+        let present = Field::ALL.into_iter().filter(|field| field.is_in(&self.reading));
+        PyTuple::new(py, present.map(Field::name).collect::<Vec<_>>())
     }
 
     /// The camera image: `(H, W)` or `(H, W, 3)` in red, green, blue; uint8 or uint16; the whole frame.
@@ -261,7 +268,7 @@ impl PyReading {
     }
 
     fn __repr__(&self) -> String {
-        let Reading { sequence, capture_time_s, max_depth_mm, flags, .. } = &self.reading;
+        let ReadingNumbers { sequence, capture_time_s, max_depth_mm, flags, .. } = &self.reading.numbers;
         let depth = max_depth_mm.map_or(String::new(), |depth| format!(", max_depth_mm={depth:.3}"));
         format!("Reading(sequence={sequence}, capture_time_s={capture_time_s:.4}{depth}, flags=\"{flags}\")")
     }

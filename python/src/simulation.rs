@@ -154,7 +154,7 @@ fn early(end: &EarlyEnd) -> PyErr {
 #[pyfunction]
 pub(crate) fn scenes(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let scenes = PyDict::new(py);
-    for ready in &ReadyMade::ALL {
+    for ready in ReadyMade::ALL {
         scenes.set_item(ready.name, ready.scene().about)?;
     }
     Ok(scenes)
