@@ -12,6 +12,7 @@ import argparse
 import functools
 import multiprocessing
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,10 +26,10 @@ def features(recording: str, profile: str | None, out: str) -> str:
     with fingervision.open(recording, profile) as source:
         readings = list(source)
     table = {name: np.array([getattr(reading, name) for reading in readings]) for name in COLUMNS}
-    force = np.stack([reading.force for reading in readings])
-    deepest = max(readings, key=lambda reading: reading.max_depth_mm)
+    table["force"] = np.stack([reading.force for reading in readings])
+    table["deepest"] = max(readings, key=lambda reading: reading.max_depth_mm).depth
     file = Path(out) / (Path(recording).stem + ".npz")
-    np.savez(file, force=force, deepest=deepest.depth, **table)
+    np.savez(file, allow_pickle=False, **table)
     return str(file)
 
 
@@ -44,6 +45,7 @@ def main() -> None:
     Path(options.out).mkdir(parents=True, exist_ok=True)
 
     work = functools.partial(features, profile=options.profile, out=options.out)
+    pool: Any
     if options.ray:
         from ray.util.multiprocessing import Pool as RayPool  # noqa: PLC0415
 

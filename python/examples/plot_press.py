@@ -9,6 +9,7 @@ import argparse
 
 import matplotlib.pyplot as plt
 import numpy as np
+import numpy.typing as npt
 
 import fingervision
 
@@ -22,7 +23,9 @@ def main() -> None:
     options = parser.parse_args()
 
     times: list[float] = []
-    forces, areas, deepest = [], [], None
+    areas: list[float] = []
+    forces: list[npt.NDArray[np.float32]] = []
+    deepest: fingervision.Reading | None = None
     with fingervision.open(options.source, options.profile) as readings:
         for reading in readings:
             if "lost" in reading.flags:

@@ -5,7 +5,6 @@ A simulated press stands for robot and camera: an action of +1 presses one step 
 
 from __future__ import annotations
 
-import numpy as np
 import torch
 
 import fingervision
@@ -28,7 +27,7 @@ class TouchEnvironment:
 
     def step(self, action: int) -> tuple[torch.Tensor, float, bool]:
         """Moves; returns depth, reward, and whether the target is reached."""
-        self.at = int(np.clip(self.at + action, 0, len(self.press) - 1))
+        self.at = min(max(self.at + action, 0), len(self.press) - 1)
         depth, force_n = self.observation()
         error = abs(force_n - self.target_n)
         return depth, -error, error < 0.1 * self.target_n

@@ -128,8 +128,9 @@ impl PyReadings {
 /// simulated press `sim:SCENE`, or a camera: `camera`, `camera:ID`, `/dev/video0`. `profile` is a `Profile` or the path
 /// of its file; without it, a recording has its own, a simulated press that of its sensor, and any other source is tracked
 /// without calibration. `fields` lists what is computed, as in `["depth", "displacement", "traction"]`; without it all
-/// that the profile is calibrated for, except displacement and traction. `frames_per_second` is the rate of an image folder or a simulated press, 30 by
-/// default. `set` sets values of the profile by their paths, as in `{"flow.finest_level": 1}`.
+/// that the profile is calibrated for, except displacement and traction. `frames_per_second` is the rate of an image
+/// folder or a simulated press, 30 by default. `set` sets values of the profile by their paths, as in
+/// `{"flow.finest_level": 1}`.
 ///
 /// The same frames give the same bits as in the command `fingervision track`. A simulated press is solved first, which may
 /// take minutes (`sim:letter?draft`: seconds), and is then kept.

@@ -1,5 +1,6 @@
 //! Simulated presses with their exact truth.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use fingervision_gel::{EarlyEnd, PressCache, ReadyMade, Scene, Simulation};
@@ -46,14 +47,32 @@ pub(crate) struct PySimulatedFrame {
     depth_mm: f64,
 }
 
-impl PySimulation {
-    fn lock(&self) -> MutexGuard<'_, Simulation> {
-        self.simulation.lock().unwrap_or_else(PoisonError::into_inner)
+/// The frames one after another.
+#[pyclass(frozen, name = "SimulatedFrames", module = "fingervision")]
+pub(crate) struct PySimulatedFrames {
+    simulation: Py<PySimulation>,
+    next: AtomicUsize,
+}
+
+#[pymethods]
+impl PySimulatedFrames {
+    fn __iter__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __next__(&self, py: Python<'_>) -> PyResult<Option<PySimulatedFrame>> {
+        let simulation = self.simulation.get();
+        let at = self.next.fetch_add(1, Ordering::Relaxed);
+        (at < simulation.frames).then(|| simulation.made(py, at)).transpose()
     }
 }
 
 #[pymethods]
 impl PySimulation {
+    fn __iter__(slf: Py<Self>) -> PySimulatedFrames {
+        PySimulatedFrames { simulation: slf, next: AtomicUsize::new(0) }
+    }
+
     fn __len__(&self) -> usize {
         self.frames
     }
@@ -62,6 +81,32 @@ impl PySimulation {
         let at = if index < 0 { index + self.frames as isize } else { index };
         let at = usize::try_from(at).ok().filter(|at| *at < self.frames);
         let at = at.ok_or_else(|| PyIndexError::new_err(format!("frame {index} of {}", self.frames)))?;
+        self.made(py, at)
+    }
+
+    /// The profile of the simulated sensor.
+    #[getter]
+    fn profile(&self) -> PyProfile {
+        PyProfile { profile: simulated_profile(&self.scene) }
+    }
+
+    /// The text of the scene's file, every default written out.
+    fn to_toml(&self) -> String {
+        self.scene.to_toml()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Simulation({:?}, {} frames)", self.scene.name, self.frames)
+    }
+}
+
+impl PySimulation {
+    fn lock(&self) -> MutexGuard<'_, Simulation> {
+        self.simulation.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Renders a frame.
+    fn made(&self, py: Python<'_>, at: usize) -> PyResult<PySimulatedFrame> {
         let (pixels, truth, depth_mm, state) = py.detach(|| {
             let mut simulation = self.lock();
             let pixels = simulation.frame(at).or_raise()?.clone();
@@ -80,21 +125,6 @@ impl PySimulation {
             torque: state.1,
             depth_mm,
         })
-    }
-
-    /// The profile of the simulated sensor.
-    #[getter]
-    fn profile(&self) -> PyProfile {
-        PyProfile { profile: simulated_profile(&self.scene) }
-    }
-
-    /// The text of the scene's file, every default written out.
-    fn to_toml(&self) -> String {
-        self.scene.to_toml()
-    }
-
-    fn __repr__(&self) -> String {
-        format!("Simulation({:?}, {} frames)", self.scene.name, self.frames)
     }
 }
 

@@ -38,7 +38,7 @@ def test_a_run_is_evaluated(press: Press, tmp_path: Path) -> None:
 def test_a_pattern_is_written(tmp_path: Path) -> None:
     file = tmp_path / "pattern.svg"
     result = fingervision.pattern(file, size_mm=(12.0, 8.0), cell_mm=0.5, seed=3)
-    assert file.read_text(encoding="utf-8").startswith("<svg")
+    assert "<svg" in file.read_text(encoding="utf-8")
     assert result
     with pytest.raises(fingervision.CommandError, match="exists already") as raised:
         fingervision.pattern(file)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -88,22 +89,26 @@ def recordings(press: Press, tmp_path_factory: pytest.TempPathFactory) -> list[P
     return folders
 
 
+@pytest.fixture(scope="module")
+def one_after_another(press: Press, recordings: list[Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The features of the recordings, made in this process."""
+    folder = tmp_path_factory.mktemp("features")
+    features = runpy.run_path(str(EXAMPLES / "dataset.py"))["features"]
+    for recording in recordings:
+        features(str(recording), str(press.profile), str(folder))
+    return folder
+
+
 @pytest.mark.parametrize("pool", ["multiprocessing", "ray"])
-def test_dataset(press: Press, recordings: list[Path], tmp_path: Path, pool: str) -> None:
+def test_dataset(press: Press, recordings: list[Path], one_after_another: Path, tmp_path: Path, pool: str) -> None:
     if pool == "ray":
         pytest.importorskip("ray")
     together = ["--ray"] if pool == "ray" else []
     options = ["--profile", press.profile, "--workers", "2", *together]
     printed = example("dataset", *recordings, "--out", tmp_path / "two", *options, folder=tmp_path)
     assert len(printed.splitlines()) >= 20
-    sys.path.insert(0, str(EXAMPLES))
-    try:
-        from dataset import features  # noqa: PLC0415
-    finally:
-        sys.path.pop(0)
-    (tmp_path / "one").mkdir()
     for recording in recordings:
-        alone = np.load(features(str(recording), str(press.profile), str(tmp_path / "one")))
+        alone = np.load(one_after_another / f"{recording.name}.npz")
         other = np.load(tmp_path / "two" / f"{recording.name}.npz")
         assert sorted(alone) == sorted(other)
         for name in alone:

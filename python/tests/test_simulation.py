@@ -29,7 +29,7 @@ def test_truth_is_that_of_the_files(press: Press, simulation: fingervision.Simul
 
 def test_images_are_those_of_the_files(press: Press, simulation: fingervision.Simulation) -> None:
     readings = list(fingervision.open(press.frames))
-    for frame, reading in zip(simulation, readings, strict=True):  # type: ignore[call-overload]
+    for frame, reading in zip(simulation, readings, strict=True):
         assert frame.image.tobytes() == reading.image.tobytes()
 
 

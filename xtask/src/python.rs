@@ -18,6 +18,9 @@ const OLDEST: &str = "3.10";
 const LARGEST_WHEEL: u64 = 15_000_000;
 const MATURIN: &str = "maturin>=1.9,<2";
 const ZIG: &str = "ziglang";
+/// The examples that need a library of their own, which `--with` installs.
+const WITH_LIBRARIES: [(&str, &str); 3] =
+    [("dataset.py", "ray"), ("rerun_stream.py", "rerun"), ("torch_loop.py", "torch")];
 const TESTERS: [&str; 4] = ["pytest>=8", "mypy>=1.14", "pyright[nodejs]>=1.1.390", "matplotlib>=3.8"];
 
 /// Options of the tests.
@@ -29,7 +32,7 @@ pub(crate) struct Args {
     /// Test a wheel of the development profile, whose libraries `cargo test` has built already.
     #[arg(long)]
     dev: bool,
-    /// Install this package too, for the examples that need it, as in `--with torch`; may be repeated.
+    /// Install this package too, for an example: `ray`, `rerun-sdk` or `torch`; may be repeated.
     #[arg(long, value_name = "PACKAGE")]
     with: Vec<String>,
     /// Only build wheels that run on older systems, for x86-64 and aarch64, with Zig as the linker.
@@ -130,11 +133,14 @@ fn report(wheel: &Path, is_released: bool, out: &mut impl Write) -> Result<()> {
 /// Compares the stubs with the module, checks all types, and runs the tests and the examples.
 fn test(python: &Path, out: &mut impl Write) -> Result<()> {
     let interpreter = python.display().to_string();
+    let examples = typed_examples(python, out)?;
+    let pyright = ["-m", "pyright", "--pythonpath", &interpreter, "package", "tests"];
+    let pyright: Vec<&str> = pyright.into_iter().chain(examples.iter().map(String::as_str)).collect();
     let chores: [(&str, &[&str]); 4] = [
         ("documentation of the stubs", &["stub_docs.py", "--check"]),
         ("stubtest", &["-m", "mypy.stubtest", "fingervision._native", "--concise"]),
-        ("pyright", &["-m", "pyright", "--pythonpath", &interpreter]),
-        ("pytest", &["-m", "pytest", "--quiet", "-p", "no:cacheprovider"]),
+        ("pyright", &pyright),
+        ("pytest", &["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider"]),
     ];
     for (name, arguments) in chores {
         let mut chore = Command::new(python);
@@ -144,4 +150,27 @@ fn test(python: &Path, out: &mut impl Write) -> Result<()> {
         writeln!(out, "{name}: clean")?;
     }
     Ok(())
+}
+
+/// The examples whose types can be checked: those whose library is installed.
+fn typed_examples(python: &Path, out: &mut impl Write) -> Result<Vec<String>> {
+    let mut examples = Vec::new();
+    for entry in fs::read_dir(crate::workspace().join("python/examples"))? {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        let needed = WITH_LIBRARIES.iter().find(|(example, _)| *example == name);
+        if let Some((_, library)) = needed
+            && !is_installed(python, library)?
+        {
+            writeln!(out, "pyright: {name} is skipped, {library} is not installed")?;
+        } else if name.ends_with(".py") {
+            examples.push(format!("examples/{name}"));
+        }
+    }
+    examples.sort();
+    Ok(examples)
+}
+
+fn is_installed(python: &Path, library: &str) -> Result<bool> {
+    let code = "import importlib.util, sys; sys.exit(importlib.util.find_spec(sys.argv[1]) is None)";
+    Ok(Command::new(python).args(["-c", code, library]).status()?.success())
 }
