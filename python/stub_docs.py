@@ -24,8 +24,9 @@ def documented(text: str) -> str:
         if documentation is None or node.name.startswith("__"):
             continue
         first = node.body[0]
-        is_written = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)
-        is_ellipsis = is_written and first.value.value is ...
+        constant = first.value if isinstance(first, ast.Expr) else None
+        is_written = isinstance(constant, ast.Constant)
+        is_ellipsis = isinstance(constant, ast.Constant) and constant.value is ...
         quoted = docstring(documentation, " " * (node.col_offset + 4))
         last = first.end_lineno or first.lineno
         if is_ellipsis and lines[first.lineno - 1].strip() != "...":

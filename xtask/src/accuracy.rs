@@ -40,7 +40,7 @@ enum Tables {
     Sequences,
     /// The star: which periods are resolved.
     Resolution,
-    /// Presses at several speeds, and the rim of their contact: hours, so only where it is asked for.
+    /// Presses at several speeds, and the rim of their contact: takes hours, so only on request.
     Motion,
 }
 

@@ -1,8 +1,8 @@
 //! Captures frames from one camera.
 //!
-//! Every frame of the driver is handed out once, decoded, with its number and its time. A camera that is unplugged, or whose
-//! driver reports an error, is closed and opened again by its stable id as soon as it is back; in the meantime there is no
-//! frame, rather than an old one.
+//! Every frame of the driver is returned once, decoded, with its number and its time. A camera that is unplugged, or
+//! whose driver reports an error, is closed, and opened again by its stable id as soon as it is present. Until then no
+//! frame is returned; an old frame is never returned again.
 
 mod event;
 mod open;
@@ -23,10 +23,10 @@ use crate::{Bus, CameraError, Device, Layout, Mode, Node, select};
 
 pub use event::{Arrived, Captured, Counts, Event};
 
-/// Time between two looks for a camera that is away.
+/// Time between two attempts to find a camera that is missing.
 const LOOK_AGAIN: Duration = Duration::from_millis(100);
-/// How often a camera that is there may fail to start before that is an error. Just after it was plugged in, the system
-/// may not have given the permission yet.
+/// Number of failed starts, of a camera that is present, before an error is returned. Just after it was plugged in, the
+/// permission may not have been granted yet.
 const MOST_FAILURES: u32 = 30;
 
 /// A camera that captures.
@@ -36,7 +36,7 @@ pub struct Camera {
     node: Node,
     capture: CaptureSection,
     layout: Layout,
-    /// Absent while the camera is away.
+    /// Absent while the camera is missing.
     device: Option<Box<dyn Device>>,
     frame_layout: CameraLayout,
     decoder: CameraFrameDecoder,
@@ -75,12 +75,12 @@ impl Camera {
         })
     }
 
-    /// The next frame or event. `None` if the camera is away and not back within `wait`.
+    /// The next frame or event. `None` if the camera is missing and does not return within `wait`.
     ///
     /// # Errors
     ///
-    /// [`CameraError::TimedOut`] if the camera is there, but sends nothing new within `wait`; the next call starts it
-    /// again. Otherwise an error that stays when the camera is opened again and again.
+    /// [`CameraError::TimedOut`] if the camera is present but sends no new frame within `wait`; the next call starts it
+    /// again. Any other error that remains after several attempts to open the camera.
     pub fn next(&mut self, wait: Duration) -> Result<Option<Captured>, CameraError> {
         let mut encoded = mem::replace(&mut self.encoded, EncodedFrame::empty());
         let arrived = self.next_encoded(wait, &mut encoded);
@@ -163,13 +163,13 @@ impl Camera {
         self.frame_layout
     }
 
-    /// The mode in force.
+    /// The current mode.
     #[must_use]
     pub fn mode(&self) -> Mode {
         self.layout.mode
     }
 
-    /// What happened to the frames so far.
+    /// Counts of the frames so far.
     #[must_use]
     pub fn counts(&self) -> Counts {
         self.counts
@@ -181,7 +181,7 @@ impl Camera {
         &self.remarks
     }
 
-    /// The error of a camera that is away for too long.
+    /// The error of a camera that is missing for too long.
     pub(crate) fn unplugged(&self) -> CameraError {
         CameraError::Unplugged { camera: self.node.id.clone() }
     }
@@ -205,10 +205,10 @@ impl Camera {
         CameraError::TimedOut { camera: self.node.id.clone(), waited_s: wait.as_secs_f64() }
     }
 
-    /// Opens the camera again once it is back; looks at least once.
+    /// Opens the camera again if it is present; tries at least once.
     fn reopen(&mut self, start: Instant, wait: Duration) -> Result<Option<Arrived>, CameraError> {
         loop {
-            // Only by name: to open other cameras would wake them up.
+            // Only the names are compared: opening other cameras would switch them on.
             if let Some(node) = self.bus.nodes().into_iter().find(|node| node.id == self.node.id) {
                 match open::start(self.bus.as_ref(), &node, &self.capture) {
                     Ok(started) => return Ok(Some(Arrived::Event(self.go_on(node, started)))),

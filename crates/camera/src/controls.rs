@@ -1,8 +1,8 @@
 //! Locks exposure, gain and white balance, and reads them back.
 //!
-//! Automatic exposure and white balance change the image while the gel stays as it is, which looks like touch. Each
-//! automatic is switched off before its value is set. What a camera does not have or does not accept is reported in a
-//! sentence, not hidden: drivers clamp values without an error.
+//! Automatic exposure and white balance change the image of an unchanged gel, which looks like touch. An automatic
+//! control is switched off before its value is set. Drivers clamp values without an error, so every value is read back:
+//! a control that the camera lacks, or a value that it does not accept, is reported in a sentence.
 
 use std::io;
 
@@ -26,7 +26,7 @@ const MANUAL: i64 = 1;
 /// The unit of exposure in V4L2, s.
 const EXPOSURE_UNIT_S: f64 = 1e-4;
 
-/// A value to lock, and the automatics that must be off for it.
+/// A value to lock, and the automatic controls that must be off for it.
 struct Lock {
     name: &'static str,
     unit: &'static str,
@@ -37,7 +37,7 @@ struct Lock {
     automatics: &'static [(u32, i64)],
 }
 
-/// Sets what `[capture]` gives. Returns a sentence for each value that is not in force afterwards.
+/// Sets the values that `[capture]` gives. Returns a sentence for each value that the camera then does not use.
 ///
 /// # Errors
 ///
@@ -112,7 +112,7 @@ fn locks(capture: &CaptureSection) -> Vec<Lock> {
     [exposure, gain, white_balance].into_iter().flatten().collect()
 }
 
-/// Sets a control and reads it back; the reason why it does not have the value.
+/// Sets a control and reads it back. Returns why it does not have the value; `None` if it has.
 fn set(device: &mut dyn Device, id: u32, value: i64) -> Option<String> {
     if let Err(error) = device.set_control(id, value) {
         return Some(error.to_string());

@@ -8,7 +8,7 @@ use crate::{Mode, Node, Offer};
 
 /// An open camera.
 ///
-/// Errors keep the number that the system gives them, by which an unplugged camera and a busy one are distinguished.
+/// Errors keep the system's error number, which distinguishes an unplugged camera from a busy one.
 pub trait Device: Send {
     /// Formats, sizes and rates.
     ///
@@ -52,20 +52,20 @@ pub trait Device: Send {
     /// The system's.
     fn start(&mut self) -> io::Result<()>;
 
-    /// The next frame; the one before is given back to the driver.
+    /// The next frame; the previous one is returned to the driver.
     ///
     /// # Errors
     ///
     /// [`io::ErrorKind::TimedOut`] if none comes in time, otherwise the system's.
     fn next(&mut self, wait: Duration) -> io::Result<Buffer<'_>>;
 
-    /// Stops. A camera that is gone has stopped.
+    /// Stops capture. A camera that was unplugged has already stopped.
     fn stop(&mut self);
 }
 
 /// The cameras of a system.
 pub trait Bus: Send {
-    /// The video nodes of this system, also those that are no cameras.
+    /// The video nodes of this system, including those that are not cameras.
     fn nodes(&self) -> Vec<Node>;
 
     /// Whether a node captures images that this crate can read; nodes of metadata do not.
@@ -82,7 +82,7 @@ pub trait Bus: Send {
     /// The system's.
     fn open(&self, node: &Path) -> io::Result<Box<dyn Device>>;
 
-    /// Waits before looking again for a camera that is away.
+    /// Waits before the next attempt to find a camera that is missing.
     fn pause(&self, duration: Duration) {
         std::thread::sleep(duration);
     }

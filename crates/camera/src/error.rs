@@ -22,7 +22,7 @@ pub enum CameraError {
     /// No camera has this id, serial number or name.
     #[error("no camera matches {wanted:?}")]
     NotFound {
-        /// What was asked for.
+        /// The text that was given.
         wanted: String,
         /// The ids of the cameras that are there.
         present: Vec<String>,
@@ -30,20 +30,20 @@ pub enum CameraError {
     /// More than one camera matches.
     #[error("{}: {}", several(wanted.as_deref()), matches.join(", "))]
     Ambiguous {
-        /// What was asked for; absent if nothing was.
+        /// The text that was given; absent if there was none.
         wanted: Option<String>,
         /// The ids of the cameras that match.
         matches: Vec<String>,
     },
-    /// A number, which changes when cameras are plugged in.
-    #[error("{wanted:?} is a number, and numbers of cameras change")]
+    /// The camera was named by a number, which can change when cameras are plugged in.
+    #[error("{wanted:?} is a number, which can change when a device is plugged in")]
     Number {
-        /// What was asked for.
+        /// The text that was given.
         wanted: String,
-        /// The id of the camera that has the number now.
+        /// The id of the camera that currently has this number.
         now: Option<String>,
     },
-    /// The user may not open the camera.
+    /// The user lacks the permission to open the camera.
     #[error("{camera}: no permission to open {}", node.display())]
     Denied {
         /// The camera's id.
@@ -59,7 +59,7 @@ pub enum CameraError {
         /// Its node.
         node: PathBuf,
     },
-    /// The camera does not offer what the profile asks for.
+    /// The camera does not offer the mode that the profile requests.
     #[error("{camera} does not offer {wanted}")]
     NotOffered {
         /// The camera's id.
@@ -77,13 +77,13 @@ pub enum CameraError {
         /// The mode.
         mode: Mode,
     },
-    /// The camera is not plugged in any more.
+    /// The camera was unplugged.
     #[error("{camera}: unplugged")]
     Unplugged {
         /// The camera's id.
         camera: String,
     },
-    /// The camera delivers nothing.
+    /// The camera sends no frames.
     #[error("{camera}: no frame in {waited_s:.1} s")]
     TimedOut {
         /// The camera's id.
@@ -91,12 +91,12 @@ pub enum CameraError {
         /// How long, s.
         waited_s: f64,
     },
-    /// The system refuses.
+    /// The system reports an error.
     #[error("{camera}: {doing}: {error}")]
     Io {
         /// The camera's id.
         camera: String,
-        /// What was tried, as in `open`.
+        /// The operation that failed, as in `open`.
         doing: &'static str,
         /// The system's message.
         error: io::Error,
@@ -113,7 +113,7 @@ impl CameraError {
                  /dev/video* must be passed in"
                     .into()
             }
-            Self::NoCamera => "cameras are read on Linux only; record a video and track that".into(),
+            Self::NoCamera => "cameras are supported on Linux only; record a video and track that".into(),
             Self::NotFound { present, .. } if present.is_empty() => "no camera is plugged in".into(),
             Self::NotFound { present, .. } => format!("cameras present: {}", present.join(", ")),
             Self::Ambiguous { .. } => "give the whole id of one of them, or its serial number".into(),
@@ -134,11 +134,13 @@ impl CameraError {
                 "unplug it and plug it in again; if it happens often, use a shorter cable or a port without a hub"
                     .into()
             }
-            Self::Io { .. } => "unplug the camera and plug it in again; `dmesg` shows what the system says".into(),
+            Self::Io { .. } => {
+                "unplug the camera and plug it in again; `dmesg` shows the messages of the system".into()
+            }
         }
     }
 
-    /// The error that a system's error means, for this camera.
+    /// Converts an error of the system into that of this camera.
     pub(crate) fn io(camera: &str, node: PathBuf, doing: &'static str, error: io::Error) -> Self {
         let camera = camera.to_owned();
         match error.raw_os_error() {
@@ -155,7 +157,7 @@ impl From<CameraError> for SourceError {
     }
 }
 
-/// Whether the camera is no longer there.
+/// Whether the error means that the camera is missing.
 pub(crate) fn is_gone(error: &io::Error) -> bool {
     let is_absent = error.kind() == io::ErrorKind::NotFound;
     is_absent || error.raw_os_error().is_some_and(|number| NO_DEVICE.contains(&number))
@@ -164,6 +166,6 @@ pub(crate) fn is_gone(error: &io::Error) -> bool {
 fn several(wanted: Option<&str>) -> String {
     match wanted {
         Some(wanted) => format!("{wanted:?} matches several cameras"),
-        None => "there are several cameras, and none was chosen".into(),
+        None => "there are several cameras, and none is selected".into(),
     }
 }

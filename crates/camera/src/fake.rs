@@ -14,7 +14,7 @@ use crate::{Buffer, Bus, Control, Device, FourCc, Layout, Mode, Node, Offer, Rat
 /// The time after which a silent camera times out, if it is waited for.
 const SHORT: Duration = Duration::from_millis(10);
 
-/// What comes next out of the camera.
+/// The next result of a fake camera.
 #[derive(Debug, Clone)]
 pub enum Coming {
     /// A frame.
@@ -28,7 +28,7 @@ pub enum Coming {
         /// The driver reports it as damaged.
         is_damaged: bool,
     },
-    /// Nothing in time.
+    /// No frame in time.
     Silence,
     /// An error of the system, by its number.
     Error(i32),
@@ -41,7 +41,7 @@ pub struct World {
     pub ids: Vec<String>,
     /// Numbers of nodes that carry metadata.
     pub metadata: Vec<usize>,
-    /// What comes next, in order.
+    /// The next results, in order.
     pub coming: VecDeque<Coming>,
     /// The controls and their values.
     pub controls: Vec<(Control, i64)>,
@@ -49,13 +49,13 @@ pub struct World {
     pub open_error: Option<i32>,
     /// The error of starting, by its number.
     pub start_error: Option<i32>,
-    /// After so many pauses, these cameras are plugged in.
+    /// After this number of pauses, these cameras are plugged in.
     pub back: Option<(u32, Vec<String>)>,
     /// Set by `set_mode`, in order.
     pub modes: Vec<Mode>,
     /// Columns and rows of the grey frames that every camera offers, px.
     pub grey_size: [u32; 2],
-    /// The rate that the driver uses, whatever it is asked for.
+    /// The rate that the driver uses, whatever is requested.
     pub forced_rate: Option<f64>,
 }
 
@@ -95,7 +95,7 @@ impl FakeBus {
     }
 }
 
-/// A frame with so many bytes, which are its number.
+/// A frame with this number of bytes, each of which is the frame's number.
 #[must_use]
 pub fn frame(sequence: u32, bytes: usize) -> Coming {
     let stamp_s = 10.0 + f64::from(sequence) / 100.0;

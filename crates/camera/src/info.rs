@@ -11,7 +11,7 @@ pub struct CameraInfo {
     pub node: Node,
     /// Whether it can be opened.
     pub access: Access,
-    /// What it offers; empty if it cannot be opened.
+    /// Its formats, sizes and rates; empty if it cannot be opened.
     pub offers: Vec<Offer>,
 }
 
@@ -20,13 +20,13 @@ pub struct CameraInfo {
 pub enum Access {
     /// Yes.
     Open,
-    /// The user may not.
+    /// No: the user lacks the permission.
     Denied,
     /// No, for the reason given by the system.
     Failed(String),
 }
 
-/// The cameras of a system; nodes that only carry metadata are left out.
+/// The cameras of a system, without nodes that only carry metadata.
 ///
 /// A node that cannot be opened is listed only if it is the first of its device: that is the one with the images.
 #[must_use]
@@ -34,7 +34,7 @@ pub fn cameras(bus: &dyn Bus) -> Vec<CameraInfo> {
     bus.nodes().into_iter().filter_map(|node| camera(bus, node)).collect()
 }
 
-/// Nodes of cameras, with less effort than [`cameras`].
+/// The nodes of the cameras, without their formats.
 pub(crate) fn camera_nodes(bus: &dyn Bus) -> Vec<Node> {
     let is_camera = |node: &Node| bus.is_capture(&node.path).unwrap_or(node.index == 0);
     bus.nodes().into_iter().filter(is_camera).collect()

@@ -1,10 +1,10 @@
-//! Cameras: which are plugged in, what they offer, and their frames.
+//! Cameras: a list of those that are plugged in, their formats, and their frames.
 //!
-//! - [`cameras`] lists them and [`select`] finds one by its stable id, its serial number or a part of its name. Numbers
-//!   as in `/dev/video0` move when something else is plugged in, so they select nothing.
+//! - [`cameras`] lists them and [`select`] finds one by its stable id, its serial number or a part of its name. A
+//!   number, as in `/dev/video0`, can change when a device is plugged in, so it selects nothing.
 //! - [`Camera`] captures: it sets the mode and locks the controls that the profile's `[capture]` gives, numbers the
-//!   frames by the driver's own count, and survives an unplugged camera.
-//! - [`usb`] computes how much of a USB port cameras use and need.
+//!   frames by the driver's count, and continues when an unplugged camera is plugged in again.
+//! - [`usb`] computes the bandwidth of a USB port that is reserved, and the bandwidth that cameras need.
 //!
 //! [`open`] opens a camera of this machine, and [`CameraSource`] reads it like a recording.
 //!

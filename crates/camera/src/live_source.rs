@@ -7,12 +7,12 @@ use fingervision_source::{Source, SourceError};
 
 use crate::{Camera, CameraError, Captured};
 
-/// How long a call waits for a frame before it looks again.
+/// How long one call to the camera waits for a frame.
 const WAIT: Duration = Duration::from_secs(2);
-/// A camera that has been away or silent for so long ends the recording.
+/// After this time without a frame the source ends with an error.
 const LONGEST_ABSENCE: Duration = Duration::from_secs(10);
 
-/// The frames of a camera, from now on and without end. Frames that are missing are missing in their numbers.
+/// The frames of an open camera, without end. A gap in the sequence numbers shows missing frames.
 pub struct CameraSource {
     camera: Camera,
     is_ended: bool,

@@ -4,7 +4,7 @@ use std::fmt;
 
 use fingervision_source::CameraCoding;
 
-/// Two rates are equal within this part: a camera says 30, its driver 30000/1001.
+/// Two rates count as equal up to this relative difference: a camera states 30, its driver 30000/1001.
 const RATE_TOLERANCE: f64 = 0.005;
 
 /// The code of a pixel format, as in `MJPG`.
@@ -32,7 +32,7 @@ impl FourCc {
         is_code.then(|| padded.as_bytes().first_chunk().copied()).flatten().map(Self)
     }
 
-    /// How frames of this format are decoded; `None` where they are not read.
+    /// How frames of this format are decoded; `None` if they cannot be decoded.
     #[must_use]
     pub fn coding(self, is_full_range: bool) -> Option<CameraCoding> {
         match &self.0 {
@@ -44,7 +44,7 @@ impl FourCc {
         }
     }
 
-    /// The order in which formats are tried where none is asked for: the smallest on the wire first, colour before grey.
+    /// The order of preference if no format is requested: compressed formats, then colour, then grey.
     fn preference(self) -> Option<usize> {
         [Self::MJPG, Self::JPEG, Self::YUYV, Self::GREY, Self::Y16].iter().position(|format| *format == self)
     }
@@ -68,8 +68,9 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// The mode in which a camera captures if nothing is asked for: 640x480 px if it offers that, at the highest rate, and
-    /// of equal rates in the format that needs the fewest bytes. `None` if it offers no format that is read.
+    /// The mode in which a camera captures if nothing is requested: 640x480 px if it offers this size, at the highest
+    /// rate; of several formats with this rate, MJPG is preferred, then YUYV, then grey. `None` if the camera offers no
+    /// format that can be decoded.
     #[must_use]
     pub fn preferred(offers: &[Offer]) -> Option<Self> {
         choose(offers, Wish::default())
@@ -109,7 +110,7 @@ pub struct Offer {
 pub enum SizeOffer {
     /// One size.
     One([u32; 2]),
-    /// Any size between two, in steps that the driver knows.
+    /// Any size between two, in steps that the driver defines.
     Range {
         /// The smallest.
         least: [u32; 2],
@@ -190,7 +191,7 @@ impl fmt::Display for Offer {
     }
 }
 
-/// What a mode is chosen by; what is absent is chosen here.
+/// The requested values of a mode; absent ones are chosen here.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Wish {
     pub(crate) format: Option<FourCc>,
@@ -198,14 +199,14 @@ pub(crate) struct Wish {
     pub(crate) frames_per_second: Option<f64>,
 }
 
-/// The size where none is asked for, px.
+/// The size if none is requested, px.
 const STANDARD_SIZE: [u32; 2] = [640, 480];
-/// The rate where neither the profile nor the driver names one.
+/// The rate if neither the profile nor the driver gives one.
 const STANDARD_RATE: f64 = 30.0;
 
-/// The mode to capture in, `None` if the camera does not offer what is wished.
+/// The mode to capture in; `None` if the camera does not offer the requested values.
 ///
-/// Without a wish: 640x480 if there is it, the highest rate, and of equal rates the format that needs the fewest bytes.
+/// Absent values are chosen as in [`Mode::preferred`].
 pub(crate) fn choose(offers: &[Offer], wish: Wish) -> Option<Mode> {
     let has_standard =
         offers.iter().any(|offer| offer.format.coding(false).is_some() && offer.size.holds(STANDARD_SIZE));

@@ -1,18 +1,19 @@
 //! Numbers frames, and counts those that are missing or repeated.
 //!
-//! The driver counts every frame that the camera sends, also those that it has no room for, so a gap in its count is a
-//! dropped frame. After a restart the driver counts from 0 again; the time stamps then tell how many frames are missing.
+//! The driver counts every frame that the camera sends, including those for which it has no free buffer. A gap in its
+//! count therefore means dropped frames. After a restart the driver counts from 0 again; the number of missing frames
+//! then follows from the time stamps.
 
-/// What a buffer is, by its number and its stamp.
+/// The kind of a buffer, by its number and its time stamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Arrival {
     /// A new frame.
     New {
         /// Its number since the camera was opened.
         sequence: u64,
-        /// Its time, s; never before that of the frame before.
+        /// Its time, s; never before that of the previous frame.
         time_s: f64,
-        /// How many frames before it are missing.
+        /// Number of missing frames before it.
         missed: u64,
         /// The driver's clock was set back.
         is_clock_step: bool,
@@ -34,7 +35,7 @@ struct Last {
 pub(crate) struct Numbering {
     period_s: f64,
     last: Option<Last>,
-    /// Added to stamps so that time never runs backwards.
+    /// Added to time stamps so that times never decrease.
     offset_s: f64,
 }
 

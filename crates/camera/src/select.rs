@@ -1,4 +1,4 @@
-//! Finds a camera by what a user calls it.
+//! Finds a camera by its id, its serial number or a part of its name.
 
 use crate::info::camera_nodes;
 use crate::{Bus, CameraError, Node};
@@ -6,8 +6,8 @@ use crate::{Bus, CameraError, Node};
 /// The camera with this id or serial number, or the only one whose name or id contains the text. Without a text, the only
 /// camera that is plugged in.
 ///
-/// Ids go before serial numbers, and both before parts of names. Upper and lower case do not matter. A number, as `0` or
-/// `/dev/video0`, selects nothing: it belongs to another camera tomorrow.
+/// Ids take precedence over serial numbers, and both over parts of names. Upper and lower case do not matter. A number,
+/// as in `0` or `/dev/video0`, selects nothing, because it can belong to another camera after a device was plugged in.
 ///
 /// # Errors
 ///
@@ -43,7 +43,8 @@ pub fn select(bus: &dyn Bus, wanted: Option<&str>) -> Result<Node, CameraError> 
     only(matches, Some(wanted))
 }
 
-/// The number of a node, as in `/dev/video1` or `1`. Digits alone are one only if they are few; more may be a part of an id.
+/// The number of a node, as in `/dev/video1` or `1`. Digits alone count as a number only if there are at most two; more
+/// may be a part of an id.
 fn number_in(text: &str) -> Option<&str> {
     let number = text.trim_start_matches("/dev/").trim_start_matches("video");
     let is_number = number.bytes().all(|byte| byte.is_ascii_digit());

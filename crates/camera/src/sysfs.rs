@@ -1,13 +1,13 @@
 //! Video nodes and their stable ids, from the files of the system.
 //!
-//! udev makes links with stable names: `/dev/v4l/by-id` from maker, model and serial number, `/dev/v4l/by-path` from the
-//! port. Two cameras with the same serial number share one name by id, so they are told apart by their ports. Where udev
-//! does not run, as in a container, the id is made of the port's name in sysfs.
+//! udev makes links with stable names: `/dev/v4l/by-id` from maker, model and serial number, `/dev/v4l/by-path` from
+//! the port. Two cameras with the same serial number share one name by id, so they are distinguished by their ports.
+//! Where udev does not run, as in a container, the id is made from the port's name in sysfs.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A video node: a camera, or one of its further nodes.
+/// A video node: that of a camera's images, or another node of the same camera.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Node {
     /// The id, which stays the same when cameras are plugged in or the system starts again.
@@ -28,7 +28,7 @@ pub struct Node {
     pub device: PathBuf,
 }
 
-/// The video nodes of a system with these folders of devices (`/dev`) and of sysfs (`/sys`), in order of their numbers.
+/// The video nodes of a system, in order of their numbers. The arguments are its folders `/dev` and `/sys`.
 #[must_use]
 pub fn nodes(dev: &Path, sys: &Path) -> Vec<Node> {
     let class = sys.join("class/video4linux");
@@ -79,7 +79,7 @@ fn by_port(dev: &Path, node: &Node) -> String {
     })
 }
 
-/// Whether another camera has the same name and the same serial number, or none either.
+/// Whether another camera has the same name and the same serial number; two absent numbers count as the same.
 fn has_twin(nodes: &[Node], index: usize) -> bool {
     let node = &nodes[index];
     let is_twin = |other: &Node| {

@@ -1,7 +1,7 @@
-//! Cameras of Linux, by V4L2.
+//! Cameras on Linux, through V4L2.
 //!
-//! The library behind panics on some answers of drivers that it does not know, so every call is guarded: a panic becomes
-//! an error of the camera. Buffers are mapped; four of them let the driver go on while a frame is decoded.
+//! The V4L2 library panics on some unknown answers of drivers. Every call therefore catches panics and returns them as
+//! errors of the camera. Four mapped buffers let the driver continue while a frame is decoded.
 
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -24,7 +24,7 @@ use crate::{Buffer, Bus, Control, Device, FourCc, Layout, Mode, Node, Offer, nod
 const BUFFERS: u32 = 4;
 /// `poll`: there is data to read.
 const POLLIN: i16 = 1;
-/// Rates are written as thousandths, which holds 29.97.
+/// Rates are written in thousandths, which represents 29.97 exactly.
 const RATE_DENOMINATOR: f64 = 1000.0;
 
 /// The cameras of this machine.
@@ -118,7 +118,7 @@ impl Device for V4lDevice {
                 Fraction::new(RATE_DENOMINATOR as u32, (mode.frames_per_second * RATE_DENOMINATOR).round() as u32);
             let frames_per_second = match self.device.set_params(&Parameters::new(interval)) {
                 Ok(in_force) => v4l_offers::rate(in_force.interval).unwrap_or(mode.frames_per_second),
-                // A driver with one rate need not let it be set.
+                // A driver with a single rate may refuse to set it.
                 Err(error) if error.kind() == io::ErrorKind::InvalidInput || is_no_ioctl(&error) => {
                     mode.frames_per_second
                 }
@@ -165,7 +165,7 @@ impl Device for V4lDevice {
 
     fn stop(&mut self) {
         let stream = self.stream.take();
-        // Where stopping fails, the camera has stopped by itself.
+        // If stopping fails, the camera has already stopped.
         let _ = guarded(|| {
             drop(stream);
             Ok(())
@@ -179,12 +179,12 @@ impl Drop for V4lDevice {
     }
 }
 
-/// Whether the driver does not know a call (ENOTTY).
+/// Whether the error means that the driver does not support a call (ENOTTY).
 pub(crate) fn is_no_ioctl(error: &io::Error) -> bool {
     error.raw_os_error() == Some(25)
 }
 
-/// Runs the library; a panic in there becomes an error.
+/// Calls the library; a panic in it becomes an error.
 fn guarded<T>(call: impl FnOnce() -> io::Result<T>) -> io::Result<T> {
     catch_unwind(AssertUnwindSafe(call))
         .unwrap_or_else(|_| Err(io::Error::other("the driver's answer is not understood")))

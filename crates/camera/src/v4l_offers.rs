@@ -1,4 +1,4 @@
-//! What a camera of Linux offers: formats, their sizes, and the rates of each.
+//! The formats that a camera on Linux offers, their sizes, and the rates of each size.
 
 use std::io;
 
@@ -20,7 +20,7 @@ pub(crate) fn offers(device: &Device) -> io::Result<Vec<Offer>> {
     Ok(offers)
 }
 
-/// The sizes of a format; of a driver that does not list them, the one in force.
+/// The sizes of a format; if the driver does not list them, the current size.
 fn sizes(device: &Device, format: FourCC) -> io::Result<Vec<SizeOffer>> {
     let Ok(listed) = device.enum_framesizes(format) else {
         let now = device.format()?;

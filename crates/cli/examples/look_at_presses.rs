@@ -91,12 +91,12 @@ impl Sensor {
         })
     }
 
-    /// What it sees of the press at each of its poses, on its way through all of them from rest.
+    /// Renders and tracks the press from rest through all its poses, and appends the measurement of each.
     fn look(&self, gel: &GelBlock, poses: &[Displacement], target: &mut Vec<f32>) -> Result<(), Fault> {
         let camera = Camera::new(&self.camera)?;
         let mut renderer = FrameRenderer::new(&self.render, &camera, &self.pattern.texture(gel.size_mm)?)?;
         let mut tracker = Tracker::new(&Profile::default(), (PIXELS, PIXELS), true, Fields::NONE)?;
-        // It is asked for what it sees alone: the least of work will do.
+        // Only the measurement of the surface is used, so the fastest settings suffice.
         let params = ElasticParams { mode: ElasticMode::Live, network: false };
         let mut depth = ElasticDepth::new(&camera, gel, (PIXELS, PIXELS), &params)?;
         let mut sequence = 0;

@@ -40,7 +40,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
     /// Write the press to a new folder instead: frames/*.png, the reference first, and their flow as truth/flow.npy
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["frames", "profile", "assignments"])]
+    #[arg(long, value_name = "DIR", conflicts_with = "frames")]
     write_frames: Option<PathBuf>,
     #[command(flatten)]
     profile: ProfileArgs,

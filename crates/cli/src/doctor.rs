@@ -28,13 +28,15 @@ const AMPLITUDE_PX: f64 = 3.0;
 /// The self-test fails above this mean end-point error, px: several times the error caused by noise.
 const LARGEST_ERROR_PX: f64 = 0.05;
 
-const READS: [&str; 4] = [
+const READS: [&str; 6] = [
     "folders of PNG, JPEG, TIFF and BMP images, 8 and 16 bit, grey and colour",
     "H.264 video in MP4 and MOV",
     "motion JPEG video in AVI, MP4 and MOV",
+    "recordings of fingervision record, MCAP",
+    "cameras on Linux, camera:ID",
     "simulated scenes, sim:NAME",
 ];
-const NOT_READ: &str = "recordings (MCAP), and cameras as a source of track: not in this version";
+const NOT_READ: &str = "H.265, VP9 and AV1 video, Matroska and WebM files";
 
 /// Show this machine's capabilities and cameras, and test it on a simulated touch
 #[derive(Debug, clap::Args)]
@@ -48,7 +50,7 @@ struct Diagnosis {
     version: &'static str,
     cores: usize,
     instruction_set: String,
-    reads: [&'static str; 4],
+    reads: [&'static str; 6],
     cache: CacheState,
     #[serde(flatten)]
     cameras: CameraReport,

@@ -21,13 +21,13 @@ use crate::tracking::Run;
 /// given.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The folder of a run, or a recording (MCAP); FILE.mcap?sensor=NAME is one of several sensors
+    /// The folder of a run, or a recording (MCAP); FILE.mcap?sensor=NAME selects one of several sensors
     #[arg(value_name = "RUN|FILE.mcap")]
     source: PathBuf,
     /// The file or, for Zarr, folder to write
     #[arg(long, value_name = "PATH")]
     out: PathBuf,
-    /// The format; without it the one that the name's ending says
+    /// The format; without it the ending of the name decides
     #[arg(long, value_enum)]
     format: Option<Format>,
     #[command(flatten)]
@@ -47,7 +47,7 @@ enum Format {
     Csv,
     /// A Zarr group, version 2: arrays and table, a frame per chunk
     Zarr,
-    /// A video of camera image, depth and force, motion JPEG; of recordings only
+    /// A video of camera image, depth and force, motion JPEG; for recordings only
     Avi,
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
 }
 
 impl Args {
-    /// The format that is meant.
+    /// The format: the option, or the one of the name's ending.
     fn format(&self) -> Result<Format, Failure> {
         let ending = self.out.extension().and_then(OsStr::to_str).unwrap_or_default().to_lowercase();
         let of_ending = <Format as clap::ValueEnum>::from_str(&ending, true).ok();
@@ -89,7 +89,7 @@ impl Args {
         })
     }
 
-    /// Refuses to replace what is there; removes what may be replaced.
+    /// Refuses to replace an existing file or folder, or removes it if it may be replaced.
     fn clear_destination(&self, format: Format) -> Result<(), Failure> {
         let out = &self.out;
         if !out.exists() {

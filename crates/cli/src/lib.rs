@@ -142,8 +142,8 @@ fn parse(arguments: &[OsString]) -> Result<Cli, clap::Error> {
     Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
 }
 
-/// The command, whose options take a negative number as their value: they refuse it with what they expect, instead of
-/// taking it for an unknown option.
+/// The command, with options that take a negative number as their value. They refuse it and name the expected value,
+/// instead of reporting an unknown option.
 fn takes_negative_numbers(command: clap::Command) -> clap::Command {
     let command = command.mut_args(|arg| {
         let takes_value = matches!(arg.get_action(), ArgAction::Set | ArgAction::Append);

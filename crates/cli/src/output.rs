@@ -60,7 +60,7 @@ impl OutputArgs {
         ticking(ProgressBar::new(count), doing, "{spinner} {prefix} {pos}/{len}, {elapsed} {wide_msg}")
     }
 
-    /// A line on standard error that is written anew while something runs. Nothing is shown without a terminal.
+    /// A line on standard error that is updated while something runs. Nothing is shown without a terminal.
     pub(crate) fn line(self) -> ProgressBar {
         if self.quiet {
             return ProgressBar::hidden();

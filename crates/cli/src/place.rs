@@ -1,4 +1,4 @@
-//! What a command reads frames from: a camera, a simulated scene, a recording.
+//! The place from which a command reads frames: a camera, a simulated scene, a recording, a video or a folder.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -13,17 +13,17 @@ use fingervision_touch::Profile;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 
-/// The prefix of a camera; without anything behind it, the only one that is plugged in.
+/// The prefix of a camera's id; alone it means the only camera that is plugged in.
 const CAMERA: &str = "camera";
 
-/// What stands between a recording and the sensor that is meant.
+/// The text between a recording and the name of a sensor in it.
 const SENSOR: &str = "?sensor=";
 
-/// A place that frames come from.
+/// A place from which frames are read.
 #[derive(Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Place {
-    /// A camera, with what names it; absent: the one that the profile names, or else the only one.
+    /// A camera, by its id, serial number or name; absent: the one that the profile names, or else the only one.
     Camera(Option<String>),
     /// A simulated scene.
     Simulated(SimulatedLocation),
@@ -54,7 +54,7 @@ impl Place {
             return Ok(Self::Recording(file.into(), Some(sensor.into())));
         }
         Ok(match text.strip_prefix(CAMERA) {
-            // A folder of this name is meant if there is one.
+            // If there is a folder of this name, it is used.
             Some("") if location.exists() => Self::File(location.into()),
             Some("" | ":") => Self::Camera(None),
             Some(rest) if rest.starts_with(':') => Self::Camera(Some(rest[1..].into())),

@@ -1,4 +1,4 @@
-//! `fingervision record`: what sensors see, bit by bit, into one file.
+//! `fingervision record`: writes frames, bit for bit, and readings of sensors to one file.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -16,18 +16,18 @@ use crate::recording_file::{progress_text, refuse_other_names, summary_text};
 /// Messages that may wait for the terminal.
 const SHOWN_MESSAGES: usize = 256;
 
-/// Record cameras, videos, folders or simulated presses to a file (MCAP): every frame as it came, readings, events and the
-/// profile
+/// Record cameras, videos, folders or simulated presses to a file (MCAP): all frames unchanged, readings, events and
+/// the profile
 ///
 /// `fingervision track FILE.mcap` gives the same values as tracking the source; Foxglove and Rerun show the file. Ctrl-C
 /// ends the recording. If the program is killed, less than the last second is missing.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// What to record: a camera, a video, a folder of images, a recording or a simulated scene; several for several
-    /// sensors
+    /// What to record: a camera, a video, a folder of images, a recording or a simulated scene; give several for
+    /// several sensors
     ///
-    /// As in `fingervision live`. Cameras are recorded as they come. Of files and scenes every frame is tracked and
-    /// recorded, however long that takes.
+    /// As in `fingervision live`. Cameras are recorded in real time. For files and scenes every frame is tracked and
+    /// recorded, however long this takes.
     #[arg(value_name = "SOURCE", required = true)]
     sources: Vec<PathBuf>,
     /// The file to write, as in press.mcap
@@ -35,13 +35,13 @@ pub(crate) struct Args {
     file: PathBuf,
     #[command(flatten)]
     sensors: SensorOptions,
-    /// End after so many seconds, by the cameras' or the files' time
+    /// End after this time, s, measured by the times of the frames
     #[arg(long, value_name = "N", value_parser = seconds)]
     seconds: Option<f64>,
-    /// Record frames, events and the profile, no readings
+    /// Record frames, events and the profile, but no readings
     #[arg(long)]
     frames_only: bool,
-    /// Replace a file that exists
+    /// Replace the file if it exists
     #[arg(long)]
     force: bool,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! The file of a recording: its name, and what is shown of it.
+//! The file of a recording: its name, and its contents in words.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub(crate) fn refuse_other_names(file: &Path, replaces: bool) -> Result<(), Fail
     }
 }
 
-/// How far a recording is, for the terminal.
+/// The progress of a recording, for the terminal.
 pub(crate) fn progress_text(file: &Path, progress: &RecorderProgress) -> String {
     let RecorderProgress { bytes, seconds, .. } = *progress;
     let rate = if seconds > 0.0 { bytes as f64 / seconds } else { 0.0 };
@@ -34,7 +34,7 @@ pub(crate) fn progress_text(file: &Path, progress: &RecorderProgress) -> String 
     format!("{}: {seconds:.1} s, {}, {}/s{free}", file.display(), disk::size(bytes), disk::size(rate as u64))
 }
 
-/// What a recording contains.
+/// The contents of a recording.
 pub(crate) fn summary_text(file: &Path, progress: &RecorderProgress) -> String {
     let RecorderProgress { bytes, frames, readings, seconds, .. } = *progress;
     format!("{}: {frames} frames, {readings} readings, {seconds:.1} s, {}", file.display(), disk::size(bytes))

@@ -27,12 +27,11 @@ pub(crate) struct Args {
     /// A folder of PNG, JPEG, TIFF or BMP images, a video (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV), a
     /// recording (MCAP), a simulated scene or a camera
     ///
-    /// A recording has its profile in it, which is used without --profile; FILE.mcap?sensor=NAME is one of several
-    /// sensors.
-    /// A scene is sim:NAME or sim:FILE, as in sim:letter; `fingervision simulate --list` lists the ready-made ones.
-    /// Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft selects a coarse mesh. Without --profile
-    /// the scene's own camera and gel are used. A camera is camera:ID, or `camera` if only one is plugged in; tracking
-    /// then goes on until Ctrl-C.
+    /// A recording contains its profile, which is used without --profile; FILE.mcap?sensor=NAME selects one of several
+    /// sensors. A scene is sim:NAME or sim:FILE, as in sim:letter; `fingervision simulate --list` lists the ready-made
+    /// ones. Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft selects a coarse mesh. Without
+    /// --profile the scene's own camera and gel are used. A camera is camera:ID, or `camera` if only one is plugged in;
+    /// tracking then continues until Ctrl-C.
     source: PathBuf,
     /// The folder to write, as in run: new, empty, or with --overwrite a previous run
     #[arg(long, value_name = "DIR")]

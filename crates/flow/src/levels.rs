@@ -1,10 +1,10 @@
-//! How the grey levels of a picture are distributed.
+//! The distribution of the grey levels of a picture.
 
 use fingervision_image::Image;
 
-/// A pixel is saturated from this level on: a sensor's white is 255, less what conversion and compression change.
+/// A pixel is saturated from this level on. White is 255, but conversion and compression can change it.
 const SATURATED: f32 = 250.0;
-/// Every so many rows and columns are looked at: some thousand pixels of a usual picture.
+/// Distance between the sampled rows and columns, px: some thousand samples in a usual picture.
 const STEPS: [usize; 2] = [8, 4];
 
 /// What the grey levels of a picture show about its exposure.

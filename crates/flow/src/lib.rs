@@ -8,8 +8,8 @@
 //!   [`SearchParams::fast`] and [`SearchParams::medium`].
 //! - **Coupled affine patches**, the default: patches of 16×16 px at full size. The unknowns of a patch are its
 //!   displacement, the gradient of the displacement and a change of light. Each Gauss–Newton step is solved for all
-//!   patches together. Neighbours are coupled; the image noise scales the coupling. So the flow follows the image where
-//!   texture is rich, and is interpolated where it is poor.
+//!   patches together. Neighbours are coupled; the image noise scales the coupling. Where texture is rich, the image
+//!   determines the flow; where it is poor, the flow is interpolated from the neighbours.
 //!
 //! An [`Estimate`] contains the flow at every pixel, its predicted standard deviation in px, and whether it is valid. A
 //! patch that fails has no weight, and its pixels are marked as not valid.

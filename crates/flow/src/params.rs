@@ -100,7 +100,8 @@ impl FlowParams {
 pub struct AffineParams {
     /// Coarsest pyramid level at which patches follow the motion since the start.
     pub coarsest_level: usize,
-    /// Gauss–Newton steps at full size after a start from the previous flow.
+    /// Gauss–Newton steps at full size after a start from the previous flow; more follow while patches still move. If above 1,
+    /// the first of them uses grey on every other row.
     pub steps: usize,
     /// Gauss–Newton steps at full size after a start from the search.
     pub search_steps: usize,
@@ -124,7 +125,7 @@ impl Default for AffineParams {
     fn default() -> Self {
         Self {
             coarsest_level: 3,
-            steps: 2,
+            steps: 1,
             search_steps: 5,
             fine_steps: 2,
             colour_row_step: 2,

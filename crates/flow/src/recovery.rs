@@ -1,7 +1,8 @@
 //! Searches the areas of a picture that a warm start has lost.
 //!
-//! Along a rim single patches fail, because the surface turns away from the camera there. No search can find them. If a
-//! patch and its neighbours fail, a whole area has moved too far for the steps. Only such areas are searched.
+//! Along a rim single patches fail, because the surface is steep there; a search cannot find them. If a patch fails
+//! together with its neighbours, a whole area has moved too far for the Gauss–Newton steps. Only such areas are
+//! searched.
 
 use crate::affine::grid::{PatchGrid, STRIDE};
 use crate::affine::patches::{AffinePatches, AffineReference};

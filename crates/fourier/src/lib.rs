@@ -1,8 +1,9 @@
 //! Plans of Fourier transforms.
 //!
-//! Single precision is for every frame and uses the processor's best instructions. Double precision is for preparation
-//! and is composed of few kernels. The plans are a crate of their own because their kernels are compiled where they are
-//! chosen, and take longer to compile than all mechanics: this way only once, not again for the tests of the mechanics.
+//! Single precision is for work in every frame and uses the fastest instructions of the processor. Double precision is
+//! for preparation and uses only a few kernels. The kernels are compiled in the crate that selects them, and they take
+//! longer to compile than the whole crate of the mechanics. In a crate of their own they are compiled once, and not
+//! again for the tests of the mechanics.
 
 mod composed;
 mod planned;

@@ -1,4 +1,4 @@
-//! Real values by a complex transform.
+//! Transforms of real values, computed by complex ones.
 
 use std::sync::Arc;
 

@@ -41,7 +41,7 @@ struct Tally {
 }
 
 impl Parser {
-    /// Parses every file and then its mutations; `parse` tells whether there was no error.
+    /// Parses every file and then its mutations; `parse` returns whether there was no error.
     ///
     /// # Panics
     ///

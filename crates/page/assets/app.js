@@ -1,4 +1,4 @@
-// The page: sensors, keys, looking back, and what is sent to the program.
+// The page: sensors, keys, the slider for the past, and requests to the program.
 
 import { Connection } from './connection.js';
 import { KINDS } from './arrows.js';
@@ -70,7 +70,7 @@ function pause() {
   pausedAt = pausedAt === null ? connection.now() : null;
   $('past').hidden = pausedAt === null; $('time').value = 0;
   $('pause').setAttribute('aria-pressed', pausedAt !== null);
-  $('pause').textContent = pausedAt === null ? 'Pause' : 'Go on';
+  $('pause').textContent = pausedAt === null ? 'Pause' : 'Continue';
   views.forEach(view => { if (pausedAt === null) view.forget(); view.isDirty = true; });
 }
 

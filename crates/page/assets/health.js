@@ -1,11 +1,11 @@
-// What is wrong with a sensor, in words, and the numbers of the present reading.
+// The problems of a sensor, in words, and the numbers of the current reading.
 
 const HOLD_S = 4; // a flag is shown this long after it was last raised
 const SILENT_S = 1;
-// With one of these the values mean nothing; with the others some of them may be wrong.
+// With one of these flags all values are useless; with the others some of them may be wrong.
 const BAD = new Set(['lost', 'gel-misfit', 'no-texture', 'other-sensor']);
 
-/** The share of sorted values that the index stands for. */
+/** The quantile of sorted values below which this part of them lies. */
 export const quantile = (sorted, part) => (sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))] : null);
 
 const number = (value, digits) => (value == null || !Number.isFinite(value) ? '–' : value.toFixed(digits));
@@ -29,7 +29,7 @@ export function readouts(row, rate, delays) {
 export function sentences({ row, flagTimes, counts, now, isPast, words }) {
   const out = [];
   if (!row) out.push(['warn', 'no reading yet']);
-  else if (!isPast && counts?.is_ended) out.push(['bad', 'the source has ended; the values are the last ones']);
+  else if (!isPast && counts?.is_ended) out.push(['bad', 'the source has ended; these are the last values']);
   else if (!isPast && now - row.captured_s > SILENT_S) out.push(['bad', `no new reading for ${(now - row.captured_s).toFixed(0)} s; the values are old`]);
   for (const flag of row?.flags ?? []) out.push([BAD.has(flag) ? 'bad' : 'warn', words.get(flag) ?? flag]);
   if (!isPast) {
@@ -39,9 +39,9 @@ export function sentences({ row, flagTimes, counts, now, isPast, words }) {
   }
   if (out.length === 0) out.push(['good', 'no problem found']);
   if (counts && !isPast) {
-    const dropped = [[counts.dropped, 'because tracking was busy'], [counts.dropped_by_camera, 'by the camera'], [counts.damaged, 'because they were damaged']];
+    const dropped = [[counts.dropped, 'dropped because tracking was busy'], [counts.dropped_by_camera, 'dropped by the camera'], [counts.damaged, 'damaged']];
     const words = dropped.filter(([count]) => count > 0).map(([count, why]) => `${count} ${why}`);
-    if (words.length) out.push(['past', `frames left out so far: ${words.join(', ')}`]);
+    if (words.length) out.push(['past', `missing frames so far: ${words.join(', ')}`]);
     if (counts.restarts) out.push(['past', `the camera was started again ${counts.restarts} times`]);
   }
   return out;

@@ -1,7 +1,7 @@
 //! Decides which requests are answered.
 //!
-//! A web site that the user visits could make the browser send requests to this server. The browser then says so in
-//! `Origin`; such requests are refused. A name that the site lets point to this machine (DNS rebinding) stands in `Host`;
+//! A web site that the user visits could make the browser send requests to this server. Such requests name the site in
+//! `Origin` and are refused. If the site's own name resolves to this machine (DNS rebinding), this name is in `Host`;
 //! on a loopback address only names of this machine are accepted.
 
 use std::fmt::Write;
@@ -12,7 +12,7 @@ use crate::PageError;
 /// Bytes of a token.
 const TOKEN_BYTES: usize = 16;
 
-/// What a request must show.
+/// The conditions that a request must meet.
 #[derive(Debug, Clone)]
 pub(crate) struct Access {
     address: SocketAddr,
@@ -41,11 +41,11 @@ impl Refusal {
 }
 
 impl Access {
-    /// For a server at this address; makes a token if others can reach it.
+    /// The conditions for a server at this address; makes a token if other machines can reach it.
     ///
     /// # Errors
     ///
-    /// [`PageError::System`] if the system gives no random numbers.
+    /// [`PageError::System`] if the system provides no random numbers.
     pub(crate) fn new(address: SocketAddr) -> Result<Self, PageError> {
         let token = if address.ip().is_loopback() { None } else { Some(random_token()?) };
         Ok(Self { address, token })
@@ -61,7 +61,7 @@ impl Access {
         url
     }
 
-    /// Checks the headers of a request, and the token for what shows or does something.
+    /// Checks the headers and the token of a request that shows data or changes something.
     pub(crate) fn check(&self, host: Option<&str>, origin: Option<&str>, token: Option<&str>) -> Result<(), Refusal> {
         self.check_site(host, origin)?;
         match &self.token {

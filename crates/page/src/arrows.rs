@@ -6,14 +6,14 @@ use fingervision_touch::{Profile, Reading, TractionGrid};
 /// Arrows along the longer side.
 const MOST_ARROWS: usize = 16;
 
-/// Where the arrows of a sensor begin, and which cells of the grid of tractions belong to each.
+/// The positions of a sensor's arrows, and the cells of the traction grid that belong to each.
 #[derive(Debug)]
 pub(crate) struct ArrowGrid {
     columns: usize,
     rows: usize,
-    /// Pixels along each side of the area that an arrow stands for.
+    /// Side of the area that an arrow represents, px.
     pitch: usize,
-    /// For each cell of the grid of tractions, the arrow; none outside the picture.
+    /// For each cell of the traction grid, its arrow; none outside the picture.
     arrow_of_cell: Vec<Option<usize>>,
 }
 
@@ -62,7 +62,7 @@ impl ArrowGrid {
     }
 }
 
-/// The arrow that each cell of the grid of tractions belongs to.
+/// The arrow of each cell of the traction grid.
 fn cells(grid: &TractionGrid, camera: &Camera, pitch: usize, [columns, rows]: [usize; 2]) -> Vec<Option<usize>> {
     let centre_mm = |index: usize, count: usize| (index as f64 + 0.5 - 0.5 * count as f64) * grid.cell_mm;
     let arrow = |index: usize| {
@@ -75,7 +75,7 @@ fn cells(grid: &TractionGrid, camera: &Camera, pitch: usize, [columns, rows]: [u
     (0..grid.columns * grid.rows).map(arrow).collect()
 }
 
-/// Displacement along the surface, mm, or without one the flow, px; not a number where it is not valid.
+/// Displacement along the surface, mm, or if it is not computed the flow, px; not a number where it is not valid.
 fn displacement(reading: &Reading, x: usize, y: usize) -> [f32; 2] {
     if let (Some([along_x, along_y, _]), Some(deviation)) = (&reading.displacement, &reading.depth_deviation) {
         let is_valid = deviation.at(x, y).is_finite();

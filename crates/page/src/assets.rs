@@ -50,7 +50,7 @@ pub(crate) fn asset(path: &str) -> Option<&'static Asset> {
 mod tests {
     use super::*;
 
-    /// So that a page opens at once even over a slow network.
+    /// Largest sum of the files, bytes, so that the page opens quickly even over a slow network.
     const MOST_BYTES: usize = 300_000;
 
     #[test]

@@ -13,7 +13,7 @@ pub enum PageError {
         /// The address.
         address: SocketAddr,
     },
-    /// The address is not one of this machine, or the port may not be used.
+    /// The address is not one of this machine, or the program is not allowed to use the port.
     #[error("the page cannot be served at {address}: {error}")]
     Bind {
         /// The address.
@@ -21,7 +21,7 @@ pub enum PageError {
         /// The system's message.
         error: io::Error,
     },
-    /// The system gives no thread or no random numbers.
+    /// The system provides no thread or no random numbers.
     #[error("the page cannot be served: {reason}")]
     System {
         /// The system's message.

@@ -1,4 +1,4 @@
-//! The thread that takes messages of the sensors and turns them into those of the page.
+//! The thread that converts messages of the sensors into those of the page.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,14 +17,14 @@ use crate::wire;
 
 /// Time between two snapshots of a sensor.
 const FIELDS_EVERY: Duration = Duration::from_millis(33);
-/// Time between two pictures that have to be coded here, s.
+/// Time between two pictures that have to be encoded here, s.
 const PICTURE_EVERY_S: f64 = 0.1;
 /// How often counts and the state of the recording are sent.
 const STATE_S: f64 = 0.5;
 /// How long the thread waits for a message.
 const WAIT: Duration = Duration::from_millis(30);
 
-/// Turns messages into those of the page.
+/// Converts messages of the sensors into those of the page.
 pub(crate) struct Feed {
     subscription: Subscription,
     handles: Vec<SensorHandle>,
@@ -34,7 +34,7 @@ pub(crate) struct Feed {
     has_pages: bool,
 }
 
-/// What a sensor's fields need.
+/// The state for the fields of one sensor.
 #[derive(Default)]
 struct OneSensor {
     arrows: Option<ArrowGrid>,
@@ -78,7 +78,7 @@ struct SensorState {
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Text<'a> {
-    /// A list, so that several can be sent together.
+    /// A list, because several readings can be sent together.
     Readings([Row; 1]),
     Event {
         sensor: usize,
@@ -126,7 +126,7 @@ impl Feed {
         }
     }
 
-    /// Fields are wanted only while a page is open.
+    /// Requests fields only while a page is open.
     fn look_for_pages(&mut self) {
         let has_pages = self.shared.has_pages();
         if has_pages != self.has_pages {

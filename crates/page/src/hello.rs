@@ -1,10 +1,10 @@
-//! What a page has to know first.
+//! The first message to a page: the sensors and the flags.
 
 use fingervision_pipeline::SensorHandle;
 use fingervision_touch::Flag;
 use serde::Serialize;
 
-/// What a page has to know first.
+/// The first message to a page.
 #[derive(Debug, Serialize)]
 pub(crate) struct Hello {
     version: &'static str,
@@ -39,7 +39,7 @@ impl Hello {
 impl SensorHello {
     fn new(handle: &SensorHandle) -> Self {
         let (profile, frame_size) = (handle.profile(), handle.frame_size());
-        // The tracker was made with this region.
+        // The tracker accepted this region.
         let region = profile
             .region(frame_size)
             .map_or([0, 0, frame_size.0, frame_size.1], |region| [region.x, region.y, region.width, region.height]);

@@ -1,4 +1,4 @@
-//! Where the page is served, and what it may do.
+//! Options of the page: its address, and the actions that it offers.
 
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
@@ -6,22 +6,22 @@ use std::path::PathBuf;
 /// Where the page is served.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PageOptions {
-    /// The address to serve at. Other than a loopback address, it can be reached from other machines, with a token.
+    /// The address to serve at. If it is not a loopback address, other machines can open the page, with a token.
     pub address: IpAddr,
     /// The port; absent: 8090 or the next free one.
     pub port: Option<u16>,
 }
 
 impl Default for PageOptions {
-    /// For this machine alone.
+    /// The loopback address: only this machine can open the page.
     fn default() -> Self {
         Self { address: IpAddr::V4(Ipv4Addr::LOCALHOST), port: None }
     }
 }
 
-/// What the page asks the program for, besides readings.
+/// Actions of the program that the page can request.
 pub trait Actions: Send + Sync {
-    /// Begins a recording of all sensors, or ends it. Returns the file that is being written, if any.
+    /// Begins a recording of all sensors, or ends it. Returns the file that is then being written, if any.
     ///
     /// # Errors
     ///

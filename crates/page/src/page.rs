@@ -15,7 +15,7 @@ use crate::server;
 use crate::shared::Shared;
 use crate::{Actions, PageError, PageOptions};
 
-/// The port if none was asked for, and how many behind it are tried.
+/// The default port, and the number of ports that are tried from it on.
 const FIRST_PORT: u16 = 8090;
 const PORTS: u16 = 20;
 
@@ -61,7 +61,7 @@ impl Page {
         self.shared.access.url()
     }
 
-    /// Stops serving. Pages that are open say so.
+    /// Stops serving. Open pages show this.
     pub fn stop(mut self) {
         self.end();
     }

@@ -1,4 +1,4 @@
-//! The camera's image as JPEG: the camera's own bytes where it sends JPEG, otherwise coded here.
+//! The camera's image as JPEG: the camera's own bytes if it sends JPEG, otherwise encoded here.
 
 use fingervision_image::Pixels;
 use fingervision_source::{CameraCoding, CameraFrameDecoder, CameraLayout, EncodedFrame};
@@ -6,12 +6,12 @@ use jpeg_encoder::{ColorType, Encoder};
 
 use crate::wire::Picture;
 
-/// Good enough to look at.
+/// The JPEG quality, enough for viewing.
 const QUALITY: u8 = 75;
-/// Larger pictures are halved before they are coded, which takes a quarter of the time.
+/// Larger pictures are reduced to half their width and height, so that encoding takes a quarter of the time.
 const MOST_COLUMNS: usize = 400;
 
-/// Codes the pictures of one sensor; owns its scratch.
+/// Encodes the pictures of one sensor; owns its scratch memory.
 #[derive(Default)]
 pub(crate) struct PictureCoder {
     decoder: Option<(CameraLayout, CameraFrameDecoder)>,
@@ -20,9 +20,9 @@ pub(crate) struct PictureCoder {
 }
 
 impl PictureCoder {
-    /// The picture of a frame; empty if it cannot be decoded or coded.
+    /// The picture of a frame; empty if it cannot be decoded or encoded.
     pub(crate) fn code<'a>(&'a mut self, frame: &'a EncodedFrame) -> Picture<'a> {
-        // Without its Huffman tables, as many cameras send it, no browser can decode a picture.
+        // Many cameras leave out the Huffman tables; browsers cannot decode such pictures.
         if frame.layout.coding == CameraCoding::MotionJpeg && has_huffman_tables(&frame.bytes) {
             return Picture { jpeg: &frame.bytes, is_whole_frame: true };
         }

@@ -22,16 +22,16 @@ use crate::assets::asset;
 use crate::hello::Hello;
 use crate::shared::{OpenPage, Shared};
 
-/// A browser that takes nothing for so long is gone.
+/// A connection is closed if the browser accepts nothing for this time.
 const LONGEST_SEND: Duration = Duration::from_secs(10);
 /// The longest request of a page, bytes.
 const LONGEST_REQUEST: usize = 1024;
 
-/// What a page asks for.
+/// The requests of a page.
 #[derive(Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 enum Request {
-    /// The next frame of this sensor becomes the reference.
+    /// Re-zero: the next frame of this sensor becomes the reference.
     Rezero(usize),
     /// Begin or end a recording.
     Record(bool),
@@ -65,13 +65,13 @@ pub(crate) fn prepare(listener: TcpListener, shared: Arc<Shared>) -> io::Result<
 }
 
 impl Serving {
-    /// Serves until `ended` comes; open connections are then closed.
+    /// Serves until `ended` is received; open connections are then closed.
     pub(crate) fn run(self, ended: oneshot::Receiver<()>) {
         let Self { runtime, listener, shared } = self;
         let router = Router::new().route("/ws", get(open_socket)).fallback(get(file)).with_state(shared);
         runtime.block_on(async {
             tokio::select! {
-                // The server only ends with an error of the system; pages then show that it is gone.
+                // Only an error of the system ends the server early; pages then show that it cannot be reached.
                 _ = axum::serve(listener, router) => {}
                 _ = ended => {}
             }
@@ -94,7 +94,7 @@ async fn file(State(shared): State<Arc<Shared>>, headers: HeaderMap, uri: Uri) -
         return (StatusCode::FORBIDDEN, refusal.sentence()).into_response();
     }
     let Some(asset) = asset(uri.path()) else { return StatusCode::NOT_FOUND.into_response() };
-    // The page loads nothing from elsewhere, and no other page may show it in a frame.
+    // The page loads nothing from other servers, and no other page may show it in a frame.
     let policy =
         "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'";
     let headers = [
@@ -152,7 +152,7 @@ async fn talk(mut socket: WebSocket, shared: Arc<Shared>) {
     }
 }
 
-/// Sends a message; none if the page is gone.
+/// Sends a message; `None` if the connection is closed.
 async fn send(socket: &mut WebSocket, message: Message) -> Option<()> {
     timeout(LONGEST_SEND, socket.send(message)).await.ok()?.ok()
 }
@@ -178,7 +178,7 @@ async fn respond(shared: &Arc<Shared>, text: &str) -> Option<Message> {
         },
         Request::Record(on) => {
             let actions = Arc::clone(&shared.actions);
-            // It may wait for the disk.
+            // This may wait for the disk.
             let done = tokio::task::spawn_blocking(move || actions.set_recording(on)).await;
             match done {
                 Ok(Ok(_)) => None,

@@ -1,4 +1,4 @@
-//! What the server and the feed share.
+//! The state that the server and the feed share.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -12,11 +12,11 @@ use crate::Actions;
 use crate::access::Access;
 use crate::hello::Hello;
 
-/// Texts and fields that a slow browser may be behind. Then it misses the oldest.
+/// Messages that may wait for a slow browser: texts, then fields. Beyond that the oldest are dropped.
 const TEXTS: usize = 64;
 const FIELDS: usize = 8;
 
-/// What the server and the feed share.
+/// The state that the server and the feed share.
 pub(crate) struct Shared {
     pub(crate) access: Access,
     pub(crate) hello: Hello,
@@ -48,12 +48,12 @@ impl Shared {
     }
 
     pub(crate) fn send_text(&self, text: Utf8Bytes) {
-        // Without a page nobody listens.
+        // Without an open page there are no receivers.
         let _ = self.texts.send(text);
     }
 
     pub(crate) fn send_fields(&self, fields: Bytes) {
-        // Without a page nobody listens.
+        // Without an open page there are no receivers.
         let _ = self.fields.send(fields);
     }
 }

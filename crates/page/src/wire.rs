@@ -1,4 +1,4 @@
-//! The binary message with the fields of one reading. Numbers have the low byte first.
+//! The binary message with the fields of one reading. Numbers are little-endian.
 //!
 //! | bytes | type | meaning |
 //! | --- | --- | --- |
@@ -26,20 +26,20 @@ use crate::arrows::ArrowGrid;
 const FIELDS: u32 = 1;
 /// The most columns of a field that is sent.
 const MOST_COLUMNS: usize = 256;
-/// Steps of depth and of displacement: finer than the noise, and 32,767 of them are more than any gel.
+/// Steps of depth and of displacement: smaller than the noise, and 32,767 of them exceed the values of any gel.
 const DEPTH_STEP_MM: f32 = 0.001;
 const FLOW_STEP_PX: f32 = 0.01;
 /// Marks a cell without a valid value.
 const NOT_VALID: i16 = i16::MIN;
 
-/// A picture that goes with the fields.
+/// The picture that is sent with the fields.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Picture<'a> {
     pub(crate) jpeg: &'a [u8],
     pub(crate) is_whole_frame: bool,
 }
 
-/// How many pixels along each side become one cell.
+/// Side of the block of pixels that becomes one cell, px.
 pub(crate) fn block(width: usize) -> usize {
     width.div_ceil(MOST_COLUMNS).max(1)
 }
@@ -95,7 +95,7 @@ fn contact(contact: Option<&Image<u8>>, left: usize, top: usize, block: usize) -
     u8::from(2 * touched >= block * block)
 }
 
-/// The field that the map shows: depth, or without one the length of the displacement.
+/// The field that the map shows: depth, or if it is not computed the length of the displacement.
 struct Field<'a> {
     reading: &'a Reading,
     depth: Option<&'a Image<f32>>,

@@ -13,7 +13,7 @@ use crate::queue::Queue;
 use crate::sensor::SensorHandle;
 use crate::{Input, Message, host_time_s};
 
-/// Frames that may be held by subscribers. A recorder of 90 frames/s may fall behind by two seconds.
+/// Frames that subscribers may hold. At 90 frames/s a recorder may be two seconds late.
 const MOST_FRAMES: usize = 192;
 
 /// Captures until the source ends or the sensor is stopped.
@@ -41,7 +41,7 @@ impl Capture {
     fn step(&mut self, pool: &mut Pool<EncodedFrame>) -> bool {
         let wait = self.input.patience();
         let Some(slot) = pool.free(EncodedFrame::empty) else {
-            // Subscribers hold every frame: the frame that comes now is dropped.
+            // Subscribers hold all frames of the pool: the next frame is dropped.
             self.handle.shared.count(|counts| counts.dropped += 1);
             let mut unused = EncodedFrame::empty();
             return !matches!(self.input.next(wait, &mut unused), Next::End(_));
@@ -75,7 +75,7 @@ impl Capture {
         self.hub.publish(&Message::Frame { sensor: self.index, frame, captured_s });
     }
 
-    /// Counts a frame for which another one may have been dropped.
+    /// Counts a frame, and the older one that was dropped for it, if any.
     fn count(&self, dropped: bool) {
         let camera = self.input.camera_counts();
         self.handle.shared.count(|counts| {

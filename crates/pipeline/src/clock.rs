@@ -1,4 +1,4 @@
-//! The host's monotonic clock, which V4L2 drivers use for their time stamps, too.
+//! The host's monotonic clock, which most V4L2 drivers also use for their time stamps.
 
 use rustix::time::{ClockId, clock_gettime};
 
@@ -12,8 +12,8 @@ pub fn host_time_s() -> f64 {
 /// A time stamp counts as one of this clock if it is at most this old, s.
 const OLDEST_STAMP_S: f64 = 10.0;
 
-/// When a frame with this time stamp was captured, for a frame that arrives now. Stamps of another clock tell nothing: then
-/// it is now.
+/// When a frame that has just arrived was captured, from its time stamp. If the time stamp belongs to another clock,
+/// the present time is used.
 pub(crate) fn captured_s(stamp_s: f64) -> f64 {
     let now = host_time_s();
     if (0.0..OLDEST_STAMP_S).contains(&(now - stamp_s)) { stamp_s } else { now }

@@ -17,15 +17,15 @@ pub enum PipelineError {
     /// The profile does not fit the frames.
     #[error(transparent)]
     Track(#[from] TrackError),
-    /// No frame came that can be decoded.
+    /// No frame arrived that can be decoded.
     #[error("{sensor}: no usable frame: {reason}")]
     NoFrame {
         /// The sensor's name.
         sensor: String,
-        /// What came instead.
+        /// The reason.
         reason: String,
     },
-    /// The system gives no thread.
+    /// A thread cannot be started.
     #[error("a thread for {sensor} cannot be started: {error}")]
     Thread {
         /// The sensor's name.

@@ -1,4 +1,4 @@
-//! Hands messages to all subscribers.
+//! Sends messages to all subscribers.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -35,7 +35,7 @@ impl Hub {
         Subscription::new(subscriber)
     }
 
-    /// Hands a message to everybody who wants it. Those who left are forgotten.
+    /// Sends a message to all subscribers that requested it, and removes those whose subscription was dropped.
     pub(crate) fn publish(&self, message: &Message) {
         let mut state = self.lock();
         state.subscribers.retain(|subscriber| Arc::strong_count(subscriber) > 1);
@@ -52,14 +52,15 @@ impl Hub {
         }
     }
 
-    /// Hands out a snapshot of a sensor's reading if one is due for somebody; `take` makes it, or cannot.
+    /// Sends a snapshot of a sensor's reading if one is due for a subscriber. `take` makes the snapshot, or returns
+    /// `None` if it cannot.
     pub(crate) fn publish_fields(&self, sensor: usize, now_s: f64, take: impl FnOnce() -> Option<Message>) {
-        // Not `any`: each subscriber has a time of its own.
+        // Not `any`: `is_due` updates the time of each subscriber.
         let due = self.lock().subscribers.iter().filter(|subscriber| subscriber.is_due(sensor, now_s)).count();
         if due == 0 {
             return;
         }
-        // The copy is made without the lock, which other sensors need.
+        // The copy is made while the lock is free, because other sensors need it.
         let Some(message) = take() else { return };
         for subscriber in self.lock().subscribers.iter().filter(|subscriber| subscriber.take_due(sensor)) {
             drop(subscriber.queue.push(message.clone()));

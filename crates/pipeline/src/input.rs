@@ -1,4 +1,4 @@
-//! Where a sensor's frames come from.
+//! The origin of a sensor's frames: a camera or a source.
 
 use std::time::{Duration, Instant};
 
@@ -9,22 +9,22 @@ use fingervision_source::{EncodedFrame, Source};
 use crate::clock::captured_s;
 use crate::{PipelineError, host_time_s};
 
-/// A camera is silent if it sends nothing for so many periods, within these limits: an exposure may take longer than a
-/// period.
+/// A camera is started again if it sends nothing for this number of frame periods, within these limits: an exposure may
+/// take longer than a period.
 const PERIODS: f64 = 20.0;
 const LEAST_PATIENCE: Duration = Duration::from_secs(1);
 const MOST_PATIENCE: Duration = Duration::from_secs(10);
 
-/// How fast frames that exist already are handed out.
+/// How fast the frames of a file or a simulation are delivered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
-    /// At their recorded times. If tracking is too slow, frames are dropped, as a camera's are.
+    /// At their recorded times. If tracking is too slow, frames are dropped, as with a camera.
     Recorded,
     /// As fast as they are tracked; no frame is dropped.
     Lossless,
 }
 
-/// A camera, or frames that exist already.
+/// A camera, or a source of recorded or simulated frames.
 pub struct Input {
     kind: Kind,
     pace: Pace,
@@ -35,15 +35,15 @@ enum Kind {
     Source(Box<Player>),
 }
 
-/// What comes next.
+/// The next item of an input.
 pub(crate) enum Next {
-    /// A frame was written, which was captured at this time.
+    /// A frame was written. It was captured at this time.
     Frame { captured_s: f64 },
-    /// Something happened.
+    /// An event, as a sentence.
     Event(String),
-    /// Nothing yet.
+    /// No frame yet.
     Nothing,
-    /// The end, and why it came early.
+    /// The end, with the error if it came early.
     End(Option<PipelineError>),
 }
 
@@ -60,7 +60,7 @@ impl Input {
         Self { kind: Kind::Source(Box::new(Player { source, start: None, waiting: None })), pace }
     }
 
-    /// How long the next frame is waited for; a camera that sends nothing for so long is started again. A stop takes up
+    /// Time to wait for the next frame; a camera that sends nothing for this time is started again. Stopping takes up
     /// to this time.
     pub(crate) fn patience(&self) -> Duration {
         let period_s = match &self.kind {
@@ -120,12 +120,12 @@ fn next_of_camera(camera: &mut Camera, wait: Duration, frame: &mut EncodedFrame)
     }
 }
 
-/// Hands out the frames of a source at their times.
+/// Delivers the frames of a source at their times.
 struct Player {
     source: Box<dyn Source>,
-    /// When the first frame was handed out, and its recorded time.
+    /// When the first frame was delivered, and its recorded time.
     start: Option<(Instant, f64)>,
-    /// A frame whose time has not come.
+    /// A frame that is not due yet.
     waiting: Option<Frame>,
 }
 

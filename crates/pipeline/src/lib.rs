@@ -1,16 +1,16 @@
-//! Sensors live: threads that capture and track, and hand their results to whoever subscribes.
+//! Live sensors: threads that capture and track, and send their results to subscribers.
 //!
-//! Every sensor has two threads. One *captures*: it takes frames from a camera as they come, or from a file or a
+//! Every sensor has two threads. One *captures*: it takes frames from a camera as they arrive, or from a file or a
 //! simulation at their recorded times. The other one decodes and *tracks* them, with the same tracker as offline, so
-//! the same frames give the same bits.
+//! the same frames give the same readings, bit for bit.
 //!
-//! Between them is a queue of two frames. If tracking is slower than the camera, the oldest frame is dropped and counted,
-//! and the next reading is flagged `dropped`: a reading is late by at most the time of two frames, never by more and more.
-//! Recordings may also be tracked without loss ([`Pace::Lossless`]); then capture waits.
+//! Between them is a queue of two frames. If tracking is slower than the camera, the oldest frame is dropped and
+//! counted, and the next reading is flagged `dropped`. So a frame waits for at most two others, and the delay does not
+//! grow. Files and simulations can also be tracked without loss ([`Pace::Lossless`]); capture then waits for tracking.
 //!
-//! Whoever [subscribes](Pipeline::subscribe) gets frames as they were captured, numbers of readings, and whole readings
-//! at a limited rate, through a queue of its own. A slow subscriber loses the oldest messages, which are counted, and
-//! slows nothing. Fields are copied only for those who asked for them, and all memory is used again.
+//! A [subscriber](Pipeline::subscribe) gets captured frames, the numbers of readings, and whole readings at a limited
+//! rate, through its own queue. A slow subscriber loses its oldest messages, which are counted; it does not slow down
+//! capture or tracking. Fields are copied only for subscribers that request them, and all memory is reused.
 //!
 //! Times are seconds of the host's monotonic clock ([`host_time_s`]), the same for all sensors and for the time stamps of
 //! V4L2 cameras.

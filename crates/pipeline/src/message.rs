@@ -1,4 +1,4 @@
-//! What subscribers get.
+//! The messages to subscribers.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -6,7 +6,7 @@ use std::time::Duration;
 use fingervision_source::EncodedFrame;
 use fingervision_touch::{Reading, ReadingNumbers};
 
-/// Something that a sensor did. Times are those of [`host_time_s`](crate::host_time_s).
+/// A message from a sensor. Times are those of [`host_time_s`](crate::host_time_s).
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub enum Message {
@@ -14,7 +14,7 @@ pub enum Message {
     Frame {
         /// The sensor's index.
         sensor: usize,
-        /// The frame as it came.
+        /// The frame as the camera or the source delivered it.
         frame: Arc<EncodedFrame>,
         /// When it was captured.
         captured_s: f64,
@@ -30,7 +30,7 @@ pub enum Message {
         /// When the reading was ready.
         ready_s: f64,
     },
-    /// The whole reading, after its [`Message::Reading`]; at the rate that the subscriber asked for.
+    /// The whole reading, after its [`Message::Reading`]; at the rate that the subscriber requested.
     Fields {
         /// The sensor's index.
         sensor: usize,
@@ -46,7 +46,7 @@ pub enum Message {
         /// The sentence, without a full stop.
         text: String,
     },
-    /// The sensor has ended; nothing more comes from it.
+    /// The sensor has ended; this is its last message.
     End {
         /// The sensor's index.
         sensor: usize,
@@ -67,14 +67,15 @@ pub struct Snapshot {
     pub ready_s: f64,
 }
 
-/// What a subscriber wants.
+/// The messages that a subscriber requests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Interest {
     /// The captured frames.
     pub frames: bool,
-    /// Whole readings, at most one of each sensor in this time; zero: all of them. `None`: only their numbers.
+    /// The shortest time between two whole readings of a sensor; zero: every reading. `None`: only the numbers of
+    /// readings.
     pub fields_every: Option<Duration>,
-    /// Messages that may wait; the oldest goes if one more comes.
+    /// Capacity of the queue; if it is full, the oldest message is dropped.
     pub capacity: usize,
 }
 

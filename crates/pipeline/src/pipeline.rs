@@ -11,10 +11,11 @@ use crate::queue::{OnFull, Queue};
 use crate::track::Track;
 use crate::{Interest, Pace, PipelineError, Sensor, SensorHandle, Subscription, Subscriptions};
 
-/// Frames that may wait for the tracker. With one, a frame that comes just before the tracker is ready would be lost.
+/// Frames that may wait for the tracker. With one, a frame that arrives just before the tracker is ready would replace
+/// another one.
 const WAITING_FRAMES: usize = 2;
 
-/// Sensors that have not started yet: whoever subscribes now misses nothing.
+/// Sensors that have not started yet. A subscriber that is made before the start gets all messages.
 pub struct Pipeline {
     sensors: Vec<Sensor>,
     hub: Arc<Hub>,
@@ -30,7 +31,7 @@ pub struct Running {
 }
 
 impl Pipeline {
-    /// For these sensors, which have the indices 0, 1, ….
+    /// A pipeline of these sensors, which get the indices 0, 1, ….
     #[must_use]
     pub fn prepare(sensors: Vec<Sensor>) -> Self {
         let hub = Arc::new(Hub::new(sensors.len()));
@@ -49,8 +50,8 @@ impl Pipeline {
         self.hub.subscribe(interest, OnFull::DropOldest)
     }
 
-    /// A new subscriber that loses nothing: while its queue is full, all sensors wait. For sources of
-    /// [`Pace::Lossless`] only; a camera does not wait.
+    /// A new subscriber that loses no message: while its queue is full, all sensors wait. Only for sources with
+    /// [`Pace::Lossless`], because a camera does not wait.
     #[must_use]
     pub fn subscribe_lossless(&self, interest: Interest) -> Subscription {
         self.hub.subscribe(interest, OnFull::Wait)
@@ -60,7 +61,7 @@ impl Pipeline {
     ///
     /// # Errors
     ///
-    /// [`PipelineError::Thread`] if the system gives no thread; those that run already are stopped.
+    /// [`PipelineError::Thread`] if a thread cannot be started; those that run already are stopped.
     pub fn start(self) -> Result<Running, PipelineError> {
         let handles = self.handles();
         let is_stopped = Arc::new(AtomicBool::new(false));
@@ -80,13 +81,13 @@ impl Running {
         &self.handles
     }
 
-    /// A new subscriber, from now on.
+    /// A new subscriber; it gets the messages that follow.
     #[must_use]
     pub fn subscribe(&self, interest: Interest) -> Subscription {
         self.hub.subscribe(interest, OnFull::DropOldest)
     }
 
-    /// Where new subscribers come from while the sensors run.
+    /// A handle that makes subscriptions while the sensors run.
     #[must_use]
     pub fn subscriptions(&self) -> Subscriptions {
         Subscriptions::new(Arc::clone(&self.hub))
@@ -116,7 +117,7 @@ impl Running {
         let [track_name, capture_name] = names;
         self.threads.push(thread::Builder::new().name(track_name).spawn(|| track.run())?);
         let capturing = thread::Builder::new().name(capture_name).spawn(|| capture.run());
-        // Without capture, tracking must end, too.
+        // If capture cannot start, tracking must end, too.
         self.threads.push(capturing.inspect_err(|_| queue.close())?);
         Ok(())
     }
@@ -124,7 +125,7 @@ impl Running {
     fn end(&mut self) {
         self.is_stopped.store(true, Ordering::Release);
         for thread in self.threads.drain(..) {
-            // A thread that panicked has ended and has told so.
+            // A thread that panicked has ended, and its end was published.
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! Values that are shared and then used again, so that nothing is allocated for each frame.
+//! Values that are shared and then reused, so that no frame allocates memory.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ impl<T> Pool<T> {
         Self { items: Vec::with_capacity(limit), limit }
     }
 
-    /// A value that nobody uses, to be filled and then shared; `make` gives new ones up to the limit. None if all are in
+    /// An unused value, to be filled and then shared; `make` creates new ones up to the limit. `None` if all are in
     /// use.
     pub(crate) fn free(&mut self, make: impl FnOnce() -> T) -> Option<&mut Arc<T>> {
         let free = self.items.iter_mut().position(|item| Arc::get_mut(item).is_some());

@@ -4,16 +4,16 @@ use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What happens if an item comes and the queue is full.
+/// What happens to a new item if the queue is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum OnFull {
-    /// The oldest item goes.
+    /// The oldest item is dropped.
     DropOldest,
     /// The sender waits.
     Wait,
 }
 
-/// A queue that never grows.
+/// A queue with a fixed capacity.
 #[derive(Debug)]
 pub(crate) struct Queue<T> {
     state: Mutex<State<T>>,
@@ -36,7 +36,7 @@ impl<T> Queue<T> {
         Self { state: Mutex::new(state), changed: Condvar::new(), capacity, on_full }
     }
 
-    /// Appends an item; returns the item that had to go for it.
+    /// Appends an item; returns the item that was dropped for it.
     pub(crate) fn push(&self, item: T) -> Option<T> {
         let mut state = self.lock();
         while state.items.len() >= self.capacity && self.on_full == OnFull::Wait && !state.is_closed {
@@ -68,7 +68,7 @@ impl<T> Queue<T> {
         }
     }
 
-    /// Takes nothing more; what is in it can still be read.
+    /// Accepts no more items; those in the queue can still be read.
     pub(crate) fn close(&self) {
         self.lock().is_closed = true;
         self.changed.notify_all();
@@ -80,12 +80,12 @@ impl<T> Queue<T> {
         state.is_closed && state.items.is_empty()
     }
 
-    /// Items that had to go.
+    /// Number of items that were dropped.
     pub(crate) fn lost(&self) -> u64 {
         self.lock().lost
     }
 
-    /// A thread that panicked leaves a consistent state: no call is interrupted half-way.
+    /// A thread that panicked leaves a consistent state, because no call panics between its changes.
     fn lock(&self) -> MutexGuard<'_, State<T>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,4 +1,4 @@
-//! One sensor: where its frames come from, its profile and its tracker.
+//! One sensor: its input, its profile and its tracker.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -12,14 +12,14 @@ use crate::input::Next;
 use crate::shared::Shared;
 use crate::{Input, PipelineError, SensorCounts};
 
-/// How long the first frame may take.
+/// Longest time for one attempt to get the first frame.
 const FIRST_FRAME: Duration = Duration::from_secs(5);
-/// No further frame is waited for after this time.
+/// After this time without a usable frame no further attempt is made.
 const LONGEST_START: Duration = Duration::from_secs(10);
-/// Frames that may fail to decode before the first one that does: a camera's first frames are often cut off.
+/// Largest number of attempts to get the first usable frame: a camera's first frames are often cut off.
 const MOST_DAMAGED: usize = 10;
 
-/// A sensor that is ready to start: its first frame has come, and its profile fits it.
+/// A sensor that is ready to start: its first frame has arrived, and its profile fits this frame.
 pub struct Sensor {
     pub(crate) input: Input,
     pub(crate) tracker: Tracker,
@@ -29,7 +29,7 @@ pub struct Sensor {
     pub(crate) handle: SensorHandle,
 }
 
-/// What is known of a running sensor, and what it can be asked for. Clones are the same sensor.
+/// A handle of a running sensor: its properties, its counts and requests to it. Clones refer to the same sensor.
 #[derive(Debug, Clone)]
 pub struct SensorHandle {
     name: Arc<str>,
@@ -75,7 +75,7 @@ impl Sensor {
                 Err(reason) => failure = Some(reason),
             }
         }
-        let reason = failure.unwrap_or_else(|| "nothing came".into());
+        let reason = failure.unwrap_or_else(|| "none arrived".into());
         Err(PipelineError::NoFrame { sensor: name.into(), reason })
     }
 
@@ -116,13 +116,13 @@ impl SensorHandle {
         &self.name
     }
 
-    /// One line on where its frames come from.
+    /// One line that describes the source of its frames.
     #[must_use]
     pub fn description(&self) -> &str {
         &self.description
     }
 
-    /// The profile in force.
+    /// The profile in use.
     #[must_use]
     pub fn profile(&self) -> &Profile {
         &self.profile
@@ -146,7 +146,7 @@ impl SensorHandle {
         self.frame_size
     }
 
-    /// What happened to its frames so far.
+    /// Counts of its frames so far.
     #[must_use]
     pub fn counts(&self) -> SensorCounts {
         self.shared.counts()

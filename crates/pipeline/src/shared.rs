@@ -1,11 +1,11 @@
-//! What a sensor's threads and its handles share.
+//! The state that a sensor's threads and its handles share.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use fingervision_camera::Counts;
 
-/// What happened to the frames of a sensor so far.
+/// Counts of a sensor's frames so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct SensorCounts {
@@ -13,7 +13,7 @@ pub struct SensorCounts {
     pub captured: u64,
     /// Frames that were tracked.
     pub tracked: u64,
-    /// Frames that came while tracking was busy, and were dropped for newer ones.
+    /// Frames that were dropped for newer ones, because tracking was busy.
     pub dropped: u64,
     /// Frames that could not be decoded or tracked.
     pub damaged: u64,

@@ -10,7 +10,7 @@ use crate::{Interest, Message};
 /// No fields are wanted.
 const NEVER: u64 = u64::MAX;
 
-/// What a subscriber and the sensors share.
+/// The state that a subscriber and the sensors share.
 #[derive(Debug)]
 pub(crate) struct Subscriber {
     pub(crate) queue: Queue<Message>,
@@ -19,7 +19,7 @@ pub(crate) struct Subscriber {
     fields_every_ns: AtomicU64,
     /// Bits of the time at which the next snapshot of each sensor is due, s.
     due_s: Vec<AtomicU64>,
-    /// Whether a snapshot of each sensor is due and has not come.
+    /// Whether a snapshot of each sensor is due and was not sent yet.
     is_due: Vec<AtomicBool>,
 }
 
@@ -50,7 +50,7 @@ impl Subscriber {
         }
         if now_s >= due_s {
             let every_s = 1e-9 * every_ns as f64;
-            // On average the rate is kept, although frames come at times of their own.
+            // The requested rate holds on average, although frames do not arrive at the due times.
             let next_s = if now_s - due_s < every_s { due_s + every_s } else { now_s + every_s };
             self.due_s[sensor].store(next_s.to_bits(), Ordering::Relaxed);
             self.is_due[sensor].store(true, Ordering::Relaxed);
@@ -58,13 +58,13 @@ impl Subscriber {
         self.is_due[sensor].load(Ordering::Relaxed)
     }
 
-    /// Whether a snapshot was due, which now comes.
+    /// Whether a snapshot was due; it counts as sent afterwards.
     pub(crate) fn take_due(&self, sensor: usize) -> bool {
         self.is_due[sensor].swap(false, Ordering::Relaxed)
     }
 }
 
-/// Receives what sensors do, in order.
+/// Receives the messages of the sensors, in order.
 #[derive(Debug)]
 pub struct Subscription {
     subscriber: Arc<Subscriber>,
@@ -93,7 +93,7 @@ impl Subscription {
         self.subscriber.queue.lost()
     }
 
-    /// From now on whole readings come at this rate; as [`Interest::fields_every`].
+    /// Changes the rate of whole readings; see [`Interest::fields_every`].
     pub fn set_fields_every(&self, every: Option<Duration>) {
         self.subscriber.set_fields_every(every);
     }

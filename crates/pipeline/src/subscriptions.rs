@@ -1,4 +1,4 @@
-//! Where new subscribers come from while sensors run.
+//! Makes subscriptions while sensors run.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use crate::hub::Hub;
 use crate::queue::OnFull;
 use crate::{Interest, Message, Subscription, host_time_s};
 
-/// Makes subscriptions, and tells subscribers what others do. Clones belong to the same sensors.
+/// Makes subscriptions, and publishes events of other parts of the program. Clones belong to the same sensors.
 #[derive(Debug, Clone)]
 pub struct Subscriptions {
     hub: Arc<Hub>,
@@ -17,13 +17,13 @@ impl Subscriptions {
         Self { hub }
     }
 
-    /// A new subscriber, from now on.
+    /// A new subscriber; it gets the messages that follow.
     #[must_use]
     pub fn subscribe(&self, interest: Interest) -> Subscription {
         self.hub.subscribe(interest, OnFull::DropOldest)
     }
 
-    /// Hands a sentence to all subscribers, as an event of this sensor.
+    /// Sends a sentence to all subscribers, as an event of this sensor.
     pub fn announce(&self, sensor: usize, text: impl Into<String>) {
         self.hub.publish(&Message::Event { sensor, host_time_s: host_time_s(), text: text.into() });
     }

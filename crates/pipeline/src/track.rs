@@ -13,7 +13,7 @@ use crate::queue::Queue;
 use crate::sensor::{SensorHandle, frame_of};
 use crate::{Message, Snapshot, host_time_s};
 
-/// How often the thread looks whether its queue was closed.
+/// How often the thread checks whether its queue was closed.
 const WAIT: Duration = Duration::from_secs(1);
 /// Snapshots that may be in use at the same time.
 const MOST_SNAPSHOTS: usize = 4;
@@ -25,11 +25,11 @@ pub(crate) struct Track {
     pub(crate) decoder: CameraFrameDecoder,
     pub(crate) layout: CameraLayout,
     pub(crate) handle: SensorHandle,
-    /// The reference: it must not be dropped.
+    /// The first frame, which is the reference: it must not be dropped.
     pub(crate) first: Captured,
     pub(crate) hub: Arc<Hub>,
     pub(crate) queue: Arc<Queue<Captured>>,
-    /// A new reference was asked for, and no frame has been tracked since.
+    /// A new reference was requested, and no frame has been tracked since.
     pub(crate) is_rezeroing: bool,
 }
 
@@ -56,7 +56,7 @@ impl Track {
 
     fn track(&mut self, frame: &EncodedFrame) -> Result<ReadingNumbers, String> {
         if frame.layout != self.layout {
-            // The camera was opened again and has another mode: the tracker refuses another size.
+            // The camera was opened again and may have another mode; the tracker refuses frames of another size.
             (self.layout, self.decoder) = (frame.layout, CameraFrameDecoder::new(frame.layout));
         }
         let pixels = self.decoder.decode(&frame.bytes)?;
@@ -100,7 +100,7 @@ impl Track {
     }
 }
 
-/// Tells everybody that the sensor has ended, whatever ended it.
+/// Tells all subscribers that the sensor has ended, also after a panic.
 struct End {
     index: usize,
     handle: SensorHandle,
@@ -110,7 +110,7 @@ struct End {
 
 impl Drop for End {
     fn drop(&mut self) {
-        // Capture must not wait for a tracker that is gone.
+        // Capture must not wait for a tracker that has ended.
         self.queue.close();
         self.handle.shared.end();
         self.hub.publish(&Message::End { sensor: self.index });

@@ -17,7 +17,7 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// The border of what is not 0.
+    /// The border of the pixels that are not 0.
     #[must_use]
     pub fn of(mask: &Image<u8>) -> Self {
         let (width, height) = mask.size();

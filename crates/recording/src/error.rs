@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// The file cannot be written further: the disk is full, or gone. What was written before can be read.
+    /// The file cannot be written: the disk is full or was removed. What was written before can be read.
     #[error("{}: cannot be written: {error}", path.display())]
     Write {
         /// The file.
@@ -23,12 +23,12 @@ pub enum RecordingError {
         /// The system's message.
         error: io::Error,
     },
-    /// The file is something else, or ends before its first record.
+    /// The file is not a recording, or it ends before its first record.
     #[error("{}: not a recording: {reason}", path.display())]
     NotARecording {
         /// The file.
         path: PathBuf,
-        /// What is missing or wrong.
+        /// The reason.
         reason: String,
     },
     /// The recording has no such sensor, or several of which one must be named.

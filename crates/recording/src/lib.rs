@@ -1,12 +1,13 @@
-//! Recordings: what sensors saw and what was computed, in MCAP files.
+//! Recordings: the frames of sensors and their readings, in MCAP files.
 //!
-//! A recording contains, for each sensor, every frame bit by bit as it came, its number and time, the readings, the
-//! events and the profile. Tracking it gives the same fields as tracking the source did. Programs for robots' data show
-//! it: pictures, points, camera and events have Foxglove's schemas, and every schema is in the file.
+//! A recording contains, for each sensor, every frame bit for bit, its number and time, the readings, the events and
+//! the profile. Tracking a recording gives the same fields as tracking the source. Programs for robot data can show it:
+//! pictures, points, camera and events have Foxglove's schemas, and every schema is in the file.
 //!
-//! - [`RecordingWriter`] writes a file, only ever at its end: a program that is killed loses less than a second.
-//! - [`RecorderThread`] does so for sensors of a pipeline, from a subscription.
-//! - [`Recording`] opens a file, closed or cut off; [`RecordingSource`] provides the frames of a sensor.
+//! - [`RecordingWriter`] writes a file and only appends to it: if the program is killed, less than the last second is
+//!   missing.
+//! - [`RecorderThread`] records the sensors of a pipeline, from a subscription.
+//! - [`Recording`] opens a file, complete or cut off; [`RecordingSource`] provides the frames of a sensor.
 //!
 //! ```no_run
 //! use fingervision_recording::{Recording, RecordingSource};

@@ -1,8 +1,8 @@
-//! Stores the bytes of a frame without loss: as they are, or as a lossless `WebP` picture of its planes.
+//! Stores the bytes of a frame without loss: unchanged, or as a lossless `WebP` picture of its planes.
 //!
-//! A picture format predicts each value from those around it, so the bytes are arranged as pictures of values of the
-//! same kind: luma above both chromas, high bytes above low bytes. Frames with padding between their rows, which few
-//! cameras send, and frames that do not become smaller are stored as they are.
+//! A picture format predicts each value from its neighbours, so the bytes are arranged in planes of values of the same
+//! kind: luma above both chromas, low bytes above high bytes. Frames with padding between their rows, which few cameras
+//! send, and frames that do not become smaller are stored unchanged.
 
 use std::io::Cursor;
 
@@ -11,7 +11,7 @@ use image_webp::{ColorType, WebPDecoder, WebPEncoder};
 
 /// The largest width and height of a `WebP` picture, px.
 const LARGEST_PICTURE: usize = 16383;
-/// Frames above this length are stored as they are, so that a damaged file cannot ask for any amount of memory, bytes.
+/// Longer frames, bytes, are stored unchanged, so that a damaged file cannot request any amount of memory.
 const LONGEST_FRAME: usize = 1 << 27;
 
 /// How the bytes of a frame are stored.
@@ -76,7 +76,7 @@ impl Picture {
     }
 }
 
-/// Stores frames; owns its scratch.
+/// Encodes frames; owns its scratch memory.
 #[derive(Debug, Default)]
 pub(crate) struct Encoder {
     planes: Vec<u8>,
@@ -111,7 +111,7 @@ impl Encoder {
 ///
 /// # Errors
 ///
-/// What is wrong with it.
+/// A sentence on what is wrong with it.
 pub(crate) fn decode(layout: CameraLayout, len: usize, stored: &[u8], into: &mut Vec<u8>) -> Result<(), String> {
     let picture = Picture::of(layout, len).ok_or("its length does not fit its layout")?;
     let mut decoder = WebPDecoder::new(Cursor::new(stored)).map_err(|error| error.to_string())?;

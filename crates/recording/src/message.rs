@@ -53,7 +53,7 @@ pub(crate) struct PointCloud {
     pub(crate) data: Vec<u8>,
 }
 
-/// A number of each point: `foxglove.PackedElementField`.
+/// A value that each point has: `foxglove.PackedElementField`.
 #[derive(Clone, PartialEq, Message)]
 pub(crate) struct PackedElementField {
     #[prost(string, tag = "1")]
@@ -124,7 +124,7 @@ pub(crate) struct CameraCalibration {
     pub(crate) frame_id: String,
 }
 
-/// The place of one coordinate frame in another: `foxglove.FrameTransform`.
+/// Position and orientation of one coordinate frame in another: `foxglove.FrameTransform`.
 #[derive(Clone, PartialEq, Message)]
 pub(crate) struct FrameTransform {
     #[prost(message, optional, tag = "1")]
@@ -179,10 +179,10 @@ pub(crate) struct Frame {
     /// How the bytes are stored, by its name.
     #[prost(string, tag = "9")]
     pub(crate) storage: String,
-    /// Number of the image message that has the bytes, where they are not here.
+    /// Number of the image message that contains the bytes, if they are not in this message.
     #[prost(uint32, tag = "10")]
     pub(crate) image: u32,
-    /// Number of bytes as they came, and their CRC-32.
+    /// Length of the original bytes, and their CRC-32.
     #[prost(uint64, tag = "11")]
     pub(crate) length: u64,
     #[prost(fixed32, tag = "12")]
@@ -233,8 +233,8 @@ pub(crate) fn timestamp(time_ns: u64) -> Timestamp {
     Timestamp { seconds: (time_ns / 1_000_000_000).cast_signed(), nanos: (time_ns % 1_000_000_000) as i32 }
 }
 
-/// Appends a message, and behind it the bytes of its field `field` (below 16), which the message leaves empty: they need
-/// not be copied into it.
+/// Appends a message, and behind it the bytes of its field `field` (below 16). The field is empty in the message, so
+/// that the bytes need not be copied into it.
 pub(crate) fn put_with_bytes(message: &impl Message, field: u8, bytes: &[u8], into: &mut Vec<u8>) {
     message.encode_raw(into);
     if bytes.is_empty() {

@@ -1,4 +1,4 @@
-//! The numbers of a reading as a message, and back.
+//! Converts the numbers of a reading to a message and back.
 
 use fingervision_touch::{Flag, Flags, ReadingNumbers};
 
@@ -26,7 +26,7 @@ pub(crate) fn to_message(numbers: &ReadingNumbers, captured_s: f64, time_ns: u64
     }
 }
 
-/// Flags that this version does not know are left out.
+/// Unknown flags are left out.
 pub(crate) fn from_message(message: &Reading) -> ReadingNumbers {
     let mut numbers = ReadingNumbers::default();
     numbers.sequence = message.sequence;

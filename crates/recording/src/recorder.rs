@@ -10,14 +10,14 @@ use fingervision_pipeline::{Interest, Message, SensorHandle, Subscription, host_
 
 use crate::{Clock, RecordedSensor, RecordingError, RecordingWriter};
 
-/// How long the thread waits for a message before it writes what is old.
+/// How long the thread waits for a message before it checks whether a chunk must be written.
 const WAIT: Duration = Duration::from_millis(100);
 /// Time between two surfaces of a sensor.
 const SURFACE_PERIOD: Duration = Duration::from_millis(100);
-/// Messages that may wait for the disk: half of them are frames, of which the sensors can lend about 190.
+/// Messages that may wait for the disk. Half of them are frames; a sensor provides at most about 190 at a time.
 const WAITING_MESSAGES: usize = 256;
 
-/// How far a recording is.
+/// The progress of a recording.
 #[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct RecorderProgress {
@@ -29,35 +29,36 @@ pub struct RecorderProgress {
     pub readings: u64,
     /// Time from the first frame to the last, s.
     pub seconds: f64,
-    /// Messages that were lost because the disk or the computer was too slow; the file says where frames are missing.
+    /// Messages that were lost because the disk or the computer was too slow; an event in the file marks the first
+    /// loss.
     pub lost: u64,
     /// Why it ended early, and what to do about it.
     pub error: Option<[String; 2]>,
-    /// All frames up to the wanted time are written; their readings may follow.
+    /// All frames up to the requested time are written; their readings may follow.
     pub is_complete: bool,
     /// Nothing more is written.
     pub is_ended: bool,
 }
 
-/// What a recorder writes.
+/// Options of a recorder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecorderOptions {
     /// The clock of the messages' times.
     pub clock: Clock,
     /// Whether readings and surfaces are written beside the frames.
     pub has_readings: bool,
-    /// No frames are written that come so long after a sensor's first one, s.
+    /// Frames that are captured this long after a sensor's first one, or later, are not written, s.
     pub most_seconds: Option<f64>,
 }
 
 impl Default for RecorderOptions {
-    /// Everything, without end.
+    /// Everything, without a time limit.
     fn default() -> Self {
         Self { clock: Clock::Host, has_readings: true, most_seconds: None }
     }
 }
 
-/// Records what comes from a subscription, until it is stopped or dropped, the sensors end or the disk is full.
+/// Records the messages of a subscription until it is stopped or dropped, the sensors end, or the disk is full.
 #[derive(Debug)]
 pub struct RecorderThread {
     path: PathBuf,
@@ -77,22 +78,24 @@ struct Shared {
 struct Times {
     first_s: Option<f64>,
     last_s: f64,
-    /// A frame came that was too late.
+    /// A frame arrived after the time limit.
     is_complete: bool,
 }
 
 impl RecorderThread {
-    /// What a recorder subscribes to: every frame, every reading, and ten whole readings a second for the surface.
+    /// The subscription of a recorder: every frame, the numbers of every reading, and ten whole readings a second for
+    /// the surface.
     #[must_use]
     pub fn interest() -> Interest {
         Interest { frames: true, fields_every: Some(SURFACE_PERIOD), capacity: WAITING_MESSAGES }
     }
 
-    /// Creates a file, or empties it, and records from now on.
+    /// Creates a file, or empties it, and starts to record.
     ///
     /// # Errors
     ///
-    /// [`RecordingError::Write`] if the file cannot be written, [`RecordingError::Thread`] if the system gives no thread.
+    /// [`RecordingError::Write`] if the file cannot be written, [`RecordingError::Thread`] if a thread cannot be
+    /// started.
     pub fn start(
         path: &Path,
         handles: &[SensorHandle],
@@ -116,13 +119,13 @@ impl RecorderThread {
         &self.path
     }
 
-    /// How far it is.
+    /// Its progress.
     #[must_use]
     pub fn progress(&self) -> RecorderProgress {
         self.shared.lock().clone()
     }
 
-    /// Writes what has come so far, closes the file, and says what is in it.
+    /// Writes the messages that have arrived, closes the file, and returns its contents as progress.
     #[must_use]
     pub fn stop(mut self) -> RecorderProgress {
         self.end();
@@ -161,7 +164,7 @@ impl Shared {
     }
 }
 
-/// What the thread works with.
+/// The state of the thread.
 struct Recorder {
     writer: RecordingWriter,
     subscription: Subscription,
@@ -173,7 +176,7 @@ impl Recorder {
     fn run(mut self) {
         let done = self.record();
         let Self { writer, subscription, shared, .. } = self;
-        // Sensors that would wait must not wait for the disk.
+        // Lossless sensors must not wait until the file is closed.
         drop(subscription);
         let done = done.and_then(|()| writer.finish());
         let mut progress = shared.lock();
@@ -185,7 +188,7 @@ impl Recorder {
     }
 
     fn record(&mut self) -> Result<(), RecordingError> {
-        // Messages that are still taken after a stop.
+        // Messages that are still written after a stop.
         let mut left = WAITING_MESSAGES;
         while !self.subscription.is_done() && left > 0 {
             let is_stopped = self.shared.is_stopped.load(Ordering::Acquire);
@@ -236,7 +239,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// Tells how far it is; the first loss of messages is an event in the file.
+    /// Stores the progress; writes an event into the file when messages are lost for the first time.
     fn note_progress(&mut self) -> Result<(), RecordingError> {
         let lost = self.subscription.lost();
         let mut progress = self.shared.lock();

@@ -19,7 +19,7 @@ use crate::{RecordingError, coding, numbers};
 /// The first bytes of every recording.
 const SIGNATURE: [u8; 8] = *b"\x89MCAP0\r\n";
 
-/// A recording that was opened: what it contains is known, its frames are read when they are asked for.
+/// An open recording. Its contents are known; frames are read when they are requested.
 #[derive(Debug, Clone)]
 pub struct Recording {
     path: PathBuf,
@@ -32,7 +32,7 @@ pub struct Recording {
 pub struct RecordingSensor {
     /// Its name.
     pub name: String,
-    /// One line on where its frames came from.
+    /// One line that describes the source of its frames.
     pub source: String,
     /// Number of its frames.
     pub frames: u64,
@@ -54,12 +54,12 @@ pub(crate) struct MessageReader {
 }
 
 impl Recording {
-    /// Opens a file. What was cut off, because the program was killed or the disk was full, is missing; everything
-    /// before can be read.
+    /// Opens a file. If its end is cut off, because the program was killed or the disk was full, everything before can
+    /// be read.
     ///
     /// # Errors
     ///
-    /// [`RecordingError::Read`] if the system refuses, [`RecordingError::NotARecording`] if the file has no sensors.
+    /// [`RecordingError::Read`] if the file cannot be read, [`RecordingError::NotARecording`] if it has no sensors.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let file = File::open(path).map_err(RecordingError::reading(path))?;
         let contents = scan(file).map_err(RecordingError::reading(path))?;
@@ -72,7 +72,7 @@ impl Recording {
         }
         let sensors = sensors(&contents);
         if sensors.is_empty() {
-            return Err(refused("no sensor is described in it, or it ends before".into()));
+            return Err(refused("it describes no sensor, or it ends too early".into()));
         }
         Ok(Self { path: path.to_owned(), contents: Arc::new(contents), sensors })
     }
@@ -102,7 +102,8 @@ impl Recording {
     ///
     /// # Errors
     ///
-    /// [`RecordingError::Sensor`] if there is no such one, or several and no name.
+    /// [`RecordingError::Sensor`] if there is no sensor of this name, or no name is given and there are several
+    /// sensors.
     pub fn sensor(&self, name: Option<&str>) -> Result<usize, RecordingError> {
         let is_wanted = |sensor: &RecordingSensor| name.is_none_or(|name| sensor.name == name);
         let mut found = (0..self.sensors.len()).filter(|index| self.sensors.get(*index).is_some_and(is_wanted));
@@ -116,7 +117,7 @@ impl Recording {
         }
     }
 
-    /// The profile that was in force for a sensor; absent if it is not in the file.
+    /// The profile with which a sensor was tracked; `None` if it is not in the file.
     ///
     /// # Errors
     ///
@@ -182,7 +183,7 @@ impl Recording {
         Ok(MessageReader { file, bytes: Vec::new(), image: CompressedImage::default() })
     }
 
-    /// Where the messages of a topic are.
+    /// The positions of the messages of a topic.
     pub(crate) fn places(&self, sensor: usize, topic: Topic) -> &[Place] {
         self.sensors.get(sensor).map_or(&[], |sensor| places(&self.contents, &sensor.prefix, topic))
     }
@@ -219,7 +220,7 @@ fn places<'a>(contents: &'a Contents, prefix: &str, topic: Topic) -> &'a [Place]
 }
 
 impl MessageReader {
-    /// The data of a message. A place is always inside the file, so its length is bounded by the file's.
+    /// The data of a message. Its position lies inside the file, so its length is limited by that of the file.
     pub(crate) fn read(&mut self, place: Place) -> std::io::Result<&[u8]> {
         self.file.seek(SeekFrom::Start(place.offset))?;
         self.bytes.resize(place.len as usize, 0);
@@ -227,11 +228,11 @@ impl MessageReader {
         Ok(&self.bytes)
     }
 
-    /// Reads a frame as it came; `images` are the places of the sensor's image messages.
+    /// Reads the original bytes of a frame; `images` are the positions of the sensor's image messages.
     ///
     /// # Errors
     ///
-    /// What is wrong with it.
+    /// A sentence on what is wrong with it.
     pub(crate) fn frame(&mut self, place: Place, images: &[Place], into: &mut EncodedFrame) -> Result<(), String> {
         let bytes = self.read(place).map_err(|error| error.to_string())?;
         let message = Frame::decode(bytes).map_err(|_| "its message is damaged")?;

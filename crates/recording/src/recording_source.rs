@@ -10,7 +10,7 @@ use crate::recording::MessageReader;
 use crate::topic::Topic;
 use crate::{Recording, RecordingError};
 
-/// The frames of a sensor, in order, with their numbers and times as they were.
+/// The frames of a sensor, in order, with their original numbers and times.
 pub struct RecordingSource {
     recording: Recording,
     sensor: usize,
@@ -31,8 +31,8 @@ impl RecordingSource {
     ///
     /// # Errors
     ///
-    /// [`SourceError::TooFewFrames`] if there are fewer than two, [`SourceError::Frame`] if the first cannot be
-    /// read, [`SourceError::NotFound`] and [`SourceError::Io`] if the system refuses.
+    /// [`SourceError::TooFewFrames`] if there are fewer than two, [`SourceError::Frame`] if the first cannot be read,
+    /// [`SourceError::NotFound`] and [`SourceError::Io`] if the file cannot be opened.
     pub fn open(recording: Recording, sensor: usize) -> Result<Self, SourceError> {
         let path = recording.path().to_owned();
         let mut reader = recording.reader().map_err(|error| refused(&path, error))?;
@@ -55,11 +55,11 @@ impl RecordingSource {
         Ok(Self { recording, sensor, reader, frames, images, next: 0, sequences, format, decoder, encoded, is_ended })
     }
 
-    /// Writes the next frame as it came to `frame`; false after the last.
+    /// Writes the original bytes of the next frame to `frame`; false after the last.
     ///
     /// # Errors
     ///
-    /// [`SourceError::Frame`] if its bytes are damaged; the next call continues behind it.
+    /// [`SourceError::Frame`] if its bytes are damaged; the next call continues with the frame behind it.
     pub fn next_encoded(&mut self, frame: &mut EncodedFrame) -> Result<bool, SourceError> {
         let Some(place) = self.frames.get(self.next) else { return Ok(false) };
         self.next += 1;
@@ -133,7 +133,7 @@ fn damaged(path: &Path, sequence: u64, reason: String) -> SourceError {
     SourceError::Frame { path: path.to_owned(), sequence, reason }
 }
 
-/// Why the file cannot be opened again.
+/// The error if the file cannot be opened again.
 fn refused(path: &Path, error: RecordingError) -> SourceError {
     let path = path.to_owned();
     match error {

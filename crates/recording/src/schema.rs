@@ -1,5 +1,5 @@
-//! The schemas of the messages: every field's name, number and type, and from them the descriptors that are written
-//! into a file, so that other programs read it without knowing it beforehand.
+//! The schemas of the messages: name, number and type of every field. The descriptors made from them are written into a
+//! file, so that other programs can read it.
 
 use prost::Message;
 use prost_types::field_descriptor_proto::{Label, Type};
@@ -246,7 +246,7 @@ impl Schema {
         for (name, number, kind) in self.fields {
             let (label, kind_code, type_name) = self.resolved(*kind);
             let is_optional = matches!(kind, Optional(_));
-            // A field that may be absent is, in the descriptor, the only member of a choice.
+            // In the descriptor, a field that may be absent is the only member of a `oneof`.
             let oneof_index = i32::try_from(message.oneof_decl.len()).ok().filter(|_| is_optional);
             if is_optional {
                 message

@@ -1,8 +1,8 @@
-//! The topics of a sensor: `/SENSOR/reading` and its siblings.
+//! The topics of a sensor, as in `/SENSOR/reading`.
 
 use crate::schema::{self, Schema};
 
-/// What a topic is about.
+/// The content of a topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Topic {
     Frame,
@@ -60,7 +60,8 @@ impl Topic {
     }
 }
 
-/// A prefix for each sensor: its name, with `_` for what a topic cannot have, and a number if another has the same.
+/// A prefix for each sensor: its name, with `_` in place of characters that a topic cannot have, and a number if
+/// another sensor has the same name.
 pub(crate) fn prefixes<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let mut prefixes: Vec<String> = Vec::new();
     for name in names {

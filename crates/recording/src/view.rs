@@ -1,4 +1,4 @@
-//! What other programs show beside the numbers: small pictures, the camera, the surface as points.
+//! Messages for other programs' displays: small pictures, the camera, the surface as points.
 
 use fingervision_image::Image;
 use fingervision_optics::{Camera, Radial};
@@ -10,13 +10,13 @@ use crate::message::{
 };
 use crate::schema::FLOAT32;
 
-/// A preview has at most so many columns, px.
+/// The largest width of a preview, px.
 const PREVIEW_COLUMNS: usize = 160;
-/// The points of a surface lie at most so densely: columns of the whole field.
+/// The largest number of points in a row of the surface.
 const SURFACE_COLUMNS: usize = 96;
 const M_PER_MM: f64 = 1e-3;
 
-/// A small picture of a frame that is not JPEG: every n-th pixel, of luma and chroma only luma.
+/// A small picture of a frame that is not JPEG: every n-th pixel; of frames in luma and chroma only luma.
 pub(crate) fn preview(frame: &EncodedFrame, time_ns: u64, frame_id: &str) -> Option<RawImage> {
     let layout = frame.layout;
     // Bytes of a pixel, the first of them that are shown, and the step between these.
@@ -54,8 +54,8 @@ pub(crate) fn preview(frame: &EncodedFrame, time_ns: u64, frame_id: &str) -> Opt
     })
 }
 
-/// The camera's intrinsics in the whole frame. Foxglove has no name for the distortion that the paper prints: absent
-/// then, and without a camera in the profile.
+/// The camera's intrinsics in the whole frame. `None` without a camera in the profile, and for the distortion as the
+/// paper prints it, for which Foxglove has no name.
 pub(crate) fn calibration(
     profile: &Profile,
     frame_size: (usize, usize),
@@ -100,8 +100,8 @@ pub(crate) fn transform(profile: &Profile, time_ns: u64, frame_ids: [&str; 2]) -
 
 /// The surface of the gel as points: x and y as in gel space, z away from the camera, in m, and the depth in mm.
 ///
-/// A point is where a pixel's ray meets the undeformed surface, moved by its displacement if that is known and else by
-/// its depth. Absent without depth. Where depth is not valid, there is no point.
+/// A point is the intersection of a pixel's ray with the undeformed surface, moved by its displacement, or by its depth
+/// if the displacement is not computed. `None` without depth. Pixels without a valid depth have no point.
 pub(crate) fn surface(reading: &Reading, camera: &Camera, time_ns: u64, frame_id: &str) -> Option<PointCloud> {
     let depth = reading.depth.as_ref()?;
     let (width, height) = depth.size();

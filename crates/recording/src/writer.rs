@@ -1,4 +1,4 @@
-//! Writes a recording: frames as they came, readings, events, and what other programs show.
+//! Writes a recording: unchanged frames, readings, events, and messages for other programs' displays.
 
 use std::fs::File;
 use std::io::Write;
@@ -20,7 +20,7 @@ use crate::{RecordingError, coding, numbers, schema, view};
 /// Time between two previews of a sensor, s.
 const PREVIEW_PERIOD_S: f64 = 0.1;
 
-/// The metadata that describe a sensor.
+/// The name of the metadata that describe a sensor.
 pub(crate) const SENSOR_METADATA: &str = "fingervision.sensor";
 /// The name of the profile in a file, behind the sensor's prefix.
 pub(crate) const PROFILE_NAME: &str = "profile.toml";
@@ -30,9 +30,9 @@ pub(crate) const PROFILE_NAME: &str = "profile.toml";
 pub struct RecordedSensor {
     /// Its name.
     pub name: String,
-    /// One line on where its frames come from.
+    /// One line that describes the source of its frames.
     pub description: String,
-    /// The profile in force.
+    /// The profile in use.
     pub profile: Profile,
     /// Columns and rows of its frames, px.
     pub frame_size: (usize, usize),
@@ -40,13 +40,13 @@ pub struct RecordedSensor {
     pub clock: Clock,
 }
 
-/// What the time of a message is taken from. The source's own times are stored in any case.
+/// The clock from which the time of a message is taken. The source's own times are stored in any case.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clock {
-    /// When a frame was captured: for cameras.
+    /// The host's clock at the capture of a frame: for cameras.
     Host,
-    /// The source's times, from the begin of the recording on: for files and simulated presses, which are read as fast
-    /// as they are tracked.
+    /// The source's times, counted from the beginning of the recording: for files and simulated presses, which are read
+    /// as fast as they are tracked.
     Source,
 }
 
@@ -64,8 +64,8 @@ impl RecordedSensor {
     }
 }
 
-/// A recording that grows. Dropped without [`finish`](Self::finish), it lacks its last half second and its index, and
-/// can be read all the same.
+/// A recording that is being written. If it is dropped without [`finish`](Self::finish), its last half second and its
+/// index are missing; the rest can be read.
 #[derive(Debug)]
 pub struct RecordingWriter<W = File> {
     path: PathBuf,
@@ -111,7 +111,7 @@ impl RecordingWriter {
     ///
     /// # Errors
     ///
-    /// [`RecordingError::Write`] if the disk refuses it.
+    /// [`RecordingError::Write`] if it cannot be written.
     pub fn finish(self) -> Result<u64, RecordingError> {
         let Self { path, to, .. } = self;
         let len = |file: File| file.sync_all().and_then(|()| file.metadata()).map(|metadata| metadata.len());
@@ -152,7 +152,7 @@ impl<W: Write> RecordingWriter<W> {
         Ok(writer)
     }
 
-    /// Writes what does not change: the profile, the name, the camera.
+    /// Writes the data that do not change: the profile, the name, the camera.
     fn describe(&mut self, index: usize, sensor: &RecordedSensor, prefix: &str) -> Result<(), RecordingError> {
         let (path, to) = (&self.path, &mut self.to);
         let writing = |error| RecordingError::Write { path: path.clone(), error };
@@ -171,13 +171,12 @@ impl<W: Write> RecordingWriter<W> {
         to.flush().map_err(writing)
     }
 
-    /// Adds a frame, captured at this time of [`host_time_s`], as it came: JPEG as an image, others without loss, and a
-    /// small picture of these from time to time.
+    /// Adds a frame, captured at this time of [`host_time_s`], unchanged: JPEG as an image, others without loss, and
+    /// small pictures of these at a limited rate.
     ///
     /// # Errors
     ///
-    /// [`RecordingError::Write`] if the file cannot take it. What was written before can be read; nothing more is
-    /// written.
+    /// [`RecordingError::Write`] if it cannot be written. What was written before can be read; nothing more is written.
     ///
     /// # Panics
     ///
@@ -229,8 +228,8 @@ impl<W: Write> RecordingWriter<W> {
         self.put(sensor, Topic::Reading, time_ns, &message)
     }
 
-    /// Adds the surface of a whole reading as points, which other programs show; nothing without depth or without a
-    /// camera in the profile.
+    /// Adds the surface of a whole reading as points, for other programs' displays. Does nothing without depth or
+    /// without a camera in the profile.
     ///
     /// # Errors
     ///
@@ -265,7 +264,7 @@ impl<W: Write> RecordingWriter<W> {
         self.put(sensor, Topic::Log, time_ns, &message)
     }
 
-    /// Writes what has waited for half a second; to be called where nothing comes.
+    /// Writes messages that have waited for half a second. To be called while no message arrives.
     ///
     /// # Errors
     ///
@@ -321,7 +320,7 @@ impl SensorState {
         self.last_ns
     }
 
-    /// Describes a frame; its bytes come behind.
+    /// Fills the message that describes a frame; its bytes follow behind it.
     fn take_frame(&mut self, frame: &EncodedFrame, captured_s: f64, time_ns: u64, storage: Storage) {
         let layout = frame.layout;
         let message = &mut self.frame;

@@ -29,7 +29,7 @@ pub(crate) fn line_of(text: &str, path: &str) -> Option<usize> {
 /// itself.
 ///
 /// The deserialiser names the keys on the way in the last line of its message, ``in `motion.keyframes.depth_mm` ``, and
-/// gives the error's place in the text. The place tells which items of lists they belong to.
+/// gives the error's place in the text. The place shows which items of lists they belong to.
 pub(crate) fn path_of(text: &str, error: &toml::de::Error) -> String {
     let mut alone = error.clone();
     alone.set_input(None);

@@ -1,4 +1,4 @@
-//! Simulated presses without end, for a page that shows something: `sim:letter?loop`.
+//! Simulated presses that repeat without end, for the web page: `sim:letter?loop`.
 
 use std::sync::mpsc::Receiver;
 
@@ -18,7 +18,7 @@ const HOLD: usize = 12;
 /// Every press begins at rest and all have the same gel, camera and pattern, so they are one recording. Frames are
 /// rendered once and kept.
 pub struct PressFilm {
-    /// The presses so far; the first one is there from the beginning.
+    /// The presses so far; the first one is present from the beginning.
     presses: Vec<Press>,
     /// Presses that are still being solved.
     more: Option<Receiver<Simulation>>,
@@ -64,7 +64,7 @@ impl Press {
 }
 
 impl PressFilm {
-    /// Begins with a press that is solved; others join as they come through `more`, if they show the same sensor.
+    /// Begins with a solved press; others are added as they arrive through `more`, if they show the same sensor.
     ///
     /// # Errors
     ///

@@ -95,7 +95,7 @@ impl SimulationPreview {
         write_png(&self.draw()?, path)
     }
 
-    /// The picture of what was seen.
+    /// The picture of the frames so far.
     ///
     /// # Errors
     ///

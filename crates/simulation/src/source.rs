@@ -11,9 +11,9 @@ use crate::PressFilm;
 
 const PREFIX: &str = "sim:";
 
-/// Opens a simulated scene, `sim:SCENE`, or whatever [`fingervision_source::open`] does.
+/// Opens a simulated scene, `sim:SCENE`, or any source that [`fingervision_source::open`] opens.
 ///
-/// A scene is solved first, which may take minutes; [`SimulatedSource::open`] tells how far it is.
+/// A scene is solved first, which may take minutes; [`SimulatedSource::open`] reports the progress.
 ///
 /// # Errors
 ///

@@ -197,7 +197,7 @@ mod tests {
 
     use super::*;
 
-    /// A disk with room for so many bytes.
+    /// A disk with room for this number of bytes.
     struct SmallDisk {
         file: Cursor<Vec<u8>>,
         room: usize,

@@ -1,4 +1,4 @@
-//! Readings out: arrays, a table and pictures.
+//! Output of readings: arrays, a table and pictures.
 //!
 //! A [`Sink`] receives every reading of a run. [`RunFolder`] streams them into files that can be read at any moment;
 //! [`Preview`] keeps the strongest frame and draws it as one picture, [`Overlay`] makes a video of all. The parts of these

@@ -1,7 +1,7 @@
 //! Decodes the single frames of a camera: JPEG pictures, packed luma and chroma, grey, RGB.
 //!
-//! A camera delivers bytes in a layout that was agreed on before. Bytes that do not fit this layout are a damaged frame,
-//! never pixels: a frame that is cut off must not pass for a dark one.
+//! A camera delivers bytes in a known layout. Bytes that do not fit this layout are an error, never pixels: a frame
+//! that is cut off must not be taken for a dark one.
 
 use crate::FrameFormat;
 use crate::decoder::Decoder;
@@ -27,11 +27,11 @@ pub enum CameraCoding {
     },
     /// A byte of luma per pixel.
     Grey8,
-    /// 16 bits of luma per pixel, the low byte first.
+    /// 16 bits of luma per pixel, little-endian.
     Grey16,
     /// Bytes `R G B`.
     Rgb8,
-    /// 16 bits each of red, green and blue, the low byte first.
+    /// 16 bits each of red, green and blue, little-endian.
     Rgb16,
 }
 
@@ -62,7 +62,7 @@ impl CameraLayout {
     }
 }
 
-/// Turns the bytes of a camera's frames into pixels; owns its scratch.
+/// Converts the bytes of a camera's frames into pixels; owns its scratch memory.
 pub struct CameraFrameDecoder {
     layout: CameraLayout,
     yuv: Option<(YuvToRgb, Frame)>,
@@ -127,7 +127,7 @@ impl CameraFrameDecoder {
         }
     }
 
-    /// The used bytes of every row, if all rows are there.
+    /// The used bytes of every row, if all rows are present.
     fn rows<'a>(&self, bytes: &'a [u8], used: usize) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, String> {
         let height = self.layout.height;
         let step = self.layout.row_bytes.max(used);

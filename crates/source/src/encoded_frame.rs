@@ -28,7 +28,7 @@ impl EncodedFrame {
         Self { sequence: 0, capture_time_s: 0.0, layout, bytes: Vec::new() }
     }
 
-    /// Takes over a decoded frame; allocates nothing if it is not larger than the one before.
+    /// Stores a decoded frame; allocates nothing if it is not larger than the previous one.
     pub fn load(&mut self, frame: &Frame) {
         let (width, height) = frame.pixels.size();
         let bytes = &mut self.bytes;

@@ -3,10 +3,10 @@
 //! [`open`] examines the path and selects the reader. Two kinds are read:
 //!
 //! - A **folder of images**: PNG, JPEG, TIFF and BMP, one frame a file, in natural order (`frame2` before `frame10`).
-//!   Grey and colour, 8 and 16 bit, are kept as they are stored; floating-point TIFF must lie in 0 to 1 and becomes
-//!   16 bit. A palette reads as colour, transparency is dropped. The time of a frame is nominal: its number over
-//!   [`Options::frames_per_second`]. Where the names count the images, a number that is missing is missing in the frames'
-//!   sequence numbers too.
+//!   Grey and colour, 8 and 16 bit, are kept as they are stored; floating-point TIFF must lie in 0 to 1 and becomes 16
+//!   bit. A palette reads as colour, transparency is dropped. The time of a frame is nominal: its number over
+//!   [`Options::frames_per_second`]. If the names number the images, a missing number leaves a gap in the frames'
+//!   sequence numbers.
 //! - A **video file**: H.264 in MP4 or MOV, and motion JPEG in AVI, MP4 or MOV. Frames come in the order in which they
 //!   are shown, at the presentation time that the file carries; a jump in time leaves a gap in their sequence numbers.
 //!

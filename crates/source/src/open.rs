@@ -18,8 +18,8 @@ const SIGNATURE_LEN: u64 = 64;
 ///
 /// [`SourceError::NotFound`] and [`SourceError::Io`] if nothing can be read there, [`SourceError::NotRead`] if it is
 /// something else than a folder or a known video, [`SourceError::TooFewFrames`] if there are fewer than two frames,
-/// [`SourceError::Container`] if a video's index is damaged, [`SourceError::Rate`] if the options make no sense,
-/// and whatever [`Source::next_frame`] reports for the first frame.
+/// [`SourceError::Container`] if a video's index is damaged, [`SourceError::Rate`] if the options make no sense, and
+/// the errors of [`Source::next_frame`] for the first frame.
 pub fn open(location: impl AsRef<Path>, options: &Options) -> Result<Box<dyn Source>, SourceError> {
     let path = location.as_ref();
     options.validate()?;

@@ -22,16 +22,16 @@ pub trait Source: Send {
     /// and [`SourceError::Io`] if its file cannot be read.
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError>;
 
-    /// Goes on behind the frame that [`next_frame`](Self::next_frame) gave an error for; false where there is no way
-    /// on.
+    /// Continues behind the frame for which [`next_frame`](Self::next_frame) returned an error; false if that is not
+    /// possible.
     ///
-    /// The next frame is the first that needs nothing of what is lost: in H.264 the next key frame. Frames in between
-    /// are left out, which their numbers show.
+    /// The next frame is the first one that does not depend on lost data: in H.264 the next key frame. Frames in
+    /// between are left out; the sequence numbers have a gap.
     fn resume(&mut self) -> bool {
         false
     }
 
-    /// How many frames there are from the first to the last, or `None` where that is not known beforehand.
+    /// Number of frames from the first to the last; `None` if it is not known beforehand.
     ///
     /// A file that is cut off may hand out fewer before it ends with an error.
     fn frame_count(&self) -> Option<u64>;

@@ -10,7 +10,7 @@ pub(crate) struct Track {
     /// The compressed frames in the order in which they are decoded.
     pub(crate) samples: Vec<Sample>,
     pub(crate) turn: Turn,
-    /// The file ends before its index or its own size says so.
+    /// The file ends earlier than its index or its stated size.
     pub(crate) is_cut_off: bool,
 }
 

@@ -1,7 +1,7 @@
 //! A video file: samples out of the container, through the decoder, into the order in which they are shown.
 //!
 //! With B-frames a sample may be shown later than its successors in the file. The container's times give the order, so
-//! a decoded frame waits only until all that are shown before it have been handed out.
+//! a decoded frame waits only until all frames that are shown before it have been delivered.
 
 use crate::decoder::Decoder;
 use crate::fault::Fault;
@@ -16,7 +16,7 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// H.264 lets at most this many frames wait for an earlier one.
+/// In H.264 at most this many frames wait for an earlier one.
 const MAX_WAITING: usize = 16;
 
 /// Reads the frames of a video file in presentation order.
@@ -34,7 +34,7 @@ pub(crate) struct VideoSource {
     to_show: Vec<u64>,
     /// How many samples have been decoded.
     decoded: usize,
-    /// The sequence number after that of the last frame handed out.
+    /// The sequence number after that of the last frame delivered.
     shown_to: u64,
     /// Decoded frames that are shown later, by sequence number.
     waiting: BTreeMap<u64, Frame>,

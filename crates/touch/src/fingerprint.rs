@@ -1,18 +1,18 @@
-//! The fingerprint of a pattern: tells one sensor from another by the reference image.
+//! The fingerprint of a pattern: distinguishes sensors by their reference image.
 //!
 //! The image is divided into blocks. A block's bit says whether it is brighter than its surroundings, the mean of the
-//! nine blocks around it. Exposure, shading and noise hardly change these bits, and two random patterns agree in half of
-//! them. Blocks that differ little from their surroundings are not used. A camera that moved a little is allowed for by
-//! comparing with the image at many small shifts.
+//! nine blocks around it. Exposure, shading and noise hardly change these bits, and two random patterns agree in half
+//! of them. Blocks that differ little from their surroundings are not used. The comparison uses many small shifts of
+//! the image, because the camera may have moved a little.
 //!
-//! A pattern that repeats, such as a regular grid of dots, has nothing to tell two sensors apart.
+//! Two sensors with the same repeating pattern, such as a regular grid of dots, cannot be distinguished.
 
 use fingervision_image::Image;
 use serde::{Deserialize, Serialize};
 
 /// Blocks along each axis.
 const BLOCKS: usize = 24;
-/// The same with the ring of blocks that only serve as surroundings.
+/// The same, with the outer ring of blocks that serve only as surroundings.
 const WITH_RING: usize = BLOCKS + 2;
 const BITS: usize = BLOCKS * BLOCKS;
 const WORDS: usize = BITS / 64;
@@ -26,7 +26,7 @@ const LEAST_CONTRAST: f32 = 0.5;
 /// Least median difference of blocks from their surroundings, grey levels: below it there is no pattern.
 const LEAST_TEXTURE: f32 = 0.5;
 
-/// What tells the pattern of one sensor from that of another. Written as hexadecimal digits.
+/// The fingerprint of a sensor's pattern. It is written as hexadecimal digits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Fingerprint {

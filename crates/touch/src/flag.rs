@@ -40,19 +40,20 @@ pub enum Flag {
     /// An area of more than 0.75 % of the image was not found in it: hidden, or moved too far. Its flow is not valid;
     /// depth, contact and force are those of the rest.
     AreaLost,
-    /// The first reading that is relative to a new reference: displacement, depth and force start at zero again.
+    /// The first reading that is relative to a new reference: displacement, depth and force are measured from there.
     NewReference,
-    /// More pixels than in the reference, by 5 % of the image, or a third of all are saturated: they show no texture.
+    /// The number of saturated pixels exceeds that of the reference by 5 % of the image, or a third of the image: they
+    /// show no texture.
     Saturated,
     /// The image is so dark that its texture is lost.
     Dark,
     /// The first reading that matches the reference again, after [`Flag::Lost`].
     Found,
-    /// The untouched gel has moved by more than 0.25 px since the reference, or matches it clearly worse: warming,
-    /// creep, ageing, or a camera that moved slowly.
+    /// The untouched gel has moved by more than 0.25 px since the reference was taken, or matches it clearly worse.
+    /// Causes are warming, creep, ageing, or a camera that moved slowly.
     Drift,
-    /// A part of the gel never tracks at rest while the gel around it does; [`Reading::damaged_part`](crate::Reading)
-    /// is its share.
+    /// The flow of a part of the gel is never valid at rest, while that of the gel around it is.
+    /// [`Reading::damaged_part`](crate::Reading) is its share of the image.
     GelDamaged,
     /// The reference shows another pattern than the profile's `pattern.fingerprint`: the values of the profile are those
     /// of another sensor.
@@ -120,66 +121,66 @@ impl Flag {
     pub fn sentence(self) -> &'static str {
         match self {
             Self::Lost => {
-                "most of the image does not match the reference, nothing is valid: let go of the gel, look for dirt or a covered lens, or re-zero"
+                "most of the image does not match the reference, so no value is valid: let go of the gel, look for dirt or a covered lens, or re-zero"
             }
             Self::Dropped => {
-                "frames are missing before this one: lower the rate or the resolution, or free the processor"
+                "frames are missing before this one: lower the rate or the resolution, or end other programs"
             }
             Self::NoTexture => {
                 "the image has too little texture to be tracked: check light, focus and region of interest, or print a finer pattern"
             }
             Self::PressedAtStart => {
-                "the reference probably shows a pressed gel, all values are relative to it: release the gel and wait, or re-zero"
+                "the reference probably shows a pressed gel, so all values are relative to the press: release the gel and wait, or re-zero"
             }
             Self::LightChanged => {
-                "the image is brighter or darker than the reference by more than a quarter: lock exposure and gain, keep out other light, or re-zero"
+                "the image is brighter or darker than the reference by more than a quarter: lock exposure and gain, block other light, or re-zero"
             }
             Self::DensityGap => {
-                "the surface expands too much for the density somewhere, it is not valid there: increase density.sigma_px"
+                "the surface expands too much somewhere, so the density is not valid there: increase density.sigma_px"
             }
             Self::BeyondLinear => {
-                "the gel is strained beyond linear elasticity, depth and force have larger errors: press less deeply"
+                "the gel is strained beyond linear elasticity, so depth and force have larger errors: press less deeply"
             }
             Self::ContactCut => {
-                "contact reaches the border of the image, area, force and torque are those of the visible part: press nearer to the middle"
+                "contact reaches the border of the image, so area, force and torque are those of the visible part: press nearer to the middle"
             }
             Self::GelMisfit => {
-                "the motion cannot be that of this gel, there is no depth and no force: check [gel] and [camera] of the profile"
+                "the motion cannot be that of this gel, so depth and force are not computed: check [gel] and [camera] of the profile"
             }
             Self::OutsideTraining => {
-                "the network was not trained for such a gel and camera, depth and force have larger errors: check the profile, or press a known object to see the error"
+                "the network was not trained for such a gel and camera, so depth and force have larger errors: check the profile, or measure the error with a known object"
             }
             Self::ContactUntracked => {
-                "hardly any pixel of contact can be followed, depth there comes from the gel around it: press or move more slowly"
+                "hardly any pixel of contact can be tracked, so depth there is derived from the gel around it: press or move more slowly"
             }
             Self::OutOfFocus => {
-                "the image is more blurred than the reference: move more slowly, or focus the camera, fix the lens and re-zero"
+                "the image is more blurred than the reference: move more slowly, or focus the camera, lock the lens and re-zero"
             }
             Self::ImageMismatch => {
-                "noise and motion do not explain how the image differs from the reference, errors are larger: check focus, compression and that it is the same sensor"
+                "noise and motion do not explain how the image differs from the reference, so errors are larger: check focus and compression, and whether it is the same sensor"
             }
             Self::UncertainFlow => {
-                "the displacement is less certain than elastic depth expects, depth and force are, too: improve light, focus or pattern"
+                "the displacement is less certain than elastic depth expects, and so are depth and force: improve light, focus or pattern"
             }
             Self::AreaLost => {
-                "an area of the image is not found, depth and force are those of the rest: look for dirt and damage, or move more slowly"
+                "an area of the image is not found, so depth and force are those of the rest: look for dirt and damage, or move more slowly"
             }
             Self::NewReference => {
-                "from here on all values are relative to a new reference: do not compare them with earlier ones"
+                "from this reading on all values are relative to a new reference: do not compare them with earlier ones"
             }
             Self::Saturated => "too many pixels are saturated and show no texture: lower exposure, gain or light",
             Self::Dark => {
                 "the image is too dark to show its texture: switch on the light, uncover the lens, or raise the exposure"
             }
-            Self::Found => "the gel is found again after it was lost: what happened in between was not measured",
+            Self::Found => "the image matches the reference again: the motion while it was lost was not measured",
             Self::Drift => {
-                "the untouched gel no longer looks as in the reference, small forces are wrong: let go of the gel and re-zero"
+                "the untouched gel differs from the reference, so small forces are wrong: let go of the gel and re-zero"
             }
             Self::GelDamaged => {
-                "a part of the gel never tracks, there is no measurement there: look for dirt, tears and worn pattern"
+                "a part of the gel can never be tracked, so nothing is measured there: look for dirt, tears and worn pattern"
             }
             Self::OtherSensor => {
-                "the pattern is not that of the profile, depth and force are those of another sensor: use its own profile, or write the fingerprint anew"
+                "the pattern is not that of the profile, so depth and force are computed for another sensor: use the profile of this sensor, or write the fingerprint again"
             }
         }
     }

@@ -67,7 +67,7 @@ const SENSOR: &str = "
 pub struct Profile {
     /// The name of the sensor.
     pub name: String,
-    /// Which camera shows the gel, and how it captures; only live sources use it.
+    /// The sensor's camera and its settings; used only if the frames come from a camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub capture: Option<CaptureSection>,
     /// The part of the camera image that shows the gel; if absent, the whole image.
@@ -79,7 +79,7 @@ pub struct Profile {
     /// The gel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gel: Option<GelBlock>,
-    /// What is known of the pattern.
+    /// The fingerprint of the pattern.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pattern: Option<PatternSection>,
     /// How depth is computed.
@@ -102,11 +102,11 @@ pub struct ImageSection {
     pub region_of_interest: [usize; 4],
 }
 
-/// What is known of the pattern.
+/// The fingerprint of the pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PatternSection {
-    /// Tells this sensor from others; if absent, it is not compared.
+    /// Distinguishes this sensor from others; if absent, the pattern is not checked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fingerprint: Option<Fingerprint>,
 }
@@ -178,7 +178,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`ProfileError::Settings`] with its line, or whatever [`Profile::validate`] finds.
+    /// [`ProfileError::Settings`] with its line, or an error of [`Profile::validate`].
     pub fn from_toml(text: &str) -> Result<Self, ProfileError> {
         let profile: Self =
             if Self::is_run_record(text) { PROFILE.parse::<RunRecord>(text)?.profile } else { PROFILE.parse(text)? };
@@ -214,7 +214,7 @@ impl Profile {
     ///
     /// # Errors
     ///
-    /// [`ProfileError::Settings`] naming the path, or whatever [`Profile::validate`] finds.
+    /// [`ProfileError::Settings`] naming the path, or an error of [`Profile::validate`].
     pub fn set_all<'a>(
         &mut self,
         assignments: impl IntoIterator<Item = (&'a str, &'a str)>,
@@ -230,7 +230,7 @@ impl Profile {
         Ok(())
     }
 
-    /// How this sensor is captured, by this camera instead of the profile's if one is named.
+    /// The settings to capture this sensor, with this camera instead of the profile's if one is given.
     #[must_use]
     pub fn capture_from(&self, camera: Option<&str>) -> CaptureSection {
         let section = self.capture.clone().unwrap_or_default();

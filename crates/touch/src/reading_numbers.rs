@@ -2,7 +2,7 @@
 
 use crate::Flags;
 
-/// What a table has of a reading: every number that belongs to the whole frame.
+/// Every number of a reading that belongs to the whole frame, as in a table.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct ReadingNumbers {
@@ -23,7 +23,8 @@ pub struct ReadingNumbers {
     pub latency_ms: f64,
     /// The problems of the reading.
     pub flags: Flags,
-    /// Part of the image that never tracks while the gel around it does, 0 to 1; see [`Flag::GelDamaged`](crate::Flag).
+    /// Part of the image in which the flow is never valid while that of the gel around it is, 0 to 1; see
+    /// [`Flag::GelDamaged`](crate::Flag).
     pub damaged_part: f32,
     /// Largest depth where it is valid, mm.
     pub max_depth_mm: Option<f32>,

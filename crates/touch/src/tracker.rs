@@ -27,7 +27,7 @@ pub struct Tracker {
     density: Option<DensityStage>,
     elastic: Option<ElasticStage>,
     watch: Watch,
-    /// How long a gel at rest must have drifted before it becomes the reference by itself, s.
+    /// Time at rest after which a gel that has drifted becomes the reference automatically, s.
     rezero_after_s: Option<f64>,
     previous: Option<(u64, f64)>,
     /// The reference that the last reading is relative to.
@@ -128,9 +128,9 @@ impl Tracker {
     /// Makes the next frame the new reference: from there on displacement, depth and force are relative to it.
     ///
     /// All references and the history of the previous frames are dropped. The readings that follow are those of a new
-    /// tracker that starts with that frame, bit for bit, except that frame numbers, dropped frames and the numbers of
-    /// references go on, and that the first of them has the flag [`Flag::NewReference`]. Allocates nothing by itself; the
-    /// frames that follow allocate as at a start, such as the first keyframe.
+    /// tracker that starts with that frame, bit for bit, with two exceptions: the numbers of frames and references and
+    /// the count of dropped frames continue, and the first reading has the flag [`Flag::NewReference`]. The call itself
+    /// allocates nothing; the frames that follow allocate as after a start, for example for the first keyframe.
     pub fn rezero(&mut self) {
         self.references.restart();
         self.estimator.restart();
@@ -176,7 +176,8 @@ impl Tracker {
         std::mem::swap(&mut reading.valid, &mut self.estimate.valid);
         reading.numbers.flags = flags;
         reading.numbers.damaged_part = self.watch.damaged_part();
-        // The inverse uses the validity of the flow alone: it runs before the gaps of the density count as not valid.
+        // The elastic inverse uses the validity of the flow alone, so it runs before gaps of the density are marked as
+        // not valid.
         if let Some(stage) = &mut self.elastic {
             stage.run(&mut self.reading);
             let is_touched = self.reading.contact_area_mm2.is_some_and(|area| area > 0.0);

@@ -11,7 +11,7 @@ use crate::expect_success;
 
 /// What is needed beside the kernel: the emulator with its firmware, and the guest's shell.
 const PACKAGES: [&str; 5] = ["qemu-system-x86", "qemu-system-data", "seabios", "busybox-static", "v4l2loopback-dkms"];
-/// Packages that bring much and that nothing here needs.
+/// Large packages that are not needed here.
 const LEFT_OUT: [&str; 3] = ["dkms", "linux-libc-dev", "linux-perf"];
 
 /// The unpacked packages.

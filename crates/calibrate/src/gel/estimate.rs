@@ -37,7 +37,7 @@ impl Why {
         let text = if is_wide {
             "every contact is wider than the gel is thick, and the gel beside it hardly moves: use a smaller indenter"
         } else if is_alike {
-            "Poisson's ratio and thickness move the surface in the same way here: fix one that you measured"
+            "Poisson's ratio and thickness move the surface in the same way here: press farther from the middle, or fix one that you measured"
         } else {
             "the presses contradict each other or contain too little information: check their depths, or press at other places and with other shapes"
         };

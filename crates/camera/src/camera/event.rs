@@ -1,10 +1,10 @@
-//! What a camera hands out.
+//! What a camera returns: frames, events and counts.
 
 use std::fmt;
 
 use fingervision_image::Frame;
 
-/// A frame, or what happened instead.
+/// A frame or an event.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Captured {
     /// A frame. A gap in the numbers means that frames are missing.
@@ -13,7 +13,7 @@ pub enum Captured {
     Event(Event),
 }
 
-/// What [`Camera::next_encoded`](crate::Camera::next_encoded) brings.
+/// The result of [`Camera::next_encoded`](crate::Camera::next_encoded).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Arrived {
     /// A frame, which is not decoded.
@@ -33,7 +33,7 @@ pub enum Event {
         /// What is wrong with it.
         reason: String,
     },
-    /// The camera is gone; it is looked for.
+    /// The camera is missing; it is opened again when it is back.
     Unplugged,
     /// The driver reports an error; the camera is started again.
     Failed {
@@ -55,21 +55,21 @@ impl fmt::Display for Event {
     }
 }
 
-/// How many frames came, and how many did not.
+/// Counts of received and missing frames.
 ///
 /// The number of the last frame is `frames + damaged + dropped − 1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
-    /// Frames that were handed out.
+    /// Frames that were returned.
     pub frames: u64,
-    /// Frames that are missing: the driver had no room for them, or the camera was away.
+    /// Frames that are missing: the driver had no free buffer, or the camera was unplugged.
     pub dropped: u64,
-    /// Frames that the driver delivered again; they were not handed out.
+    /// Frames that the driver delivered twice; the second one was left out.
     pub duplicates: u64,
     /// Frames that could not be decoded.
     pub damaged: u64,
     /// How often the camera was opened again.
     pub restarts: u64,
-    /// How often the driver's clock was set back. Time goes on from the frame before.
+    /// How often the driver's clock was set back. Times then continue from that of the previous frame.
     pub clock_steps: u64,
 }

@@ -13,7 +13,7 @@ pub(super) struct Started {
     pub(super) device: Box<dyn Device>,
     pub(super) layout: Layout,
     pub(super) frame_layout: CameraLayout,
-    /// Settings that differ from what was asked for.
+    /// Settings that differ from the requested ones.
     pub(super) remarks: Vec<String>,
 }
 
@@ -50,7 +50,7 @@ fn frame_layout(layout: &Layout) -> Option<CameraLayout> {
     Some(CameraLayout { coding, width, height, row_bytes: layout.row_bytes as usize })
 }
 
-/// The most offers that an error names.
+/// The largest number of offers that an error lists.
 const MOST_NAMED: usize = 12;
 
 fn not_offered(node: &Node, capture: &CaptureSection, offers: &[Offer]) -> CameraError {

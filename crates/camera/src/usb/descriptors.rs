@@ -7,7 +7,7 @@ pub(super) struct Descriptors {
     pub(super) version: u16,
     /// The device has its own power supply.
     pub(super) is_self_powered: bool,
-    /// The current that it may take, in units of its speed.
+    /// The current that it may draw, in units that depend on its speed.
     pub(super) max_power: u8,
     pub(super) alternates: Vec<Alternate>,
 }
@@ -63,7 +63,8 @@ impl Endpoint {
     }
 }
 
-/// Reads descriptors as sysfs gives them: the device's, then those of its configurations. What follows damage is left out.
+/// Reads descriptors as sysfs gives them: the device's, then those of its configurations. Descriptors behind a damaged
+/// one are ignored.
 pub(super) fn parse(bytes: &[u8]) -> Descriptors {
     let mut found = Descriptors::default();
     let mut rest = bytes;

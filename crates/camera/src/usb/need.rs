@@ -1,4 +1,4 @@
-//! What modes need of a port, and what is wrong with the ports of cameras.
+//! The bandwidth that modes need, and the problems of the ports that cameras use.
 
 use super::ports::{RootPort, UsbDevice, root_port_name};
 use crate::{CameraInfo, FourCc, Mode};
@@ -8,7 +8,8 @@ const JPEG_BITS_PER_PX: f64 = 3.0;
 /// Bytes of headers per byte of a picture.
 const HEADERS: f64 = 0.02;
 
-/// The bandwidth that a mode needs, bytes per second; an estimate for motion JPEG. `None` for formats that are not read.
+/// The bandwidth that a mode needs, bytes per second; an estimate for motion JPEG. `None` for formats that cannot be
+/// decoded.
 #[must_use]
 pub fn need_bytes_per_s(mode: &Mode) -> Option<f64> {
     let bits_per_px = match mode.format {
@@ -21,8 +22,8 @@ pub fn need_bytes_per_s(mode: &Mode) -> Option<f64> {
     Some(width * height * mode.frames_per_second * bits_per_px / 8.0 * (1.0 + HEADERS))
 }
 
-/// What is wrong with the USB ports of these cameras, and how to mend it: a sentence each. Every camera is assumed to
-/// capture in the mode that is chosen for it if nothing else is asked for.
+/// The problems of the USB ports of these cameras, with their solutions, one sentence each. Every camera is assumed to
+/// capture in the mode [`Mode::preferred`].
 #[must_use]
 pub fn findings(ports: &[RootPort], cameras: &[CameraInfo]) -> Vec<String> {
     ports.iter().flat_map(|port| port_findings(port, cameras)).collect()
@@ -33,7 +34,7 @@ fn port_findings(port: &RootPort, cameras: &[CameraInfo]) -> Vec<String> {
     let (mut needed, mut held, mut count) = (0.0, 0.0, 0);
     for camera in cameras {
         let Some(device) = device_of(port, camera) else { continue };
-        // What a camera that captures now has reserved is its own.
+        // Bandwidth that is already reserved for this camera is available to it.
         (held, count) = (held + device.reserved_bytes_per_s, count + 1);
         let id = &camera.node.id;
         if device.is_slowed {

@@ -1,4 +1,4 @@
-//! The root ports of a machine and what is reserved of them.
+//! The root ports of a machine, and their reserved bandwidth.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -7,18 +7,18 @@ use std::path::Path;
 use super::descriptors::{Descriptors, Transfer, parse};
 use crate::sysfs::text;
 
-/// A port of the machine itself, with all devices behind it, also those behind hubs.
+/// A port of the machine itself, with all devices behind it, including those behind hubs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootPort {
     /// Its name in sysfs, as in `1-2`: bus 1, port 2.
     pub name: String,
     /// The speed of the device at the port, Mbit/s.
     pub speed_mbps: f64,
-    /// What can be reserved, bytes per second.
+    /// The bandwidth that can be reserved, bytes per second.
     pub capacity_bytes_per_s: f64,
-    /// What is reserved now, bytes per second.
+    /// The reserved bandwidth, bytes per second.
     pub reserved_bytes_per_s: f64,
-    /// The current that the devices without a power supply of their own may take, mA.
+    /// The current that the devices without their own power supply may draw, mA.
     pub current_ma: u32,
     /// The current that the port supplies, mA.
     pub current_limit_ma: u32,
@@ -31,15 +31,15 @@ pub struct RootPort {
 pub struct UsbDevice {
     /// Its name in sysfs, as in `1-2.4`.
     pub name: String,
-    /// Its product's name, if it tells.
+    /// The product's name, if the device has one.
     pub product: Option<String>,
     /// Its speed, Mbit/s.
     pub speed_mbps: f64,
-    /// It could be faster than it is.
+    /// It is connected at a lower speed than it supports.
     pub is_slowed: bool,
-    /// What is reserved for it now, bytes per second.
+    /// The bandwidth that is reserved for it, bytes per second.
     pub reserved_bytes_per_s: f64,
-    /// The most that it can reserve for video, bytes per second; absent if it sends video without reserving.
+    /// The largest bandwidth that it can reserve for video, bytes per second; absent if it reserves none for video.
     pub most_video_bytes_per_s: Option<f64>,
 }
 
@@ -104,7 +104,7 @@ fn most_video(descriptors: &Descriptors, speed_mbps: f64) -> Option<f64> {
 fn root_port(name: String, mut devices: Vec<(UsbDevice, Descriptors)>) -> Option<RootPort> {
     devices.sort_by(|(a, _), (b, _)| a.name.cmp(&b.name));
     let speed_mbps = devices.iter().find(|(device, _)| device.name == name)?.0.speed_mbps;
-    // A hub with its own supply powers what is behind it.
+    // A hub with its own supply powers the devices behind it.
     let supplies: Vec<String> = devices
         .iter()
         .filter(|(_, descriptors)| descriptors.is_self_powered)
@@ -128,8 +128,8 @@ fn root_port(name: String, mut devices: Vec<(UsbDevice, Descriptors)>) -> Option
     })
 }
 
-/// What the standards let periodic transfers reserve: 90 % of full speed and of USB 3, 80 % of high speed. USB 3 sends 10
-/// bits per byte.
+/// The bandwidth that the standards allow periodic transfers to reserve: 90 % of full speed and of USB 3, 80 % of high
+/// speed. USB 3 sends 10 bits per byte.
 fn capacity_bytes_per_s(speed_mbps: f64) -> f64 {
     let (bits, share) = match speed_mbps {
         speed if speed >= 5000.0 => (10.0, 0.9),

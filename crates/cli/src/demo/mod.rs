@@ -13,13 +13,13 @@ use crate::output::OutputArgs;
 /// The ready-made scene that is shown first.
 const SCENE: &str = "letter";
 
-/// Press letters and other objects into a simulated gel, and show what is measured on a web page
+/// Press letters and other objects into a simulated gel, and show the measurement on a web page
 ///
 /// No hardware is needed. The page opens in the browser; Ctrl-C ends the demo. The first press takes some seconds to
 /// solve; its solution is kept for the next time.
 ///
-/// With `--headless` one press goes to a folder instead: `simulation` (what simulate writes), `run` (what track writes)
-/// and `run/evaluation` (what evaluate draws).
+/// With `--headless` one press is written to a folder instead: `simulation` (the files of simulate), `run` (those of
+/// track) and `run/evaluation` (those of evaluate).
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Write one press and its evaluation to a folder, without a page
@@ -28,7 +28,7 @@ pub(crate) struct Args {
     /// The folder to write, as with --headless; without it ./fingervision-demo, where an earlier demo is replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Print the address of the page, but open no browser
+    /// Print the address of the page, but do not open a browser
     #[arg(long, conflicts_with_all = ["headless", "out"])]
     no_browser: bool,
     #[command(flatten)]

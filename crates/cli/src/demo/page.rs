@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::live;
 use crate::output::OutputArgs;
 
-/// The presses that follow the first one: a ready-made scene and what is set in it.
+/// The presses that follow the first one: a ready-made scene and the values that are set in it.
 const MORE: [(&str, &[(&str, &str)]); 6] = [
     ("sphere", &[]),
     ("letter", &[("indenter.text", "F")]),

@@ -6,12 +6,12 @@ use fingervision_camera::usb::{RootPort, UsbDevice, findings, need_bytes_per_s};
 use fingervision_camera::{Access, CameraError, CameraInfo, Mode, Offer, SizeOffer};
 use serde::Serialize;
 
-/// Cameras, ports, and what is wrong with them.
+/// Cameras, ports, and their problems.
 #[derive(Debug, Serialize)]
 pub(super) struct CameraReport {
     cameras: Vec<CameraState>,
     usb_ports: Vec<PortState>,
-    /// What is wrong and how to mend it, a sentence each.
+    /// The problems and their solutions, one sentence each.
     problems: Vec<String>,
 }
 
@@ -33,7 +33,7 @@ struct FormatState {
     format: String,
     /// Whether frames of this format can be decoded.
     is_read: bool,
-    /// At the highest rate; absent for formats that are not read, and for ranges of sizes.
+    /// At the highest rate; absent for formats that cannot be decoded, and for ranges of sizes.
     needs_mb_per_s: Option<f64>,
 }
 
@@ -50,7 +50,7 @@ struct PortState {
 }
 
 impl CameraReport {
-    /// Looks for cameras.
+    /// Finds the cameras and ports.
     #[cfg(target_os = "linux")]
     pub(super) fn find() -> Self {
         let infos = fingervision_camera::cameras(&fingervision_camera::Video4Linux::default());
@@ -107,7 +107,7 @@ impl CameraState {
         }
     }
 
-    /// The codes of the formats that are not read, each once.
+    /// The codes of the formats that cannot be decoded, each once.
     fn unread_formats(&self) -> Vec<&str> {
         let unread = self.formats.iter().filter(|format| !format.is_read);
         let mut codes: Vec<&str> = unread.filter_map(|format| format.format.split(' ').next()).collect();
@@ -154,7 +154,7 @@ fn rounded_megabytes(bytes: f64) -> f64 {
     (bytes / 1e5).round() / 10.0
 }
 
-/// Lines for the report of the doctor, whose first column has 11 characters.
+/// Lines for the report of `doctor`, whose first column has 11 characters.
 impl fmt::Display for CameraReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.cameras.is_empty() {

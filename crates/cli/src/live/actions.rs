@@ -1,4 +1,4 @@
-//! What the page asks for: the record button.
+//! The actions that the page requests: the record button.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -10,7 +10,7 @@ use fingervision_recording::{RecorderOptions, RecorderProgress, RecorderThread, 
 use crate::live::status::Beside;
 use crate::recording_file::{progress_text, summary_text};
 
-/// Records all sensors of a live command, when the page asks for it or from the start.
+/// Records all sensors of a live command, on request of the page or from the start.
 #[derive(Debug)]
 pub(crate) struct LiveActions {
     handles: Vec<SensorHandle>,
@@ -31,7 +31,7 @@ impl LiveActions {
         Ok(())
     }
 
-    /// Closes the recording, if there is one; returns what became of it.
+    /// Closes the recording, if there is one; returns its result.
     pub(super) fn close(&self) -> Option<String> {
         let recorder = self.lock().take()?;
         let path = recorder.path().to_owned();
@@ -45,7 +45,7 @@ impl LiveActions {
         }
     }
 
-    /// Closes a recording that has ended by itself while sensors run, which a full disk does.
+    /// Closes a recording that has ended by itself while sensors run, for example because the disk is full.
     fn close_ended(&self) {
         let is_ended = self.lock().as_ref().is_some_and(|recorder| recorder.progress().is_ended);
         if is_ended && !self.handles.iter().all(SensorHandle::is_ended) {

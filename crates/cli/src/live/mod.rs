@@ -1,4 +1,4 @@
-//! `fingervision live`: sensors that run, on a page and in the terminal.
+//! `fingervision live`: shows live sensors on a page and in the terminal.
 
 mod actions;
 mod browser;
@@ -25,10 +25,10 @@ use status::SensorSummary;
 /// Messages that may wait for the page.
 const PAGE_MESSAGES: usize = 512;
 
-/// Track cameras as they see, and show depth, contact and force on a web page
+/// Track sensors live, and show depth, contact and force on a web page
 ///
-/// The address of the page is printed. Ctrl-C ends it. The page's record button records all sensors to a file in the
-/// current folder, recording-DATE-TIME.mcap.
+/// The address of the page is printed. Ctrl-C ends the command. The page's record button records all sensors to a file
+/// in the current folder, recording-DATE-TIME.mcap.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -58,7 +58,7 @@ pub(crate) struct PageArgs {
     bind: Option<IpAddr>,
 }
 
-/// What happens with readings besides the line in the terminal.
+/// The outputs besides the line in the terminal: the page and a recording.
 #[derive(Debug, Default)]
 pub(crate) struct Show {
     pub(crate) page: Option<PageArgs>,
@@ -81,7 +81,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     run_sensors(sensors, &show, args.output, out)
 }
 
-/// Runs until all sensors have ended or the user stops it.
+/// Runs until all sensors have ended or the user stops the command.
 pub(crate) fn run_sensors(
     sensors: Vec<Sensor>,
     show: &Show,
@@ -116,7 +116,7 @@ pub(crate) fn run_sensors(
 }
 
 impl PageArgs {
-    /// Serves the page of sensors that run.
+    /// Serves the page of running sensors.
     pub(crate) fn start(
         self,
         running: &Running,

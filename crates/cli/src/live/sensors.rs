@@ -14,11 +14,12 @@ use crate::profile_args::assignment;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct SensorArgs {
-    /// What to track: a camera, a video, a folder of images, a recording or a simulated scene; several for several sensors
+    /// What to track: a camera, a video, a folder of images, a recording or a simulated scene; give several for several
+    /// sensors
     ///
-    /// `camera` is the only camera that is plugged in, camera:ID one of several: `fingervision doctor` lists the ids. A
-    /// scene is sim:NAME, as in sim:letter?loop, which repeats the press without end. Without any, the cameras that the
-    /// profiles name, or the only one.
+    /// `camera` is the only camera that is plugged in, camera:ID selects one of several: `fingervision doctor` lists
+    /// the ids. A scene is sim:NAME, as in sim:letter?loop, which repeats the press without end. Without a source, the
+    /// cameras that the profiles name are tracked, or the only camera.
     #[arg(value_name = "SOURCE")]
     pub(crate) sources: Vec<PathBuf>,
     #[command(flatten)]
@@ -27,20 +28,22 @@ pub(crate) struct SensorArgs {
 
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct SensorOptions {
-    /// The profile of the sensor, as in sensor.toml; with several sensors one for each, in the same order, or one for all
+    /// The profile of the sensor, as in sensor.toml; for several sensors give one for each, in the same order, or one
+    /// for all
     #[arg(long = "profile", value_name = "FILE")]
     profiles: Vec<PathBuf>,
     /// Set one value of all profiles, as in `capture.frames_per_second=90`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     assignments: Vec<(String, String)>,
-    /// Compute depth exactly as `track` does; without it faster, with an error about a tenth larger
+    /// Compute depth exactly as `track` does; without it depth is computed faster, with an error about a tenth larger
     ///
-    /// It sets `elastic.mode` of the profile, which recordings contain: tracking them gives the same values.
+    /// The option sets `elastic.mode` in the profile. Recordings contain the profile, so tracking them gives the same
+    /// values.
     #[arg(long)]
     exact: bool,
 }
 
-/// A sensor that was named, not opened yet.
+/// A sensor that is named but not opened yet.
 #[derive(Debug)]
 struct Named {
     place: Place,
@@ -116,7 +119,7 @@ impl SensorArgs {
 }
 
 impl SensorOptions {
-    /// The profile of a sensor. Frames that come at their own times leave no time for exact depth.
+    /// The profile of a sensor. Frames in real time leave no time for exact depth.
     fn profile(&self, file: Option<&Path>, own: Option<Profile>, pace: Pace) -> Result<Profile, Failure> {
         let fallback = own.unwrap_or_default();
         let mut profile = file.map_or(Ok(fallback), Profile::load)?;
@@ -128,14 +131,14 @@ impl SensorOptions {
     }
 }
 
-/// Everything that a page can show.
+/// All fields that a page can show.
 pub(crate) fn fields(profile: &Profile) -> Fields {
     let is_elastic = profile.depth_method() == DepthMethod::Elastic;
     let has_traction = is_elastic && profile.gel.is_some_and(|gel| gel.youngs_modulus_mpa.is_some());
     Fields { density: !is_elastic, depth: true, displacement: is_elastic, traction: has_traction }
 }
 
-/// A short name for a sensor: that of its profile, or of what it is.
+/// A short name for a sensor: that of its profile, or of its source.
 fn name(place: &Place, profile: &Profile) -> String {
     if profile.name != Profile::default().name && !matches!(place, Place::Simulated(_)) {
         return profile.name.clone();
@@ -151,7 +154,7 @@ fn name(place: &Place, profile: &Profile) -> String {
     }
 }
 
-/// The name, with a number behind it if another sensor has it.
+/// The name, followed by a number if another sensor has the same name.
 fn free_name(name: &str, taken: &[&str]) -> String {
     let numbered = (2..).map(|number| format!("{name} {number}"));
     std::iter::once(name.to_owned()).chain(numbered).find(|name| !taken.contains(&name.as_str())).unwrap_or_default()

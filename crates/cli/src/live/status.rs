@@ -1,4 +1,4 @@
-//! What the terminal shows while sensors run: a line that is kept up to date, and events as notes.
+//! The output in the terminal while sensors run: a line that is updated, and events as notes.
 
 use std::fmt::{self, Write};
 use std::time::Duration;
@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
 
-/// How often the line is written anew and the signal tested.
+/// Interval at which the line is updated and the signal is tested.
 const REFRESH: Duration = Duration::from_millis(200);
 
 /// The state of a sensor, as the terminal shows it.
@@ -25,7 +25,7 @@ struct Shown {
     latencies_ms: Vec<f64>,
 }
 
-/// What a sensor did, for the result.
+/// The counts of a sensor, for the result.
 #[derive(Debug, Serialize)]
 pub(crate) struct SensorSummary {
     pub(crate) sensor: String,
@@ -41,14 +41,14 @@ pub(crate) struct SensorSummary {
 
 /// A recording beside the sensors.
 pub(crate) trait Beside {
-    /// What is shown behind the sensors.
+    /// The text that is shown behind the sensors.
     fn text(&self) -> Option<String>;
 
     /// Whether it is time to stop.
     fn is_over(&self) -> bool;
 }
 
-/// Shows messages until all sensors have ended, the user wants to stop, or it is time to.
+/// Shows messages until all sensors have ended, the user stops the command, or its time has passed.
 pub(crate) fn show(
     handles: &[SensorHandle],
     messages: &Subscription,

@@ -21,7 +21,7 @@ use crate::output::OutputArgs;
 pub(crate) struct Args {
     /// The profile, or the run.toml of a run
     file: PathBuf,
-    /// A recording of the sensor, in any form that `track` takes
+    /// A recording of the sensor, in any form that `track` accepts
     source: Option<PathBuf>,
     #[command(flatten)]
     output: OutputArgs,

@@ -1,4 +1,4 @@
-//! `fingervision profile fingerprint`: writes the fingerprint by which another sensor is noticed.
+//! `fingervision profile fingerprint`: writes the fingerprint by which another sensor is detected.
 
 use std::fmt;
 use std::io::Write;
@@ -12,7 +12,7 @@ use crate::fingerprint::{grey, write};
 use crate::output::OutputArgs;
 use crate::place::Place;
 
-/// Write the fingerprint of the sensor's pattern to its profile, so that another sensor is noticed
+/// Write the fingerprint of the sensor's pattern to its profile, so that another sensor is detected
 ///
 /// The first image of the source must show the gel untouched. From then on, every reading of a sensor with another
 /// pattern has the flag `other-sensor`. Write it again after the gel was replaced. `calibrate depth` and `calibrate gel`
@@ -21,7 +21,7 @@ use crate::place::Place;
 pub(crate) struct Args {
     /// The profile of the sensor
     file: PathBuf,
-    /// The sensor untouched: a camera, a recording or a simulated scene, in any form that `track` takes
+    /// The untouched sensor: a camera, a recording or a simulated scene, in any form that `track` accepts
     source: PathBuf,
     #[command(flatten)]
     output: OutputArgs,

@@ -10,10 +10,11 @@ use crate::workbench::Workbench;
 const PROFILE: &str = "# of the left hand\nname = \"left\"\n\n[camera]\nfocal_length_px = [300.0, 300.0]\n\
     principal_point_px = [119.5, 119.5]\ntranslation_mm = [0.0, 0.0, 25.0]\n\n[gel]\nsize_mm = [20.0, 20.0]\n\
     thickness_mm = 7.2 # as poured\npoissons_ratio = 0.4\n";
-/// A press on a gel of ν 0.45, 8 mm and 0.6 `MPa`.
+/// A press on a gel of ν 0.45, 8 mm and 0.6 `MPa`. It is not in the middle, where ν and thickness are correlated by 0.97 and one
+/// press does not determine both.
 const PRESS: &str = "name = 'disc'\n[gel]\nsize_mm = [20.0, 20.0]\nthickness_mm = 8.0\npoissons_ratio = 0.45\n\
     [indenter]\nshape = 'circle'\nradius_mm = 2.5\n\
-    [motion]\nframes = 5\nkeyframes = [{ at = 4, depth_mm = 0.8 }]\n[mesh]\nresolution = 'draft'\n\
+    [motion]\ncentre_mm = [2.0, 1.0]\nframes = 5\nkeyframes = [{ at = 4, depth_mm = 0.8 }]\n[mesh]\nresolution = 'draft'\n\
     [camera]\nfocal_length_px = [300.0, 300.0]\n[pattern]\ncell_mm = 0.35\n[render]\nwidth = 240\nheight = 240\n";
 
 fn bench() -> Workbench {

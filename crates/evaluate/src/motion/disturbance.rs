@@ -16,7 +16,7 @@ pub enum Disturbance {
     },
     /// Ten images in the middle are missing.
     MissingImages,
-    /// One image in the middle is 1.6 times as bright; what exceeds white is white.
+    /// One image in the middle is 1.6 times as bright; values above white are clipped.
     Flash,
     /// Instead of ten images in the middle there are thirty black ones, as of a covered lens.
     Dark,
@@ -32,7 +32,7 @@ struct Shot {
     role: Role,
 }
 
-/// What an image is measured for.
+/// The role of an image in the measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Role {
     /// Nothing: before the disturbance, or the image right after it.
@@ -43,7 +43,7 @@ enum Role {
     After,
 }
 
-/// What is found in the images of a disturbed press.
+/// The results for the images of a disturbed press.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Outcome {
     /// Of disturbed images that show the gel.
@@ -161,7 +161,8 @@ impl Press {
     }
 }
 
-/// The mean flow of some steps; visible is what is so in all of them, the rest is that of the last.
+/// The mean flow of some steps. A pixel is visible if it is visible in all of them; other fields are those of the last
+/// step.
 fn mean_truth(truths: &[Truth]) -> Truth {
     let mut mean = truths.last().expect("an image shows a step").clone();
     let share = 1.0 / truths.len() as f32;

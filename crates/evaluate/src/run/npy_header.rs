@@ -1,8 +1,9 @@
 //! The header of a `.npy` file: type, order and shape of its values.
 //!
 //! After 6 magic bytes and the version, the header's length and a Python dictionary follow, such as
-//! `{'descr': '<f4', 'fortran_order': False, 'shape': (3, 4), }` (`NumPy`, `numpy.lib.format`). Parsed here: the library
-//! for it contains a parser generator, a twentieth of the build of the whole program.
+//! `{'descr': '<f4', 'fortran_order': False, 'shape': (3, 4), }` (`NumPy`, `numpy.lib.format`). It is parsed here,
+//! because the existing library contains a parser generator, which takes a twentieth of the build time of the whole
+//! program.
 
 use std::io::{self, Read};
 

@@ -68,7 +68,7 @@ impl EarlyEnd {
 /// Called with the number of solved frames several times per frame; returns whether to continue.
 pub type Progress<'a> = &'a mut (dyn FnMut(usize) -> ControlFlow<()> + Send);
 
-/// All that decides a solution, apart from the indenter's file and the solver.
+/// All inputs that determine a solution, except the indenter's file and the solver.
 #[derive(Serialize)]
 struct Physics<'a> {
     law: Law,

@@ -1,7 +1,7 @@
 //! MCAP, the file format: records one after the other, messages in chunks, an index at the end.
 //!
-//! <https://mcap.dev/spec> describes it. [`writer`] only appends, so whatever ends the program leaves a file that can be
-//! read; [`scan`] reads a file from its start to its first fault and needs no index.
+//! <https://mcap.dev/spec> describes it. [`writer`] only appends, so the file can be read however the program ended.
+//! [`scan`] reads a file from its start to its end, or to where it is cut off, and needs no index.
 
 mod record;
 pub(crate) mod scan;

@@ -1,4 +1,4 @@
-//! Records: their kinds, and how their fields are written and read. All numbers have their low byte first.
+//! Records: their kinds, and how their fields are written and read. All numbers are little-endian.
 
 /// The first and the last bytes of a file.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
@@ -30,9 +30,9 @@ pub(crate) trait Put {
     fn put_u16(&mut self, value: u16);
     fn put_u32(&mut self, value: u32);
     fn put_u64(&mut self, value: u64);
-    /// A text behind its length.
+    /// A text, preceded by its length.
     fn put_text(&mut self, text: &str);
-    /// Pairs of texts behind their length in bytes.
+    /// Pairs of texts, preceded by their length in bytes.
     fn put_map(&mut self, pairs: &[(&str, &str)]);
     /// A record of this kind, whose content `fill` appends.
     fn put_record(&mut self, kind: u8, fill: impl FnOnce(&mut Self));
@@ -75,7 +75,7 @@ impl Put for Vec<u8> {
     }
 }
 
-/// Takes fields from a record's content. Every length is compared with what is there before anything is allocated.
+/// Takes fields from a record's content. Every length is compared with the remaining bytes before memory is allocated.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Get<'a>(pub(crate) &'a [u8]);
 

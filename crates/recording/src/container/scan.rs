@@ -1,35 +1,35 @@
-//! Reads a file from its start to its end, or to where it is cut off, and notes where every message is.
+//! Reads a file from its start to its end, or to where it is cut off, and stores the position of every message.
 //!
-//! No index is needed, and none is trusted: a file that was not closed, cut off or damaged gives all messages that are
-//! complete. The data of messages are skipped, so a scan reads little of a large file.
+//! The index is not used, so a file that was not closed, is cut off or is damaged yields all its complete messages. The
+//! data of messages are skipped, so a scan reads only a small part of a large file.
 
 use std::io::{self, Read, Seek, SeekFrom};
 
 use super::record::{Get, MAGIC, PREFIX_LEN, kind};
 use super::writer::MESSAGE_PREFIX_LEN;
 
-/// A record that is read whole may be this long; longer ones are skipped, bytes.
+/// The longest record that is read whole, bytes; longer ones are skipped.
 const LONGEST_RECORD: u64 = 1 << 24;
 /// Bytes of a chunk before the name of its compression.
 const CHUNK_FIXED_LEN: u64 = 28;
 /// The longest name of a compression, bytes.
 const LONGEST_NAME: u64 = 64;
 
-/// What a file contains.
+/// The contents of a file.
 #[derive(Debug, Default, PartialEq)]
 pub(crate) struct Contents {
-    /// What wrote it.
+    /// The program that wrote it.
     pub(crate) library: String,
     /// Number and name of every schema.
     pub(crate) schemas: Vec<(u16, String)>,
     pub(crate) channels: Vec<Channel>,
     pub(crate) attachments: Vec<Attachment>,
     pub(crate) metadata: Vec<(String, Vec<(String, String)>)>,
-    /// The end of the file is there.
+    /// The file has its end: it was closed.
     pub(crate) is_closed: bool,
-    /// The first thing that is wrong, other than a missing end.
+    /// The first fault, other than a missing end.
     pub(crate) fault: Option<String>,
-    /// Chunks are compressed in this way, which is not read.
+    /// The compression of its chunks, if there is one: such chunks are not read.
     pub(crate) compression: Option<String>,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Channel {
     pub(crate) messages: Vec<Place>,
 }
 
-/// Where the data of a message are.
+/// The position of a message's data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
     /// The number that the writer gave it in its channel.
@@ -52,18 +52,18 @@ pub(crate) struct Place {
     pub(crate) len: u64,
 }
 
-/// A file in the file.
+/// An attachment: a file within the file.
 #[derive(Debug, PartialEq)]
 pub(crate) struct Attachment {
     pub(crate) name: String,
     pub(crate) data: Vec<u8>,
 }
 
-/// Reads a file; absent if it does not begin as an MCAP file does.
+/// Reads a file; `None` if it does not begin as an MCAP file does.
 ///
 /// # Errors
 ///
-/// Whatever the reader reports, other than its end.
+/// Errors of the reader, except an early end of the file.
 pub(crate) fn scan(from: impl Read + Seek) -> io::Result<Option<Contents>> {
     let mut from = io::BufReader::new(from);
     let end = from.seek(SeekFrom::End(0))?;
@@ -107,7 +107,7 @@ impl<R: Read + Seek> Scan<R> {
         self.contents.fault.get_or_insert_with(|| format!("{what} near byte {at}"));
     }
 
-    /// Reads one record that ends before `limit`; false if no complete one is there.
+    /// Reads one record that ends before `limit`; false if there is no complete one.
     fn step(&mut self, limit: u64) -> io::Result<bool> {
         let mut prefix = [0; PREFIX_LEN as usize];
         if limit.saturating_sub(self.at) < PREFIX_LEN || !self.fill(&mut prefix)? {
@@ -116,7 +116,7 @@ impl<R: Read + Seek> Scan<R> {
         let [kind, len @ ..] = prefix;
         let (len, start) = (u64::from_le_bytes(len), self.at);
         let room = limit - start;
-        // A chunk that is cut off has messages.
+        // A chunk that is cut off contains messages, too.
         if kind == kind::CHUNK {
             return self.chunk(start.saturating_add(len).min(limit), len <= room);
         }
@@ -137,7 +137,8 @@ impl<R: Read + Seek> Scan<R> {
                 }
             }
             kind::FOOTER => return self.footer(start + len),
-            // An unused kind is a place where no record begins; later kinds may be added to the format.
+            // Kind 0 is not used: no record begins here. Unknown kinds are skipped, because the format may get new
+            // ones.
             0 => {
                 self.fault("no record");
                 return Ok(false);
@@ -148,7 +149,7 @@ impl<R: Read + Seek> Scan<R> {
         Ok(true)
     }
 
-    /// Reads what follows the last record; false if the end of the file is missing.
+    /// Reads the bytes behind the last record; false if the end of the file is missing.
     fn footer(&mut self, end: u64) -> io::Result<bool> {
         self.go_to(end)?;
         let mut magic = [0; MAGIC.len()];
@@ -196,14 +197,14 @@ impl<R: Read + Seek> Scan<R> {
         if !is_whole {
             return Ok(false);
         }
-        // Whatever is wrong in a chunk, the next record begins behind it.
+        // The next record begins behind the chunk, whatever faults the chunk has.
         self.go_to(end)?;
         Ok(true)
     }
 }
 
 impl Contents {
-    /// Takes over a small record; absent if it is damaged. The index repeats schemas and channels.
+    /// Stores the content of a small record; `None` if it is damaged. Schemas and channels occur again in the index.
     fn add(&mut self, kind: u8, content: &[u8]) -> Option<()> {
         let mut from = Get(content);
         match kind {

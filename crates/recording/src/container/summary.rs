@@ -1,30 +1,30 @@
-//! The index behind the messages: what other programs use to jump in a file.
+//! The index behind the messages, with which other programs find messages without reading the whole file.
 
 use super::record::{MAGIC, Put, kind};
 
-/// What was written, as far as the index needs it.
+/// The parts of the written records that the index needs.
 #[derive(Debug, Default)]
 pub(crate) struct Summary {
-    /// Number of schemas; their numbers count from 1.
+    /// Number of schemas; they are numbered from 1.
     pub(crate) schemas: u16,
     pub(crate) schema_records: Vec<u8>,
     pub(crate) channel_records: Vec<u8>,
-    /// Messages of every channel that are in written chunks.
+    /// Number of messages of every channel in the written chunks.
     pub(crate) message_counts: Vec<u64>,
     pub(crate) chunks: Vec<ChunkEntry>,
     pub(crate) attachments: Vec<AttachmentEntry>,
-    /// Place, length and name of every record of metadata.
+    /// Position, length and name of every metadata record.
     pub(crate) metadata: Vec<(u64, u64, String)>,
 }
 
-/// Where a chunk is.
+/// The position of a chunk.
 #[derive(Debug)]
 pub(crate) struct ChunkEntry {
     offset: u64,
     pub(crate) length: u64,
     times_ns: [u64; 2],
     records_len: u64,
-    /// Where the index of each channel is.
+    /// The position of each channel's index.
     pub(crate) index_offsets: Vec<(u16, u64)>,
     pub(crate) index_length: u64,
 }
@@ -35,7 +35,7 @@ impl ChunkEntry {
     }
 }
 
-/// Where an attachment is.
+/// The position of an attachment.
 #[derive(Debug)]
 pub(crate) struct AttachmentEntry {
     pub(crate) offset: u64,
@@ -47,7 +47,7 @@ pub(crate) struct AttachmentEntry {
 }
 
 impl Summary {
-    /// The index, its table of contents, the footer and the last bytes, for a file that has `start` bytes before.
+    /// The index, its table of contents, the footer and the last bytes, for a file that has `start` bytes before them.
     pub(crate) fn bytes(&self, start: u64) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut groups = Vec::new();

@@ -1,7 +1,7 @@
-//! Writes a file from its start to its end, never back.
+//! Writes a file from its start to its end and only appends.
 //!
-//! Messages gather in memory as a chunk, which is written whole, with its index, once it is large or old enough. So
-//! all that a killed program loses is one chunk, and a reader never meets a half-filled record that is not the last.
+//! Messages are collected in memory as a chunk. The chunk is written whole, with its index, as soon as it is large or
+//! old enough. So a killed program loses at most one chunk, and only the last record of a file can be incomplete.
 
 use std::io::{self, Write};
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ const CHUNK_LEN: usize = 1 << 20;
 /// A chunk is written once its first message is this old.
 const LONGEST_WAIT: Duration = Duration::from_millis(400);
 
-/// What a message is for: its channel and its time.
+/// The channel and the time of a message.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stamp {
     pub(crate) channel: u16,
@@ -22,7 +22,7 @@ pub(crate) struct Stamp {
     pub(crate) time_ns: u64,
 }
 
-/// A file that grows.
+/// A file that is being written.
 #[derive(Debug)]
 pub(crate) struct Writer<W> {
     to: W,
@@ -32,7 +32,7 @@ pub(crate) struct Writer<W> {
     summary: Summary,
     channels: Vec<ChannelState>,
     chunk: Chunk,
-    /// A write did not succeed: what follows would not be found.
+    /// A write has failed: records behind it could not be found.
     is_broken: bool,
     scratch: Vec<u8>,
 }
@@ -41,7 +41,7 @@ pub(crate) struct Writer<W> {
 struct ChannelState {
     /// Number of the next message.
     sequence: u32,
-    /// Times and places of the messages in the chunk.
+    /// Times and positions of the messages in the chunk.
     in_chunk: Vec<(u64, u64)>,
 }
 
@@ -53,7 +53,7 @@ struct Chunk {
 }
 
 impl<W: Write> Writer<W> {
-    /// Begins a file, and says what wrote it.
+    /// Begins a file with the name of the program that writes it.
     pub(crate) fn new(to: W, library: &str) -> io::Result<Self> {
         let (crc, summary) = (crc32fast::Hasher::new(), Summary::default());
         let (channels, chunk, scratch) = (Vec::new(), Chunk::default(), Vec::new());
@@ -67,7 +67,7 @@ impl<W: Write> Writer<W> {
         Ok(writer)
     }
 
-    /// Bytes that were written; those of the chunk that is being filled are not among them.
+    /// Bytes that were written, without those of the chunk that is being filled.
     pub(crate) fn written_bytes(&self) -> u64 {
         self.end
     }
@@ -107,7 +107,7 @@ impl<W: Write> Writer<W> {
         Ok(id)
     }
 
-    /// Adds a file in the file.
+    /// Adds an attachment: a file within the file.
     pub(crate) fn attachment(&mut self, name: &str, media_type: &str, time_ns: u64, data: &[u8]) -> io::Result<()> {
         let mut record = Vec::new();
         record.put_record(kind::ATTACHMENT, |content| {
@@ -128,7 +128,7 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// Adds named texts.
+    /// Adds metadata: named texts.
     pub(crate) fn metadata(&mut self, name: &str, pairs: &[(&str, &str)]) -> io::Result<()> {
         let mut record = Vec::new();
         record.put_record(kind::METADATA, |content| {
@@ -165,8 +165,8 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// Writes the chunk if it is large or old; to be called after the messages that belong together, and also where no
-    /// message comes.
+    /// Writes the chunk if it is large or old. To be called after messages that belong together, and also while no
+    /// message arrives.
     pub(crate) fn flush_due(&mut self) -> io::Result<()> {
         let is_old = self.chunk.begun.is_some_and(|begun| begun.elapsed() >= LONGEST_WAIT);
         if is_old || self.chunk.records.len() >= CHUNK_LEN { self.flush() } else { self.expect_whole() }
@@ -211,7 +211,7 @@ impl<W: Write> Writer<W> {
         done
     }
 
-    /// Writes what is left and the index; returns what was written to.
+    /// Writes the last chunk and the index; returns the output.
     pub(crate) fn finish(mut self) -> io::Result<W> {
         self.flush()?;
         let mut record = Vec::new();

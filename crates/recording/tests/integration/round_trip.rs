@@ -1,4 +1,4 @@
-//! What is written is read, bit by bit, from whole and from cut-off files.
+//! Written data are read back, bit for bit, from whole and from cut-off files.
 
 use std::fs;
 use std::path::Path;

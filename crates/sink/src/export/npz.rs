@@ -1,5 +1,5 @@
-//! One file for `NumPy`: the arrays of a run, the columns of its table, and its record, without compression, as
-//! `numpy.savez` writes them.
+//! One file for `NumPy`: the arrays of a run, the columns of its table, and its `run.toml`, without compression, in the
+//! format of `numpy.savez`.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -11,11 +11,11 @@ use zip::{CompressionMethod, ZipWriter};
 use super::RunArrays;
 use crate::SinkError;
 
-/// The format wants the values to start at a multiple of this, bytes.
+/// In this format the values start at a multiple of this, bytes.
 const ALIGNMENT: usize = 64;
 
 /// Writes a run as a `.npz` file: `numpy.load(PATH)["depth"]`. The columns of the table have their own names, and
-/// `run.toml` is in it as it is.
+/// `run.toml` is included unchanged.
 ///
 /// # Errors
 ///

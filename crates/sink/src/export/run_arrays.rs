@@ -1,4 +1,4 @@
-//! The arrays of a run folder, to be copied: what they are and where their values start.
+//! The arrays of a run folder, to be copied: their names, types and shapes, and where their values start.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};

@@ -74,7 +74,7 @@ fn compressed(bytes: &[u8]) -> Vec<u8> {
     miniz_oxide::deflate::compress_to_vec_zlib(bytes, LEVEL)
 }
 
-/// `.zarray`: what the values are and how they are stored.
+/// `.zarray`: shape, type and storage of the values.
 fn describe(folder: &Path, descr: &str, shape: &[u64], chunk: &[u64]) -> Result<(), SinkError> {
     let text = format!(
         "{{\"zarr_format\": 2, \"shape\": {shape:?}, \"chunks\": {chunk:?}, \"dtype\": \"{descr}\", \"order\": \"C\", \

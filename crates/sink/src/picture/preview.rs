@@ -25,9 +25,8 @@ pub struct PreviewOptions {
 ///
 /// Left, the camera image with flow arrows; in the middle, the flow as colour with its wheel; right, depth, or the
 /// density feature, or the flow's length, whichever of these is first in the reading, with the outline of the contact
-/// where that is known. Below, over time, the mean flow, depth and force, of
-/// these what is known.
-/// Frames that lost track are not candidates. Memory does not grow with the run.
+/// where that is known. Below, over time, the mean flow, depth and force, as far as they are known. Frames that lost
+/// track are not candidates. Memory does not grow with the run.
 #[derive(Debug)]
 pub struct Preview {
     options: PreviewOptions,

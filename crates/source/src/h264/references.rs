@@ -54,7 +54,7 @@ impl References {
                 let sequence = self.sequences.get(&picture.seq_parameter_set_id)?;
                 let (kind, importance) = (slice.nal_unit_type, slice.nal_ref_idc);
                 let (header, _) = parse_slice_header(&slice.rbsp, sequence, picture, kind, importance).ok()?;
-                // A header is read with every set and tells which one it belongs to.
+                // A header is read with every set; it names the set to which it belongs.
                 let is_its_own = header.pic_parameter_set_id == picture.pic_parameter_set_id;
                 is_its_own.then_some(header.num_ref_idx_l0_active.max(header.num_ref_idx_l1_active))
             })

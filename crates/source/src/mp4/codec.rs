@@ -1,7 +1,8 @@
 //! The sample description: the codec of the frames.
 //!
-//! Four letters name the codec. `mp4v` stands for all that MPEG-4 part 1 numbers: the box `esds` within it holds the object
-//! type, which may be motion JPEG (ISO/IEC 14496-1, table 5; `FFmpeg` writes motion JPEG in MP4 in this way).
+//! Four letters name the codec. `mp4v` covers all codecs that MPEG-4 part 1 numbers. The box `esds` within it contains
+//! this number, the object type, which may be motion JPEG (ISO/IEC 14496-1, table 5; `FFmpeg` writes motion JPEG in MP4
+//! in this way).
 
 use super::boxes::{Bytes, boxes, find};
 use crate::fault::Fault;

@@ -213,7 +213,7 @@ impl ContactFinder {
         self.on_face.contains(&true)
     }
 
-    /// Whether contact reaches the border of what the camera sees of the gel.
+    /// Whether contact reaches the border of the visible part of the gel.
     pub(super) fn is_cut(&self, surface: &Surface) -> bool {
         surface.border().any(|cell| self.touches[cell])
     }

@@ -31,7 +31,7 @@ pub struct ElasticFields {
     pub unexplained: Option<f32>,
     /// Whether the gel is strained beyond the linear range.
     pub is_beyond_linear: bool,
-    /// Whether contact reaches the border of what the camera sees.
+    /// Whether contact reaches the border of the visible part of the gel.
     pub is_cut: bool,
     /// Whether the tractions do not explain the motion; if so, the fields are not valid.
     pub is_unexplained: bool,

@@ -1,8 +1,9 @@
-//! Finds parts of the gel that never track.
+//! Finds parts of the gel whose flow is never valid.
 //!
-//! The image is divided into cells. A cell that is not valid in any of many frames, while the gel is at rest and tracks
-//! around it, shows gel that is torn, worn or dirty. During a press nothing is counted: steep walls do not track either.
-//! An area that reaches the border of the image may lie beside the gel, so it does not count.
+//! The image is divided into cells. If a cell is not valid in any of many frames in which the gel is at rest and other
+//! cells are valid, the gel is torn, worn or dirty there. Frames with a press are not counted, because the flow of
+//! steep walls is not valid either. An area that reaches the border of the image may lie beside the gel, so it does not
+//! count.
 
 use fingervision_image::Image;
 
@@ -18,11 +19,11 @@ const STEP: usize = 8;
 pub(super) struct Damage {
     columns: usize,
     rows: usize,
-    /// For each cell, number of frames at rest since it last tracked.
+    /// For each cell, number of frames at rest since it was last valid.
     missed: Vec<u16>,
-    /// Cells that are damaged; those connected with the border are unmarked.
+    /// Cells that are damaged, without those that are connected with the border.
     is_damaged: Vec<bool>,
-    /// Cells whose neighbours are still to be looked at.
+    /// Cells whose neighbours are still to be examined.
     pending: Vec<usize>,
     part: f32,
 }
@@ -118,7 +119,7 @@ mod tests {
 
     const SIZE: (usize, usize) = (160, 128);
 
-    /// Valid but for this rectangle: left, top, width, height, px.
+    /// Valid except in this rectangle: left, top, width, height, px.
     fn valid_but([left, top, width, height]: [usize; 4]) -> Image<u8> {
         Image::from_fn(SIZE.0, SIZE.1, |x, y| {
             u8::from(!((left..left + width).contains(&x) && (top..top + height).contains(&y)))

@@ -1,4 +1,4 @@
-//! Checks that need more than one frame, or only the picture: whether readings can be trusted.
+//! Checks of whether readings can be trusted. They use only the picture, or more than one frame.
 
 mod damage;
 mod rest;
@@ -12,7 +12,7 @@ use thresholds::THRESHOLDS;
 
 use crate::{Fingerprint, Flag, Flags, Profile};
 
-/// What the checks look at in a frame.
+/// The inputs of the checks for one frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Seen<'a> {
     /// When the frame was exposed, s.
@@ -23,22 +23,22 @@ pub(crate) struct Seen<'a> {
     pub(crate) levels: Levels,
     /// Those of the reference.
     pub(crate) first: Levels,
-    /// How the frame matches with the reference.
+    /// The result of matching the frame with the reference.
     pub(crate) estimate: &'a Estimate,
-    /// Whether it does not.
+    /// Whether the frame is lost: it does not match.
     pub(crate) is_lost: bool,
 }
 
-/// Watches a stream of frames. A frame allocates nothing.
+/// Runs the checks over a stream of frames. A frame allocates nothing.
 #[derive(Debug)]
 pub(crate) struct Watch {
     /// Noise of the camera, grey levels.
     noise_levels: f32,
     rest: Rest,
     damage: Damage,
-    /// What the profile knows of the pattern.
+    /// The fingerprint in the profile.
     fingerprint: Option<Fingerprint>,
-    /// Whether the reference shows another sensor; none before it was compared.
+    /// Whether the reference shows another sensor; `None` before it was compared.
     is_other: Option<bool>,
     was_lost: bool,
     time_s: f64,

@@ -1,11 +1,12 @@
-//! Knows the untouched gel, and how it slowly changes.
+//! Detects whether the gel is at rest, and measures the drift of the untouched gel.
 //!
-//! The gel is at rest as long as its flow stays near that of the untouched gel, which is zero at first. Once it has been
-//! at rest for some time, the flow of the untouched gel is taken anew: so a slow change is followed, and a touch, which
-//! is faster, is not. After a touch the gel is at rest again when the flow is back. The size of this flow, and the
-//! residual of the matches at rest, tell how far the reference has drifted or aged.
+//! The gel is at rest as long as its flow is close to a stored flow, that of the untouched gel, which is zero at first.
+//! Once the gel has been at rest for some time, the stored flow is replaced by the current one. In this way the stored
+//! flow follows slow changes, but not a touch, which is faster. After a touch the gel is at rest again when its flow
+//! has returned to the stored one. A large stored flow means that the reference has drifted; a residual that has grown
+//! at rest means that it has aged.
 //!
-//! A press that grows more slowly than that counts as drift.
+//! A press that grows as slowly as such a change counts as drift.
 
 use fingervision_flow::Estimate;
 
@@ -22,14 +23,14 @@ pub(super) struct Rest {
     /// Flow of the untouched gel at the samples, row by row, px.
     untouched: Vec<[f32; 2]>,
     frames: u64,
-    /// Since when the gel has been at rest without this being used, s.
+    /// Start of the current interval at rest, after which the stored flow is replaced, s.
     slow_since_s: Option<f64>,
-    /// Sum and number of the residuals since then.
+    /// Sum and number of the residuals in this interval.
     residuals: (f32, f32),
-    /// Mean residual of the first such time, grey levels.
+    /// Mean residual of the first such interval, grey levels.
     first_residual: Option<f32>,
     is_drifted: bool,
-    /// Since when the gel has been at rest, s.
+    /// Time since which the gel has been at rest, s.
     since_s: Option<f64>,
 }
 
@@ -61,12 +62,12 @@ impl Rest {
         self.is_drifted
     }
 
-    /// Since when the gel has been at rest, s of the frames' clock.
+    /// Time since which the gel has been at rest, s of the frames' clock.
     pub(super) fn since_s(&self) -> Option<f64> {
         self.since_s
     }
 
-    /// Notes that something touches the gel, whatever the flow.
+    /// Ends the rest, because something touches the gel, whatever its flow.
     pub(super) fn disturb(&mut self) {
         (self.slow_since_s, self.since_s) = (None, None);
     }
@@ -88,13 +89,13 @@ impl Rest {
         true
     }
 
-    /// Takes the flow of the untouched gel anew when it is time.
+    /// Replaces the flow of the untouched gel at the end of an interval.
     fn follow(&mut self, time_s: f64, estimate: &Estimate) {
         let Some(since_s) = self.slow_since_s else {
             (self.slow_since_s, self.residuals) = (Some(time_s), (0.0, 0.0));
             return;
         };
-        // The first frame is the reference: its residual is zero.
+        // The first frame is the reference, whose residual is zero.
         if self.frames > 1 && estimate.residual_levels.is_finite() {
             self.residuals.0 += estimate.residual_levels;
             self.residuals.1 += 1.0;

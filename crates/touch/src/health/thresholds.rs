@@ -1,10 +1,11 @@
-//! The thresholds of the checks of a stream, all in one place: px of flow, parts, factors relative to the reference, s.
-//! None depends on the size of the sensor.
+//! The thresholds of the checks of a stream, all in one place: px of flow, parts of the image, factors relative to the
+//! reference, and times in s. None depends on the size of the sensor.
 
 /// See [`THRESHOLDS`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Thresholds {
-    /// Largest part of saturated pixels more than in the reference, and of the reference itself.
+    /// An image is saturated if its part of saturated pixels exceeds that of the reference by more than the first
+    /// value, or exceeds the second value.
     pub(super) more_saturated: f32,
     pub(super) most_saturated: f32,
     /// An image is dark if its mean and its contrast are both below these parts of the reference's.
@@ -16,8 +17,8 @@ pub(super) struct Thresholds {
     pub(super) black_contrast: f32,
     /// The gel is at rest if its flow differs from that of the untouched gel by less than this, px (root mean square).
     pub(super) rest_px: f32,
-    /// The flow of the untouched gel is taken anew if it differs by less than this, px. Less than `rest_px`: what it
-    /// was before must still count as rest, with noise.
+    /// The flow of the untouched gel is replaced only if the current flow differs from it by less than this, px. It is
+    /// less than `rest_px`, so that the previous flow, with noise, still counts as rest.
     pub(super) slow_px: f32,
     /// How long the gel must be at rest for that, s.
     pub(super) slow_s: f64,
@@ -25,11 +26,11 @@ pub(super) struct Thresholds {
     pub(super) drift_px: f32,
     /// The reference has aged if the residual of the untouched gel grows by more than this factor.
     pub(super) aged: f32,
-    /// Frames at rest in which a cell never tracks, before it counts as damaged.
+    /// Number of frames at rest without a valid flow after which a cell counts as damaged.
     pub(super) damaged_frames: u16,
-    /// Least number of damaged cells that are reported.
+    /// Least number of damaged cells for a report.
     pub(super) least_damaged: usize,
-    /// If more of the cells than this part do not track, the pattern is too sparse, not damaged.
+    /// If a larger part of the cells than this is never valid, the pattern is too sparse, not damaged.
     pub(super) most_damaged: f32,
 }
 
@@ -38,10 +39,10 @@ pub(super) struct Thresholds {
 /// - Light: simulated presses change the part of saturated pixels by 0, recorded presses by up to 0.04 (a sensor of
 ///   which a fifth is saturated); contrast and mean by less than 15 %.
 /// - Rest: untouched gel is measured with 0.02 px or better, in simulated and recorded images; after a press an
-///   air-filled membrane is off by 0.05 px for seconds. A drift of 0.05 px/s or slower is followed, what is faster is
-///   taken for a touch.
-/// - Ageing: an even change of light is eliminated by the flow and does not change the residual; in recordings it
-///   varies by up to 1.25 at rest.
+///   air-filled membrane is off by 0.05 px for seconds. A drift of up to 0.05 px/s is followed; a faster change counts
+///   as a touch.
+/// - Ageing: the flow eliminates an even change of light, which therefore does not change the residual. In recordings
+///   at rest the residual varies by a factor of up to 1.25.
 pub(super) const THRESHOLDS: Thresholds = Thresholds {
     more_saturated: 0.05,
     most_saturated: 0.33,

@@ -1,4 +1,4 @@
-//! How the camera of a sensor captures.
+//! The camera of a sensor and its settings: the table `[capture]`.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,8 @@ const LONGEST_EXPOSURE_S: f64 = 10.0;
 /// Possible colour temperatures, K.
 const WHITE_BALANCES_K: [u32; 2] = [1000, 20_000];
 
-/// Which camera shows the gel, and how it captures. What is absent is left to the camera.
+/// The camera of the sensor and its settings. Absent controls keep the camera's own values; absent values of the mode
+/// are chosen from what the camera offers.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CaptureSection {

@@ -66,8 +66,8 @@ impl References {
         })
     }
 
-    /// Drops all references and forgets all frames: the next frame becomes the first reference. Numbers of references go
-    /// on.
+    /// Drops all references and forgets all frames: the next frame becomes the first reference. References continue to
+    /// be numbered from the last one.
     pub(crate) fn restart(&mut self) {
         match self {
             Self::Anchored(references) => references.restart(),

@@ -1,4 +1,4 @@
-//! Lines that the user types, read beside other work.
+//! Lines that the user types, read while other work continues.
 
 use std::io::{BufRead, BufReader, Read};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
@@ -8,7 +8,7 @@ use std::time::Duration;
 /// The lines of an input.
 pub(super) struct Lines(Receiver<String>);
 
-/// What came in some time.
+/// The result of waiting for a line.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Typed {
     Line(String),
@@ -18,12 +18,12 @@ pub(super) enum Typed {
 }
 
 impl Lines {
-    /// Reads in a thread of its own, to the input's end.
+    /// Reads in its own thread until the end of the input.
     pub(super) fn of(input: impl Read + Send + 'static) -> Self {
         let (sender, lines) = mpsc::channel();
         thread::spawn(move || {
             let lines = BufReader::new(input).lines().map_while(Result::ok);
-            // Nobody waits for a line after the end of the command.
+            // After the end of the command no thread waits for a line.
             let _ = lines.map(|line| sender.send(line)).find(Result::is_err);
         });
         Self(lines)

@@ -18,10 +18,10 @@ use crate::place::Place;
 
 /// Frames that may wait while an image is written.
 const FRAMES: usize = 64;
-/// A camera that sends nothing for so long is not there.
+/// After this time without a frame the camera counts as missing.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// A camera that runs, and the page that shows what it sees.
+/// A running camera, and the page that shows its image.
 pub(super) struct LiveCamera {
     frames: Subscription,
     decoder: Option<CameraFrameDecoder>,

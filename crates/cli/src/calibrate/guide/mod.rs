@@ -60,7 +60,7 @@ pub(crate) struct GuideArgs {
     /// depth.csv; stored
     #[arg(long, value_name = "MPA", value_parser = modulus)]
     youngs_modulus_mpa: Option<f64>,
-    /// Take the recordings with this camera, whenever you press Enter: camera:ID, or without a value the only one
+    /// Take the recordings with this camera when you press Enter: camera:ID; without a value the only camera
     ///
     /// A page shows the camera's image, and the terminal its exposure and focus.
     #[arg(long, value_name = "CAMERA", num_args = 0..=1, default_missing_value = "camera")]
@@ -129,7 +129,7 @@ fn take(
     let path = args.folder.join(PROFILE);
     let profile = if path.exists() { Profile::load(&path)? } else { Profile::default() };
     let (region, capture) = (profile.image.map(|image| image.region_of_interest), profile.capture.clone());
-    // Values that are fitted later have no part in what the page shows.
+    // Values that are fitted later must not affect the page.
     let bare = Profile { image: profile.image, capture, flow: profile.flow, ..Profile::default() };
     let camera = match camera {
         Some(camera) => camera,

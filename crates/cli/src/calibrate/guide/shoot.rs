@@ -1,4 +1,4 @@
-//! Takes the recordings of a calibration with a camera, an image or a series whenever the user says so.
+//! Takes the recordings of a calibration with a camera: an image or a series each time the user presses Enter.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -17,12 +17,13 @@ use crate::failure::Failure;
 
 /// Images of the untouched gel.
 const STILLS: usize = 30;
-/// How often the line with exposure and focus is written anew.
+/// Interval at which the line with exposure and focus is updated.
 const REFRESH: Duration = Duration::from_millis(200);
-/// The best sharpness so far fades by this factor with every image, so that another gel gets another best.
+/// The best sharpness so far is multiplied by this factor after every image, so that a change of the scene can lower
+/// it.
 const FADE: f32 = 0.9995;
 
-/// A camera that is asked for images.
+/// A camera that takes images on request.
 pub(super) trait Pictures {
     /// The newest image that was not seen yet; absent if there is none.
     fn newest(&mut self) -> Option<Pixels>;
@@ -31,7 +32,7 @@ pub(super) trait Pictures {
     fn next_after_now(&mut self) -> Result<Pixels, Failure>;
 }
 
-/// A person with a camera.
+/// The user, with a camera.
 pub(super) struct Shoot<'a, P, W> {
     pub(super) camera: &'a mut P,
     pub(super) lines: &'a Lines,
@@ -252,7 +253,7 @@ mod tests {
         }
     }
 
-    /// Takes a recording with what is typed; returns its folder, whether it is complete, and what was said.
+    /// Takes a recording with the typed lines; returns its folder, whether it is complete, and the output.
     fn take(kind: Kind, typed: &'static str) -> (tempfile::TempDir, bool, String) {
         let folder = tempfile::tempdir().unwrap();
         let place = folder.path().join("taken");

@@ -29,7 +29,7 @@ pub(super) struct Correction {
 /// One parity.
 #[derive(Debug)]
 struct Part {
-    /// For each unknown, the values of the field that it stands for: place in the nodal vector, factor.
+    /// For each unknown, the values of the field that it represents: place in the nodal vector, factor.
     fields: Vec<[(usize, f32); 4]>,
     /// Symmetric, times the shear modulus, 1/mm; rows and columns padded with zeros.
     matrix: Vec<f32>,

@@ -1,7 +1,8 @@
-//! The start of a frame that follows others: a point goes on as it has moved.
+//! The start of a frame that follows others: every point continues its last motion.
 //!
-//! Without it a steady motion costs one more step at full size in every frame, and a fast one must be found by the coarse
-//! levels. A motion that stops, turns or begins is noticed by its residual; then the coarse levels follow it.
+//! Without it a steady motion needs one more step at full size in every frame, and a fast motion needs the coarse
+//! levels. A motion that begins, stops or changes direction is detected by its residual; then the coarse levels follow
+//! it.
 
 use super::{AffinePatches, AffineReference, LevelState};
 use crate::affine::refinement::Current;
@@ -11,8 +12,8 @@ use crate::{FlowHistory, Picture};
 const PREDICTION_LEVEL: usize = 2;
 
 impl AffinePatches {
-    /// Sets the flow of the last frame as the current flow. Where that moves fast, its last change is added, unless the
-    /// picture then matches clearly worse. Returns whether it goes on everywhere.
+    /// Sets the flow of the last frame as the current flow. Where it changes fast, its last change is added, unless the
+    /// picture then matches clearly worse. Returns whether the prediction holds everywhere.
     pub(crate) fn predict(&mut self, reference: &AffineReference, current: &Picture, history: &FlowHistory) -> bool {
         self.start(history.last());
         let Some(earlier) = history.earlier() else { return false };

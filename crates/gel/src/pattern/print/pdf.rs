@@ -19,7 +19,7 @@ const MOST_SAMPLES: usize = 8192;
 /// A circle of radius 1 as four curves: distance of their control points from their ends.
 const CURVATURE: f64 = 0.552_284_749_8;
 
-/// How hard to compress, 0 to 10.
+/// Compression level, 0 to 10.
 const COMPRESSION: u8 = 6;
 
 const CATALOG: Ref = Ref::new(1);
