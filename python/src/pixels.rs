@@ -44,20 +44,20 @@ pub(crate) fn pixels(image: &Bound<'_, PyAny>, channels: Option<Channels>, spare
             .ok_or_else(|| wrong_value("the image has colour, and the order of its channels is not given", CHANNELS))?;
         if let Ok(array) = array.cast::<PyArray3<u8>>() {
             let into = if let Some(Pixels::Rgb8(image)) = spare { Some(image) } else { None };
-            return Ok(Pixels::Rgb8(colour(&array.readonly().as_array(), channels, into)?));
+            return Ok(Pixels::Rgb8(colour(&array.readonly().as_array(), channels, into)));
         }
         if let Ok(array) = array.cast::<PyArray3<u16>>() {
             let into = if let Some(Pixels::Rgb16(image)) = spare { Some(image) } else { None };
-            return Ok(Pixels::Rgb16(colour(&array.readonly().as_array(), channels, into)?));
+            return Ok(Pixels::Rgb16(colour(&array.readonly().as_array(), channels, into)));
         }
     } else {
         if let Ok(array) = array.cast::<PyArray2<u8>>() {
             let into = if let Some(Pixels::Grey8(image)) = spare { Some(image) } else { None };
-            return Ok(Pixels::Grey8(grey(&array.readonly().as_array(), into)?));
+            return Ok(Pixels::Grey8(grey(&array.readonly().as_array(), into)));
         }
         if let Ok(array) = array.cast::<PyArray2<u16>>() {
             let into = if let Some(Pixels::Grey16(image)) = spare { Some(image) } else { None };
-            return Ok(Pixels::Grey16(grey(&array.readonly().as_array(), into)?));
+            return Ok(Pixels::Grey16(grey(&array.readonly().as_array(), into)));
         }
     }
     let message = format!("the image has dtype {}; uint8 or uint16 in native byte order is needed", array.dtype());
@@ -105,21 +105,21 @@ fn plane<T: Clone>(spare: Option<Image<T>>, (width, height): (usize, usize), fil
     spare.unwrap_or_else(|| Image::filled(width, height, fill))
 }
 
-fn grey<T: Copy + Default>(from: &ArrayView2<'_, T>, spare: Option<Image<T>>) -> PyResult<Image<T>> {
+fn grey<T: Copy + Default>(from: &ArrayView2<'_, T>, spare: Option<Image<T>>) -> Image<T> {
     let (height, width) = from.dim();
     let mut to = plane(spare, (width, height), T::default());
     match from.as_slice() {
         Some(values) => to.values_mut().copy_from_slice(values),
         None => to.values_mut().iter_mut().zip(from).for_each(|(to, from)| *to = *from),
     }
-    Ok(to)
+    to
 }
 
 fn colour<T: Copy + Default>(
     from: &ArrayView3<'_, T>,
     channels: Channels,
     spare: Option<Image<[T; 3]>>,
-) -> PyResult<Image<[T; 3]>> {
+) -> Image<[T; 3]> {
     let (height, width, _) = from.dim();
     let mut to = plane(spare, (width, height), [T::default(); 3]);
     let mut copied = None;
@@ -134,7 +134,7 @@ fn colour<T: Copy + Default>(
             to.values_mut().iter_mut().zip(values).for_each(|(to, [blue, green, red])| *to = [*red, *green, *blue]);
         }
     }
-    Ok(to)
+    to
 }
 
 /// Checks that an image fits the first one.

@@ -217,7 +217,7 @@ fn opened(
 
 /// Ends a solution when the user presses Ctrl-C.
 pub(crate) fn go_on_unless_interrupted(interrupted: &mut Option<PyErr>) -> ControlFlow<()> {
-    match Python::attach(|py| py.check_signals()) {
+    match Python::attach(Python::check_signals) {
         Ok(()) => ControlFlow::Continue(()),
         Err(error) => {
             *interrupted = Some(error);

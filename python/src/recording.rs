@@ -101,7 +101,8 @@ impl PyRecording {
         let index = self.index(sensor)?;
         let numbers = py.detach(|| self.recording.readings(index)).or_raise()?;
         let table = PyDict::new(py);
-        let whole = |value: fn(&ReadingNumbers) -> u64| numbers.iter().map(|row| value(row) as i64).collect::<Vec<_>>();
+        let whole =
+            |value: fn(&ReadingNumbers) -> u64| numbers.iter().map(|row| value(row).cast_signed()).collect::<Vec<_>>();
         let long = |value: fn(&ReadingNumbers) -> f64| numbers.iter().map(value).collect::<Vec<_>>();
         let short = |value: fn(&ReadingNumbers) -> Option<f32>| {
             numbers.iter().map(|row| value(row).unwrap_or(f32::NAN)).collect::<Vec<_>>()

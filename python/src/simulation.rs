@@ -78,7 +78,7 @@ impl PySimulation {
     }
 
     fn __getitem__(&self, py: Python<'_>, index: isize) -> PyResult<PySimulatedFrame> {
-        let at = if index < 0 { index + self.frames as isize } else { index };
+        let at = if index < 0 { index + self.frames.cast_signed() } else { index };
         let at = usize::try_from(at).ok().filter(|at| *at < self.frames);
         let at = at.ok_or_else(|| PyIndexError::new_err(format!("frame {index} of {}", self.frames)))?;
         self.made(py, at)

@@ -58,10 +58,7 @@ const LAYERS: [(&str, &[&str]); 23] = [
         ],
     ),
     // The package for Python: arrays in, arrays out, and the command.
-    (
-        "python",
-        &["image", "flow", "gel", "touch", "source", "camera", "recording", "sink", "simulation", "cli"],
-    ),
+    ("python", &["image", "flow", "gel", "touch", "source", "camera", "recording", "sink", "simulation", "cli"]),
     ("xtask", &["evaluate", "gel"]),
 ];
 

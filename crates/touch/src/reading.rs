@@ -59,10 +59,12 @@ impl Reading {
     /// Whether both have the same fields of the same sizes.
     pub(crate) fn has_the_fields_of(&self, other: &Self) -> bool {
         let traction = |reading: &Self| reading.traction.as_ref().map(|grid| (grid.columns, grid.rows));
-        let floats = |reading: &Self| [&reading.density, &reading.depth, &reading.depth_deviation].map(size_of_field);
+        let floats = |reading: &Self| {
+            [&reading.density, &reading.depth, &reading.depth_deviation].map(|field| size_of_field(field.as_ref()))
+        };
         self.flow.size() == other.flow.size()
             && floats(self) == floats(other)
-            && size_of_field(&self.contact) == size_of_field(&other.contact)
+            && size_of_field(self.contact.as_ref()) == size_of_field(other.contact.as_ref())
             && self.displacement.is_some() == other.displacement.is_some()
             && traction(self) == traction(other)
     }
@@ -99,8 +101,8 @@ impl Deref for Reading {
     }
 }
 
-fn size_of_field<T>(field: &Option<Image<T>>) -> Option<(usize, usize)> {
-    field.as_ref().map(Image::size)
+fn size_of_field<T>(field: Option<&Image<T>>) -> Option<(usize, usize)> {
+    field.map(Image::size)
 }
 
 fn copy_image<T: Clone>(to: &mut Option<Image<T>>, from: Option<&Image<T>>) {
