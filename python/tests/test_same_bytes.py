@@ -87,6 +87,41 @@ def test_strides_and_read_only_images_make_no_difference(press: Press) -> None:
         expect_same([tracker.track(image) for image in other], expected)
 
 
+class Tensor:
+    """An image of another library: it has DLPack's methods and no others."""
+
+    def __init__(self, array: npt.NDArray[np.uint8]) -> None:
+        """Wraps an array."""
+        self.array = array
+
+    def __dlpack__(self, **options: Any) -> Any:
+        """The capsule of the array."""
+        return self.array.__dlpack__(**options)
+
+    def __dlpack_device__(self) -> tuple[int, int]:
+        """The memory of the CPU."""
+        return (1, 0)
+
+
+def test_images_of_other_libraries_are_tracked(press: Press) -> None:
+    pillow = pytest.importorskip("PIL.Image")
+    images = [reading.image for reading in fingervision.open(press.frames, press.profile)]
+    plain = fingervision.Tracker(press.profile, channels="rgb")
+    expected = [plain.track(image) for image in images]
+    for kind in (Tensor, pillow.fromarray):
+        tracker = fingervision.Tracker(press.profile, channels="rgb")
+        expect_same([tracker.track(kind(image)) for image in images], expected)
+
+
+def test_results_are_handed_on_without_a_copy(press: Press) -> None:
+    reading = list(fingervision.open(press.frames, press.profile))[-1]
+    for array in (reading.flow, reading.depth, reading.contact, reading.image):
+        other = np.from_dlpack(array)
+        assert np.shares_memory(array, other)
+        assert array.flags.c_contiguous
+        assert array.flags.writeable
+
+
 def test_an_image_may_change_after_it_was_tracked(press: Press) -> None:
     images = [reading.image for reading in fingervision.open(press.frames, press.profile)]
     plain = fingervision.Tracker(press.profile, channels="rgb")

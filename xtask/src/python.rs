@@ -29,7 +29,7 @@ pub(crate) struct Args {
     /// Fail instead of skipping the tests where Python or packages are missing.
     #[arg(long)]
     required: bool,
-    /// Test a wheel of the development profile, whose libraries `cargo test` has built already.
+    /// Test a wheel of the development profile, which has assertions and is slower.
     #[arg(long)]
     dev: bool,
     /// Install this package too, for an example: `ray`, `rerun-sdk` or `torch`; may be repeated.
@@ -156,13 +156,17 @@ fn test(python: &Path, out: &mut impl Write) -> Result<()> {
 fn typed_examples(python: &Path, out: &mut impl Write) -> Result<Vec<String>> {
     let mut examples = Vec::new();
     for entry in fs::read_dir(crate::workspace().join("python/examples"))? {
-        let name = entry?.file_name().to_string_lossy().into_owned();
+        let path = entry?.path();
+        if path.extension().is_none_or(|extension| extension != "py") {
+            continue;
+        }
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let needed = WITH_LIBRARIES.iter().find(|(example, _)| *example == name);
         if let Some((_, library)) = needed
             && !is_installed(python, library)?
         {
             writeln!(out, "pyright: {name} is skipped, {library} is not installed")?;
-        } else if name.ends_with(".py") {
+        } else {
             examples.push(format!("examples/{name}"));
         }
     }
