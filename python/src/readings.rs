@@ -217,7 +217,9 @@ fn opened(
 
 /// Ends a solution when the user presses Ctrl-C.
 pub(crate) fn go_on_unless_interrupted(interrupted: &mut Option<PyErr>) -> ControlFlow<()> {
-    match Python::attach(Python::check_signals) {
+    #[expect(clippy::redundant_closure_for_method_calls, reason = "the method holds for one lifetime alone")]
+    let checked = Python::attach(|py| py.check_signals());
+    match checked {
         Ok(()) => ControlFlow::Continue(()),
         Err(error) => {
             *interrupted = Some(error);
