@@ -122,16 +122,18 @@ fn colour<T: Copy + Default>(
 ) -> Image<[T; 3]> {
     let (height, width, _) = from.dim();
     let mut to = plane(spare, (width, height), [T::default(); 3]);
-    let mut copied = None;
-    let values = match from.as_slice() {
-        Some(values) => values,
-        None => copied.insert(from.iter().copied().collect::<Vec<T>>()).as_slice(),
-    };
-    let (values, _) = values.as_chunks::<3>();
-    match channels {
-        Channels::Rgb => to.values_mut().copy_from_slice(values),
-        Channels::Bgr => {
-            to.values_mut().iter_mut().zip(values).for_each(|(to, [blue, green, red])| *to = [*red, *green, *blue]);
+    let values = from.as_slice().map(|values| values.as_chunks::<3>().0);
+    let pixels = to.values_mut();
+    match (channels, values) {
+        (Channels::Rgb, Some(values)) => pixels.copy_from_slice(values),
+        (Channels::Bgr, Some(values)) => {
+            pixels.iter_mut().zip(values).for_each(|(to, &[blue, green, red])| *to = [red, green, blue]);
+        }
+        (Channels::Rgb, None) => {
+            pixels.iter_mut().zip(from.rows()).for_each(|(to, from)| *to = [from[0], from[1], from[2]])
+        }
+        (Channels::Bgr, None) => {
+            pixels.iter_mut().zip(from.rows()).for_each(|(to, from)| *to = [from[2], from[1], from[0]])
         }
     }
     to
