@@ -140,7 +140,7 @@ impl Feed {
             return;
         }
         match message {
-            Message::Reading { sensor, numbers, captured_s, ready_s } => {
+            Message::Reading { sensor, numbers, captured_s, ready_s, .. } => {
                 self.send(&Text::Readings([Row::new(sensor, &numbers, captured_s, ready_s)]));
             }
             Message::Fields { sensor, snapshot } => self.send_fields(sensor, &snapshot),

@@ -10,6 +10,7 @@ use crate::hub::Hub;
 use crate::input::Next;
 use crate::pool::Pool;
 use crate::queue::Queue;
+use crate::ready::Ready;
 use crate::sensor::SensorHandle;
 use crate::{Input, Message, host_time_s};
 
@@ -25,6 +26,7 @@ pub(crate) struct Capture {
     pub(crate) first: Captured,
     pub(crate) hub: Arc<Hub>,
     pub(crate) queue: Arc<Queue<Captured>>,
+    pub(crate) ready: Arc<Ready>,
     pub(crate) is_stopped: Arc<AtomicBool>,
 }
 
@@ -35,6 +37,7 @@ impl Capture {
         self.count(false);
         while !self.is_stopped.load(Ordering::Acquire) && self.step(&mut pool) {}
         self.queue.close();
+        self.ready.announce(self.index);
     }
 
     /// Takes one frame or event; false at the end.
@@ -67,6 +70,7 @@ impl Capture {
     fn hand_on(&self, captured: Captured) {
         self.publish(&captured);
         let dropped = self.queue.push(captured).is_some();
+        self.ready.announce(self.index);
         self.count(dropped);
     }
 

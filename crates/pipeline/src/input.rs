@@ -7,6 +7,7 @@ use fingervision_image::Frame;
 use fingervision_source::{EncodedFrame, Source};
 
 use crate::clock::captured_s;
+use crate::replay::Replay;
 use crate::{PipelineError, host_time_s};
 
 /// A camera is started again if it sends nothing for this number of frame periods, within these limits: an exposure may
@@ -33,6 +34,7 @@ pub struct Input {
 enum Kind {
     Camera(Box<Camera>),
     Source(Box<Player>),
+    Replay(Replay),
 }
 
 /// The next item of an input.
@@ -60,12 +62,18 @@ impl Input {
         Self { kind: Kind::Source(Box::new(Player { source, start: None, waiting: None })), pace }
     }
 
+    /// Encoded frames in memory. Those that arrive while tracking is busy are dropped.
+    #[must_use]
+    pub fn replay(replay: Replay) -> Self {
+        Self { kind: Kind::Replay(replay), pace: Pace::Recorded }
+    }
+
     /// Time to wait for the next frame; a camera that sends nothing for this time is started again. Stopping takes up
     /// to this time.
     pub(crate) fn patience(&self) -> Duration {
         let period_s = match &self.kind {
             Kind::Camera(camera) => 1.0 / camera.mode().frames_per_second,
-            Kind::Source(_) => 0.0,
+            Kind::Source(_) | Kind::Replay(_) => 0.0,
         };
         Duration::try_from_secs_f64(PERIODS * period_s).unwrap_or(MOST_PATIENCE).clamp(LEAST_PATIENCE, MOST_PATIENCE)
     }
@@ -80,6 +88,7 @@ impl Input {
         match &self.kind {
             Kind::Camera(camera) => format!("{}: {}", camera.id(), camera.mode()),
             Kind::Source(player) => player.source.description(),
+            Kind::Replay(replay) => replay.description(),
         }
     }
 
@@ -89,6 +98,7 @@ impl Input {
         match &self.kind {
             Kind::Camera(camera) => camera.remarks().to_vec(),
             Kind::Source(player) => player.source.remarks(),
+            Kind::Replay(_) => Vec::new(),
         }
     }
 
@@ -96,7 +106,7 @@ impl Input {
     pub(crate) fn camera_counts(&self) -> Option<fingervision_camera::Counts> {
         match &self.kind {
             Kind::Camera(camera) => Some(camera.counts()),
-            Kind::Source(_) => None,
+            Kind::Source(_) | Kind::Replay(_) => None,
         }
     }
 
@@ -105,6 +115,7 @@ impl Input {
         match &mut self.kind {
             Kind::Camera(camera) => next_of_camera(camera, wait, frame),
             Kind::Source(player) => player.next(self.pace, wait, frame),
+            Kind::Replay(replay) => replay.next(wait, frame),
         }
     }
 }

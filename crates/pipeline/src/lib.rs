@@ -1,12 +1,13 @@
 //! Live sensors: threads that capture and track, and send their results to subscribers.
 //!
-//! Every sensor has two threads. One *captures*: it takes frames from a camera as they arrive, or from a file or a
-//! simulation at their recorded times. The other one decodes and *tracks* them, with the same tracker as offline, so
-//! the same frames give the same readings, bit for bit.
+//! Every sensor has a thread that *captures*: it takes frames from a camera as they arrive, or from a file or a simulation at their
+//! recorded times. As many threads as there are cores decode and *track* them for all sensors together: a free thread takes the
+//! sensor that has waited longest, for one frame. A frame is tracked by one thread, with the same tracker as offline, so the same
+//! frames give the same readings, bit for bit.
 //!
-//! Between them is a queue of two frames. If tracking is slower than the camera, the oldest frame is dropped and
-//! counted, and the next reading is flagged `dropped`. So a frame waits for at most two others, and the delay does not
-//! grow. Files and simulations can also be tracked without loss ([`Pace::Lossless`]); capture then waits for tracking.
+//! Before each tracker is a queue of two frames. If tracking is slower than the camera, the oldest frame is dropped and counted, and
+//! the next reading is flagged `dropped`. So a frame waits for at most two others, and the delay does not grow. Files and simulations
+//! can also be tracked without loss ([`Pace::Lossless`]); capture then waits for tracking.
 //!
 //! A [subscriber](Pipeline::subscribe) gets captured frames, the numbers of readings, and whole readings at a limited
 //! rate, through its own queue. A slow subscriber loses its oldest messages, which are counted; it does not slow down
@@ -47,17 +48,21 @@ mod message;
 mod pipeline;
 mod pool;
 mod queue;
+mod ready;
+mod replay;
 mod sensor;
 mod shared;
 mod subscription;
 mod subscriptions;
 mod track;
+mod workers;
 
 pub use clock::host_time_s;
 pub use error::PipelineError;
 pub use input::{Input, Pace};
-pub use message::{Interest, Message, Snapshot};
+pub use message::{FrameTimes, Interest, Message, Snapshot};
 pub use pipeline::{Pipeline, Running};
+pub use replay::Replay;
 pub use sensor::{Sensor, SensorHandle};
 pub use shared::SensorCounts;
 pub use subscription::Subscription;

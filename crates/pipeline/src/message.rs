@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use fingervision_source::EncodedFrame;
-use fingervision_touch::{Reading, ReadingNumbers};
+use fingervision_touch::{Reading, ReadingNumbers, StageTimes};
 
 /// A message from a sensor. Times are those of [`host_time_s`](crate::host_time_s).
 #[derive(Debug, Clone)]
@@ -29,6 +29,8 @@ pub enum Message {
         captured_s: f64,
         /// When the reading was ready.
         ready_s: f64,
+        /// Where the time in between went.
+        times: FrameTimes,
     },
     /// The whole reading, after its [`Message::Reading`]; at the rate that the subscriber requested.
     Fields {
@@ -51,6 +53,17 @@ pub enum Message {
         /// The sensor's index.
         sensor: usize,
     },
+}
+
+/// Where the time from a frame's capture to its reading went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameTimes {
+    /// From capture until a thread had time for it, ms.
+    pub waiting_ms: f64,
+    /// Decoding, ms.
+    pub decode_ms: f64,
+    /// Tracking.
+    pub stages: StageTimes,
 }
 
 /// A complete copy of one reading.

@@ -1,6 +1,6 @@
 //! Starts and stops the threads.
 
-use std::io;
+use std::num::NonZero;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
@@ -8,7 +8,9 @@ use std::thread::{self, JoinHandle};
 use crate::capture::Capture;
 use crate::hub::Hub;
 use crate::queue::{OnFull, Queue};
+use crate::ready::Ready;
 use crate::track::Track;
+use crate::workers::Workers;
 use crate::{Interest, Pace, PipelineError, Sensor, SensorHandle, Subscription, Subscriptions};
 
 /// Frames that may wait for the tracker. With one, a frame that arrives just before the tracker is ready would replace
@@ -19,6 +21,8 @@ const WAITING_FRAMES: usize = 2;
 pub struct Pipeline {
     sensors: Vec<Sensor>,
     hub: Arc<Hub>,
+    /// Threads that track.
+    workers: usize,
 }
 
 /// Sensors that run until they are stopped or dropped.
@@ -35,7 +39,14 @@ impl Pipeline {
     #[must_use]
     pub fn prepare(sensors: Vec<Sensor>) -> Self {
         let hub = Arc::new(Hub::new(sensors.len()));
-        Self { sensors, hub }
+        let workers = thread::available_parallelism().map_or(1, NonZero::get);
+        Self { sensors, hub, workers }
+    }
+
+    /// Tracks on so many threads instead of one per core. More than sensors are not needed.
+    #[must_use]
+    pub fn with_workers(self, workers: NonZero<usize>) -> Self {
+        Self { workers: workers.get(), ..self }
     }
 
     /// The sensors, in order.
@@ -57,21 +68,62 @@ impl Pipeline {
         self.hub.subscribe(interest, OnFull::Wait)
     }
 
-    /// Starts all threads: for each sensor `capture-NAME` and `track-NAME`.
+    /// Starts all threads: `capture-NAME` for each sensor, and `track-1`, `track-2`, … for all of them.
     ///
     /// # Errors
     ///
     /// [`PipelineError::Thread`] if a thread cannot be started; those that run already are stopped.
     pub fn start(self) -> Result<Running, PipelineError> {
-        let handles = self.handles();
-        let is_stopped = Arc::new(AtomicBool::new(false));
-        let mut running = Running { handles, hub: self.hub, threads: Vec::new(), is_stopped };
+        let (handles, count) = (self.handles(), self.sensors.len());
+        let (is_stopped, ready) = (Arc::new(AtomicBool::new(false)), Arc::new(Ready::new(count)));
+        let (mut captures, mut tracks) = (Vec::new(), Vec::new());
         for (index, sensor) in self.sensors.into_iter().enumerate() {
-            let name = sensor.handle.name().to_owned();
-            running.add(index, sensor).map_err(|error| PipelineError::Thread { sensor: name, error })?;
+            let (capture, track) = parts(index, sensor, &self.hub, &ready, &is_stopped);
+            captures.push(capture);
+            tracks.push(track);
+        }
+        // What fails ends with the sensors that it dropped: a worker and a capture end with them.
+        let workers = Workers::start(self.workers.min(count), tracks, Arc::clone(&ready));
+        let mut running = Running { handles, hub: self.hub, threads: Vec::new(), is_stopped };
+        running.threads = workers.map_err(|error| PipelineError::Thread { sensor: "the trackers".into(), error })?;
+        let mut captures = captures.into_iter();
+        while let Some(capture) = captures.next() {
+            let (name, queue, index) = (capture.handle.name().to_owned(), Arc::clone(&capture.queue), capture.index);
+            match thread::Builder::new().name(format!("capture-{name}")).spawn(|| capture.run()) {
+                Ok(thread) => running.threads.push(thread),
+                Err(error) => {
+                    for (queue, index) in
+                        captures.map(|rest| (Arc::clone(&rest.queue), rest.index)).chain([(queue, index)])
+                    {
+                        queue.close();
+                        ready.announce(index);
+                    }
+                    return Err(PipelineError::Thread { sensor: name, error });
+                }
+            }
         }
         Ok(running)
     }
+}
+
+/// What captures and what tracks a sensor's frames.
+fn parts(
+    index: usize,
+    sensor: Sensor,
+    hub: &Arc<Hub>,
+    ready: &Arc<Ready>,
+    is_stopped: &Arc<AtomicBool>,
+) -> (Capture, Track) {
+    let Sensor { input, tracker, decoder, first, handle } = sensor;
+    let on_full = match input.pace() {
+        Pace::Recorded => OnFull::DropOldest,
+        Pace::Lossless => OnFull::Wait,
+    };
+    let queue = Arc::new(Queue::new(WAITING_FRAMES, on_full));
+    let (hub, ready, is_stopped) = (Arc::clone(hub), Arc::clone(ready), Arc::clone(is_stopped));
+    let captured = first.0.clone();
+    let track = Track::new(index, (tracker, decoder), first, handle.clone(), (Arc::clone(&hub), Arc::clone(&queue)));
+    (Capture { index, input, handle, first: captured, hub, queue, ready, is_stopped }, track)
 }
 
 impl Running {
@@ -96,30 +148,6 @@ impl Running {
     /// Stops capture, tracks the frames that have arrived, and waits for the threads.
     pub fn stop(mut self) {
         self.end();
-    }
-
-    fn add(&mut self, index: usize, sensor: Sensor) -> io::Result<()> {
-        let Sensor { input, tracker, decoder, first, handle } = sensor;
-        let on_full = match input.pace() {
-            Pace::Recorded => OnFull::DropOldest,
-            Pace::Lossless => OnFull::Wait,
-        };
-        let queue = Arc::new(Queue::new(WAITING_FRAMES, on_full));
-        let hub = &self.hub;
-        let layout = first.frame.layout;
-        let track = {
-            let (handle, first, hub, queue) = (handle.clone(), first.clone(), Arc::clone(hub), Arc::clone(&queue));
-            Track { index, tracker, decoder, layout, handle, first, hub, queue, is_rezeroing: false }
-        };
-        let names = [format!("track-{}", handle.name()), format!("capture-{}", handle.name())];
-        let (hub, is_stopped) = (Arc::clone(hub), Arc::clone(&self.is_stopped));
-        let capture = Capture { index, input, handle, first, hub, queue: Arc::clone(&queue), is_stopped };
-        let [track_name, capture_name] = names;
-        self.threads.push(thread::Builder::new().name(track_name).spawn(|| track.run())?);
-        let capturing = thread::Builder::new().name(capture_name).spawn(|| capture.run());
-        // If capture cannot start, tracking must end, too.
-        self.threads.push(capturing.inspect_err(|_| queue.close())?);
-        Ok(())
     }
 
     fn end(&mut self) {

@@ -24,8 +24,8 @@ pub struct Sensor {
     pub(crate) input: Input,
     pub(crate) tracker: Tracker,
     pub(crate) decoder: CameraFrameDecoder,
-    /// The first frame, which was not tracked yet.
-    pub(crate) first: Captured,
+    /// The first frame, which was not tracked yet, as it came and decoded.
+    pub(crate) first: (Captured, Frame),
     pub(crate) handle: SensorHandle,
 }
 
@@ -69,7 +69,8 @@ impl Sensor {
                 Ok(pixels) => {
                     let tracker = Tracker::new(&profile, pixels.size(), pixels.is_colour(), fields)?;
                     let handle = SensorHandle::new(name, &input, profile, fields, &tracker, &pixels);
-                    let first = Captured { frame: Arc::new(first), captured_s };
+                    let frame = frame_of(&first, pixels);
+                    let first = (Captured { frame: Arc::new(first), captured_s }, frame);
                     return Ok(Self { input, tracker, decoder, first, handle });
                 }
                 Err(reason) => failure = Some(reason),
@@ -93,7 +94,7 @@ impl Sensor {
 }
 
 /// A frame of these pixels.
-pub(crate) fn frame_of(encoded: &EncodedFrame, pixels: Pixels) -> Frame {
+fn frame_of(encoded: &EncodedFrame, pixels: Pixels) -> Frame {
     Frame { sequence: encoded.sequence, capture_time_s: encoded.capture_time_s, pixels }
 }
 

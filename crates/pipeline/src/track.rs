@@ -1,71 +1,92 @@
-//! The tracking thread of a sensor.
+//! Tracks the frames of a sensor, one after the other, on whatever thread has time.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use fingervision_image::Frame;
 use fingervision_source::{CameraFrameDecoder, CameraLayout, EncodedFrame};
 use fingervision_touch::{Flag, ReadingNumbers, Tracker};
 
 use crate::captured::Captured;
 use crate::hub::Hub;
+use crate::message::FrameTimes;
 use crate::pool::Pool;
 use crate::queue::Queue;
-use crate::sensor::{SensorHandle, frame_of};
+use crate::ready::Left;
+use crate::sensor::SensorHandle;
 use crate::{Message, Snapshot, host_time_s};
 
-/// How often the thread checks whether its queue was closed.
-const WAIT: Duration = Duration::from_secs(1);
 /// Snapshots that may be in use at the same time.
 const MOST_SNAPSHOTS: usize = 4;
 
-/// Tracks until the queue is closed and empty.
+/// What is needed to track a sensor's frames. Dropping it tells all subscribers that the sensor has ended.
 pub(crate) struct Track {
-    pub(crate) index: usize,
-    pub(crate) tracker: Tracker,
-    pub(crate) decoder: CameraFrameDecoder,
-    pub(crate) layout: CameraLayout,
-    pub(crate) handle: SensorHandle,
+    index: usize,
+    tracker: Tracker,
+    decoder: CameraFrameDecoder,
+    layout: CameraLayout,
+    handle: SensorHandle,
     /// The first frame, which is the reference: it must not be dropped.
-    pub(crate) first: Captured,
-    pub(crate) hub: Arc<Hub>,
-    pub(crate) queue: Arc<Queue<Captured>>,
+    first: Option<Captured>,
+    /// The pixels of the frame that is tracked.
+    frame: Frame,
+    hub: Arc<Hub>,
+    queue: Arc<Queue<Captured>>,
+    snapshots: Pool<Snapshot>,
     /// A new reference was requested, and no frame has been tracked since.
-    pub(crate) is_rezeroing: bool,
+    is_rezeroing: bool,
 }
 
 impl Track {
-    pub(crate) fn run(mut self) {
-        let (handle, hub, queue) = (self.handle.clone(), Arc::clone(&self.hub), Arc::clone(&self.queue));
-        let _end = End { index: self.index, handle, hub, queue };
-        let mut snapshots = Pool::new(MOST_SNAPSHOTS);
-        let mut first = Some(self.first.clone());
-        while first.is_some() || !self.queue.is_done() {
-            let Some(captured) = first.take().or_else(|| self.queue.pop(WAIT)) else { continue };
-            match self.track(&captured.frame) {
-                Ok(numbers) => {
-                    self.note_reference(&numbers);
-                    self.publish(numbers, &captured, &mut snapshots);
-                }
-                Err(reason) => {
-                    self.handle.shared.count(|counts| counts.damaged += 1);
-                    self.event(format!("frame {} is left out: {reason}", captured.frame.sequence));
-                }
-            }
-        }
+    /// For a sensor whose first frame was decoded to `frame` and is still to be tracked.
+    pub(crate) fn new(
+        index: usize,
+        (tracker, decoder): (Tracker, CameraFrameDecoder),
+        (first, frame): (Captured, Frame),
+        handle: SensorHandle,
+        (hub, queue): (Arc<Hub>, Arc<Queue<Captured>>),
+    ) -> Self {
+        let (layout, snapshots) = (first.frame.layout, Pool::new(MOST_SNAPSHOTS));
+        let first = Some(first);
+        Self { index, tracker, decoder, layout, handle, first, frame, hub, queue, snapshots, is_rezeroing: false }
     }
 
-    fn track(&mut self, frame: &EncodedFrame) -> Result<ReadingNumbers, String> {
+    /// Tracks the oldest frame, if there is one.
+    pub(crate) fn step(&mut self) -> Left {
+        let Some(captured) = self.first.take().or_else(|| self.queue.pop(Duration::ZERO)) else {
+            return if self.queue.is_done() { Left::End } else { Left::Nothing };
+        };
+        let waiting_ms = 1e3 * (host_time_s() - captured.captured_s);
+        match self.track(&captured.frame) {
+            Ok((numbers, decode_ms)) => {
+                self.note_reference(&numbers);
+                let times = FrameTimes { waiting_ms, decode_ms, stages: self.tracker.stage_times() };
+                self.publish(numbers, &captured, times);
+            }
+            Err(reason) => {
+                self.handle.shared.count(|counts| counts.damaged += 1);
+                self.event(format!("frame {} is left out: {reason}", captured.frame.sequence));
+            }
+        }
+        Left::More
+    }
+
+    /// The numbers of a frame's reading, and the time for decoding, ms.
+    fn track(&mut self, frame: &EncodedFrame) -> Result<(ReadingNumbers, f64), String> {
+        let begin = Instant::now();
         if frame.layout != self.layout {
             // The camera was opened again and may have another mode; the tracker refuses frames of another size.
             (self.layout, self.decoder) = (frame.layout, CameraFrameDecoder::new(frame.layout));
         }
-        let pixels = self.decoder.decode(&frame.bytes)?;
+        self.decoder.decode_into(&frame.bytes, &mut self.frame.pixels)?;
+        (self.frame.sequence, self.frame.capture_time_s) = (frame.sequence, frame.capture_time_s);
+        let decode_ms = 1e3 * begin.elapsed().as_secs_f64();
         if self.handle.shared.take_rezero() {
             self.tracker.rezero();
             self.is_rezeroing = true;
         }
-        let reading = self.tracker.track(&frame_of(frame, pixels)).map_err(|error| error.to_string())?;
-        Ok(reading.numbers)
+        let reading = self.tracker.track(&self.frame).map_err(|error| error.to_string())?;
+        Ok((reading.numbers, decode_ms))
     }
 
     /// Logs a new reference, before the first reading that is relative to it.
@@ -78,10 +99,11 @@ impl Track {
         }
     }
 
-    fn publish(&self, numbers: ReadingNumbers, captured: &Captured, snapshots: &mut Pool<Snapshot>) {
+    fn publish(&mut self, numbers: ReadingNumbers, captured: &Captured, times: FrameTimes) {
         let (sensor, captured_s, ready_s) = (self.index, captured.captured_s, host_time_s());
         self.handle.shared.count(|counts| counts.tracked += 1);
-        self.hub.publish(&Message::Reading { sensor, numbers, captured_s, ready_s });
+        self.hub.publish(&Message::Reading { sensor, numbers, captured_s, ready_s, times });
+        let snapshots = &mut self.snapshots;
         self.hub.publish_fields(sensor, ready_s, || {
             let reading = self.tracker.reading();
             let frame = &captured.frame;
@@ -100,15 +122,7 @@ impl Track {
     }
 }
 
-/// Tells all subscribers that the sensor has ended, also after a panic.
-struct End {
-    index: usize,
-    handle: SensorHandle,
-    hub: Arc<Hub>,
-    queue: Arc<Queue<Captured>>,
-}
-
-impl Drop for End {
+impl Drop for Track {
     fn drop(&mut self) {
         // Capture must not wait for a tracker that has ended.
         self.queue.close();

@@ -4,9 +4,9 @@
 //! that is cut off must not be taken for a dark one.
 
 use crate::FrameFormat;
-use crate::decoder::Decoder;
 use crate::fault::guarded;
 use crate::motion_jpeg::MotionJpeg;
+use crate::reuse;
 use crate::track::Colour;
 use crate::yuv::YuvToRgb;
 use fingervision_image::{Image, Pixels};
@@ -66,6 +66,7 @@ impl CameraLayout {
 pub struct CameraFrameDecoder {
     layout: CameraLayout,
     yuv: Option<(YuvToRgb, Frame)>,
+    jpeg: MotionJpeg,
 }
 
 impl CameraFrameDecoder {
@@ -80,7 +81,7 @@ impl CameraFrameDecoder {
             }
             _ => None,
         };
-        Self { layout, yuv }
+        Self { layout, yuv, jpeg: MotionJpeg::default() }
     }
 
     /// The layout of the frames that it decodes.
@@ -95,36 +96,42 @@ impl CameraFrameDecoder {
     ///
     /// A sentence on what is wrong with a damaged frame: not a JPEG picture, cut off, of another size.
     pub fn decode(&mut self, bytes: &[u8]) -> Result<Pixels, String> {
-        let Some(used) = self.layout.used_row_bytes() else { return self.decode_jpeg(bytes) };
+        let mut pixels = Pixels::Grey8(Image::filled(0, 0, 0));
+        self.decode_into(bytes, &mut pixels).map(|()| pixels)
+    }
+
+    /// As [`decode`](Self::decode), into pixels that are used again: they are allocated only for the first frame, or
+    /// where the format changes. After an error they have any values.
+    ///
+    /// # Errors
+    ///
+    /// As [`decode`](Self::decode).
+    pub fn decode_into(&mut self, bytes: &[u8], pixels: &mut Pixels) -> Result<(), String> {
+        let Some(used) = self.layout.used_row_bytes() else { return self.decode_jpeg(bytes, pixels) };
         let rows = self.rows(bytes, used)?;
-        let (width, height) = (self.layout.width, self.layout.height);
-        let image = |error: fingervision_image::ImageError| error.to_string();
+        let (width, size) = (self.layout.width, (self.layout.width, self.layout.height));
         match (&mut self.yuv, self.layout.coding) {
             (Some((conversion, frame)), _) => {
                 unpack(rows, width, frame);
-                conversion.convert(frame).map(Pixels::Rgb8)
+                conversion.convert_into(frame, reuse::rgb8(pixels, size))?;
             }
             (None, CameraCoding::Grey16) => {
                 let values = rows.flat_map(|row| row.as_chunks().0.iter().map(|pair| u16::from_le_bytes(*pair)));
-                Image::from_vec(width, height, values.collect()).map(Pixels::Grey16).map_err(image)
+                fill(reuse::grey16(pixels, size), values);
             }
             (None, CameraCoding::Rgb8) => {
-                let values = rows.flat_map(|row| row.as_chunks::<3>().0.iter().copied());
-                Image::from_vec(width, height, values.collect()).map(Pixels::Rgb8).map_err(image)
+                copy_rows(rows.map(|row| row.as_chunks().0), width, reuse::rgb8(pixels, size));
             }
             (None, CameraCoding::Rgb16) => {
                 let of_pixel = |bytes: &[u8; 6]| {
                     let [r0, r1, g0, g1, b0, b1] = *bytes;
                     [[r0, r1], [g0, g1], [b0, b1]].map(u16::from_le_bytes)
                 };
-                let values = rows.flat_map(|row| row.as_chunks().0.iter().map(of_pixel));
-                Image::from_vec(width, height, values.collect()).map(Pixels::Rgb16).map_err(image)
+                fill(reuse::rgb16(pixels, size), rows.flat_map(|row| row.as_chunks().0.iter().map(of_pixel)));
             }
-            (None, _) => {
-                let values = rows.flatten().copied();
-                Image::from_vec(width, height, values.collect()).map(Pixels::Grey8).map_err(image)
-            }
+            (None, _) => copy_rows(rows, width, reuse::grey8(pixels, size)),
         }
+        Ok(())
     }
 
     /// The used bytes of every row, if all rows are present.
@@ -138,18 +145,25 @@ impl CameraFrameDecoder {
         Ok(bytes.chunks(step.max(1)).take(height).map(move |row| &row[..used]))
     }
 
-    fn decode_jpeg(&self, bytes: &[u8]) -> Result<Pixels, String> {
+    fn decode_jpeg(&mut self, bytes: &[u8], pixels: &mut Pixels) -> Result<(), String> {
         if !bytes.starts_with(&[0xff, 0xd8]) {
             return Err("not a JPEG picture".into());
         }
-        let pixels = guarded(|| MotionJpeg.decode(bytes)).flatten()?;
-        let (width, height) = pixels.size();
-        if (width, height) == (self.layout.width, self.layout.height) {
-            return Ok(pixels);
+        guarded(|| self.jpeg.decode_into(bytes, pixels)).flatten()?;
+        if pixels.size() == (self.layout.width, self.layout.height) {
+            return Ok(());
         }
-        let found = FrameFormat::from(&pixels);
+        let found = FrameFormat::from(&*pixels);
         Err(format!("{found}, expected {}x{} px", self.layout.width, self.layout.height))
     }
+}
+
+fn fill<T>(to: &mut [T], from: impl Iterator<Item = T>) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to = from);
+}
+
+fn copy_rows<'a, T: Copy + 'a>(rows: impl Iterator<Item = &'a [T]>, width: usize, to: &mut [T]) {
+    to.chunks_mut(width.max(1)).zip(rows).for_each(|(to, row)| to.copy_from_slice(row));
 }
 
 /// Planes of 4:2:2 for frames of this size.

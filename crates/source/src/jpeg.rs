@@ -1,27 +1,21 @@
 //! JPEG pictures, in separate files and as the frames of a motion JPEG video.
 
+use crate::reuse;
+use fingervision_image::Pixels;
 use image::metadata::Orientation;
 use image::{DynamicImage, GrayImage, RgbImage};
 use zune_core::bytestream::ZCursor;
 use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
 use zune_jpeg::JpegDecoder;
+use zune_jpeg::errors::DecodeErrors;
 
 /// Decodes a JPEG to 8-bit grey or colour, and returns the orientation of the camera.
 ///
 /// A picture without its end is refused: decoders may fill the missing rows with grey.
 pub(crate) fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), String> {
-    if !is_whole(bytes) {
-        return Err("the JPEG picture is cut off".into());
-    }
-    let reason = |error| format!("{error:?}");
-    let options = DecoderOptions::default().set_strict_mode(true);
-    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder.decode_headers().map_err(reason)?;
-    let is_grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
-    let output = if is_grey { ColorSpace::Luma } else { ColorSpace::RGB };
-    decoder.set_options(options.jpeg_set_out_colorspace(output));
-    let values = decoder.decode().map_err(reason)?;
+    let (mut decoder, is_grey) = opened(bytes)?;
+    let values = decoder.decode().map_err(in_words)?;
     let info = decoder.info().ok_or("the JPEG picture has no size")?;
     let (width, height) = (u32::from(info.width), u32::from(info.height));
     let image = if is_grey {
@@ -33,10 +27,39 @@ pub(crate) fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), S
     Ok((image.ok_or("the JPEG picture lacks rows")?, orientation.unwrap_or(Orientation::NoTransforms)))
 }
 
+/// As [`decode_jpeg`], but upright as it is stored, and into pixels that are used again.
+///
+/// After an error the pixels have any values.
+pub(crate) fn decode_jpeg_into(bytes: &[u8], pixels: &mut Pixels) -> Result<(), String> {
+    let (mut decoder, is_grey) = opened(bytes)?;
+    let size = decoder.dimensions().ok_or("the JPEG picture has no size")?;
+    let values = if is_grey { reuse::grey8(pixels, size) } else { reuse::rgb8(pixels, size).as_flattened_mut() };
+    decoder.decode_into(values).map_err(in_words)
+}
+
+/// A decoder behind the headers of a whole picture, and whether that is grey.
+fn opened(bytes: &[u8]) -> Result<(JpegDecoder<ZCursor<&[u8]>>, bool), String> {
+    if !is_whole(bytes) {
+        return Err("the JPEG picture is cut off".into());
+    }
+    let options = DecoderOptions::default().set_strict_mode(true);
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(in_words)?;
+    let is_grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
+    let output = if is_grey { ColorSpace::Luma } else { ColorSpace::RGB };
+    decoder.set_options(options.jpeg_set_out_colorspace(output));
+    Ok((decoder, is_grey))
+}
+
+fn in_words(error: DecodeErrors) -> String {
+    format!("{error:?}")
+}
+
 /// Whether an end-of-image marker follows the start of the last scan; a thumbnail's markers come before it.
 fn is_whole(bytes: &[u8]) -> bool {
-    let last = |marker: u8| bytes.windows(2).rposition(|pair| pair == [0xff, marker]);
-    last(0xda) < last(0xd9)
+    // The last of the two markers: it is usually at the end, and coded data contains neither.
+    let last = bytes.windows(2).rfind(|pair| matches!(pair, [0xff, 0xd9 | 0xda]));
+    last == Some(&[0xff, 0xd9])
 }
 
 /// Whether a second picture follows the first: the two fields of an interlaced frame.

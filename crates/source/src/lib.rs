@@ -40,6 +40,7 @@ mod open;
 mod picture;
 mod regular;
 mod repetition;
+mod reuse;
 mod source;
 mod track;
 mod video;

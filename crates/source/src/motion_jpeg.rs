@@ -1,20 +1,31 @@
 //! Motion JPEG: a video whose frames are JPEG pictures.
 
 use crate::decoder::Decoder;
-use crate::jpeg::decode_jpeg;
-use crate::picture::pixels;
-use fingervision_image::Pixels;
+use crate::jpeg::decode_jpeg_into;
+use fingervision_image::{Image, Pixels};
 
 /// Motion JPEG: every sample is a picture of its own.
-pub(crate) struct MotionJpeg;
+#[derive(Debug, Default)]
+pub(crate) struct MotionJpeg {
+    /// A picture with its tables, where they were missing.
+    complete: Vec<u8>,
+}
+
+impl MotionJpeg {
+    /// Decodes a sample into pixels that are used again; after an error they have any values.
+    pub(crate) fn decode_into(&mut self, sample: &[u8], pixels: &mut Pixels) -> Result<(), String> {
+        if add_standard_tables(sample, &mut self.complete) {
+            decode_jpeg_into(&self.complete, pixels)
+        } else {
+            decode_jpeg_into(sample, pixels)
+        }
+    }
+}
 
 impl Decoder for MotionJpeg {
     fn decode(&mut self, sample: &[u8]) -> Result<Pixels, String> {
-        let (image, _) = match with_standard_tables(sample) {
-            Some(complete) => decode_jpeg(&complete)?,
-            None => decode_jpeg(sample)?,
-        };
-        pixels(image)
+        let mut pixels = Pixels::Grey8(Image::filled(0, 0, 0));
+        self.decode_into(sample, &mut pixels).map(|()| pixels)
     }
 
     fn is_key(&self, _: &[u8]) -> bool {
@@ -22,22 +33,30 @@ impl Decoder for MotionJpeg {
     }
 }
 
-/// A picture without Huffman tables, as many USB cameras send it, with a request for the standard ones.
+/// Completes a picture without Huffman tables, as many USB cameras send it, by a request for the standard ones; false if it
+/// has its own.
 ///
 /// The decoder has them, but uses them only after the marker that the AVI format requires and cameras omit.
-fn with_standard_tables(sample: &[u8]) -> Option<Vec<u8>> {
+fn add_standard_tables(sample: &[u8], complete: &mut Vec<u8>) -> bool {
     const START: [u8; 2] = [0xff, 0xd8];
     const AVI_MARKER: [u8; 18] = *b"\xff\xe0\0\x10AVI1\0\0\0\0\0\0\0\0\0\0";
-    let find = |marker: u8| sample.windows(2).position(|pair| pair == [0xff, marker]);
-    let scan = find(0xda)?;
-    let has_tables = find(0xc4).is_some_and(|tables| tables < scan);
-    let rest = sample.strip_prefix(&START)?;
-    (!has_tables).then(|| [&START, &AVI_MARKER[..], rest].concat())
+    let find = |bytes: &[u8], marker: u8| bytes.windows(2).position(|pair| pair == [0xff, marker]);
+    let Some(rest) = sample.strip_prefix(&START) else { return false };
+    let Some(scan) = find(sample, 0xda) else { return false };
+    if find(&sample[..scan], 0xc4).is_some() {
+        return false;
+    }
+    complete.clear();
+    complete.extend_from_slice(&START);
+    complete.extend_from_slice(&AVI_MARKER);
+    complete.extend_from_slice(rest);
+    true
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::jpeg::decode_jpeg;
     use image::codecs::jpeg::JpegEncoder;
     use image::{GrayImage, ImageBuffer, Luma};
 
@@ -54,8 +73,8 @@ mod tests {
         }
         assert!(bare.len() < whole.len());
         assert!(decode_jpeg(&bare).is_err());
-        let wanted = MotionJpeg.decode(&whole).unwrap();
+        let wanted = MotionJpeg::default().decode(&whole).unwrap();
         assert!(matches!(wanted, Pixels::Grey8(_)));
-        assert_eq!(MotionJpeg.decode(&bare).unwrap(), wanted);
+        assert_eq!(MotionJpeg::default().decode(&bare).unwrap(), wanted);
     }
 }

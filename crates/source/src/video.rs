@@ -230,7 +230,7 @@ impl Source for VideoSource {
 fn decoder(codec: &Codec) -> Result<Box<dyn Decoder>, Fault> {
     Ok(match codec {
         Codec::H264 { config, colour } => Box::new(H264::new(config, *colour)?),
-        Codec::MotionJpeg => Box::new(MotionJpeg),
+        Codec::MotionJpeg => Box::new(MotionJpeg::default()),
     })
 }
 

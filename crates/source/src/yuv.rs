@@ -64,18 +64,24 @@ impl YuvToRgb {
 
     /// Converts an 8-bit picture of the stream's size.
     pub(crate) fn convert(&mut self, picture: &Frame) -> Result<Image<[u8; 3]>, String> {
+        let mut rgb = Image::filled(self.width, self.height, [0; 3]);
+        self.convert_into(picture, rgb.values_mut()).map(|()| rgb)
+    }
+
+    /// As [`convert`](Self::convert), into the values of an image of the stream's size.
+    pub(crate) fn convert_into(&mut self, picture: &Frame, rgb: &mut [[u8; 3]]) -> Result<(), String> {
         let (width, height) = (self.width, self.height);
         let chroma_len = (picture.chroma_width() * picture.chroma_height()) as usize;
         let is_whole = picture.y.len() == width * height && picture.u.len().min(picture.v.len()) == chroma_len;
         if !is_whole || chroma_len == 0 {
             return Err("the decoded picture lacks rows".into());
         }
-        let mut rgb = Vec::with_capacity(width * height);
-        for (row, luma) in picture.y.chunks_exact(width).enumerate() {
+        for ((row, luma), rgb) in picture.y.chunks_exact(width).enumerate().zip(rgb.chunks_exact_mut(width)) {
             self.interpolate_chroma(picture, row);
-            rgb.extend(luma.iter().zip(&self.chroma_row).map(|(&luma, &chroma)| self.pixel(luma, chroma)));
+            let pixels = luma.iter().zip(&self.chroma_row);
+            rgb.iter_mut().zip(pixels).for_each(|(rgb, (&luma, &chroma))| *rgb = self.pixel(luma, chroma));
         }
-        Image::from_vec(width, height, rgb).map_err(|error| error.to_string())
+        Ok(())
     }
 
     /// Fills the chroma of one luma row.

@@ -25,6 +25,7 @@ mod profile;
 mod reading;
 mod reading_numbers;
 mod references;
+mod stage_times;
 mod tracker;
 
 pub use columns::{
@@ -50,4 +51,5 @@ pub use profile::{
 pub use reading::Reading;
 pub use reading_numbers::ReadingNumbers;
 pub use references::{Policy, ReferenceParams};
+pub use stage_times::StageTimes;
 pub use tracker::Tracker;

@@ -5,7 +5,8 @@ mod elastic_stage;
 
 use crate::health::{Seen, Watch};
 use crate::references::References;
-use crate::{DepthMethod, Fields, Flag, Flags, Profile, Reading, TrackError};
+use crate::stage_times::Stopwatch;
+use crate::{DepthMethod, Fields, Flag, Flags, Profile, Reading, StageTimes, TrackError};
 use density_stage::DensityStage;
 use elastic_stage::ElasticStage;
 use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture, Reference};
@@ -33,6 +34,7 @@ pub struct Tracker {
     /// The reference that the last reading is relative to.
     zero_id: Option<u64>,
     reading: Reading,
+    times: StageTimes,
 }
 
 /// Tracking is lost if less than this part of the textured patches match.
@@ -89,6 +91,7 @@ impl Tracker {
             previous: None,
             zero_id: None,
             reading,
+            times: StageTimes::default(),
             density,
             elastic,
         })
@@ -125,6 +128,12 @@ impl Tracker {
         taken
     }
 
+    /// Where the time of the last frame went; all 0 before the first.
+    #[must_use]
+    pub fn stage_times(&self) -> StageTimes {
+        self.times
+    }
+
     /// Makes the next frame the new reference: from there on displacement, depth and force are relative to it.
     ///
     /// All references and the history of the previous frames are dropped. The readings that follow are those of a new
@@ -146,17 +155,19 @@ impl Tracker {
     ///
     /// [`TrackError::SizeChanged`] and [`TrackError::OutOfOrder`]; the tracker stays usable.
     pub fn track(&mut self, frame: &Frame) -> Result<&Reading, TrackError> {
-        let arrival = Instant::now();
+        let (arrival, mut watch) = (Instant::now(), Stopwatch::start());
         let dropped = self.check_order(frame)?;
         self.picture
             .load(&frame.pixels, self.region)
             .map_err(|source| TrackError::Image { sequence: frame.sequence, source })?;
         self.previous = Some((frame.sequence, frame.capture_time_s));
+        self.times.picture_ms = watch.lap_ms();
 
         if self.rezero_after_s.is_some_and(|after_s| self.watch.is_rezero_due(after_s)) {
             self.rezero();
         }
         let matched = self.references.track(&mut self.estimator, &self.picture, &mut self.estimate);
+        self.times.flow_ms = watch.lap_ms();
         let mut flags = self.flags(dropped);
         if self.zero_id.replace(matched.zero_id).is_some_and(|before| before != matched.zero_id) {
             flags.raise(Flag::NewReference);
@@ -176,6 +187,7 @@ impl Tracker {
         std::mem::swap(&mut reading.valid, &mut self.estimate.valid);
         reading.numbers.flags = flags;
         reading.numbers.damaged_part = self.watch.damaged_part();
+        self.times.checks_ms = watch.lap_ms();
         // The elastic inverse uses the validity of the flow alone, so it runs before gaps of the density are marked as
         // not valid.
         if let Some(stage) = &mut self.elastic {
@@ -186,12 +198,14 @@ impl Tracker {
                 self.watch.note_contact();
             }
         }
+        self.times.elastic_ms = if self.elastic.is_some() { watch.lap_ms() } else { 0.0 };
         if self.references.is_pressed_at_start() {
             self.reading.numbers.flags.raise(Flag::PressedAtStart);
         }
         if let Some(stage) = &mut self.density {
             stage.run(&mut self.reading);
         }
+        self.times.density_ms = if self.density.is_some() { watch.lap_ms() } else { 0.0 };
         self.reading.numbers.latency_ms = arrival.elapsed().as_secs_f64() * 1e3;
         Ok(&self.reading)
     }

@@ -75,7 +75,7 @@ pub(crate) fn show(
 
 fn take(message: Message, shown: &mut [Shown], handles: &[SensorHandle], line: &ProgressBar, output: OutputArgs) {
     match message {
-        Message::Reading { sensor, numbers, captured_s, ready_s } => {
+        Message::Reading { sensor, numbers, captured_s, ready_s, .. } => {
             let shown = &mut shown[sensor];
             let [first_s, _] = shown.times_s.unwrap_or([captured_s; 2]);
             shown.times_s = Some([first_s, captured_s]);

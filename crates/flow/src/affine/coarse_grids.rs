@@ -16,15 +16,16 @@
 //! a_y = g₀(x) d₀(y) A + g₁(x) d₀(y) Aₓ + g₀(x) d₁(y) A_y
 //! ```
 
+mod blocks;
+
 use super::bonds::Stiffness;
 use super::grid::PatchGrid;
 use super::nodes::{Planes, UNKNOWNS};
-use super::symmetric::invert;
 use super::symmetric::{PACKED, packed};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
-/// Distance between the coarse nodes of each grid, in fine nodes.
+/// Distance between the coarse nodes of each grid, in fine nodes; twice this is a multiple of eight, see [`dots`].
 const SPACINGS: [usize; 2] = [4, 16];
 
 /// Inverse blocks of the coarse nodes, packed, for each grid.
@@ -44,8 +45,11 @@ struct CoarseGrid {
     rows: usize,
     /// Basis at every offset from −spacing to spacing.
     basis: Vec<Basis>,
+    /// `g₀`, `g₁`, `d₀`, `d₁` at every offset from −spacing to below spacing.
+    tables: [Vec<f32>; 4],
     /// Restricted along the columns: for a component and a coarse row `Σ g₀ r + d₀ r_y`, `Σ g₀ r_x`, `Σ g₁ r + d₁ r_y`,
-    /// `Σ g₁ r_x`, for each fine column.
+    /// `Σ g₁ r_x`, for each fine column. A row begins a spacing before the first column and ends a spacing after the last
+    /// coarse one, so that the support of every coarse node is complete.
     lines: [Vec<f32>; 8],
     /// Residual, then correction, of the coarse nodes.
     nodes: Vec<[f32; UNKNOWNS]>,
@@ -73,16 +77,6 @@ impl Basis {
             d1: (1.0 - t) * (1.0 - 3.0 * t),
         }
     }
-}
-
-/// Contributions of a coarse node's value and slopes to value and slopes at a fine node.
-fn shape(x: Basis, y: Basis) -> [[f64; 3]; 3] {
-    let rows = [
-        [x.g0 * y.g0, x.g1 * y.g0, x.g0 * y.g1],
-        [x.d0 * y.g0, x.d1 * y.g0, x.d0 * y.g1],
-        [x.g0 * y.d0, x.g1 * y.d0, x.g0 * y.d1],
-    ];
-    rows.map(|row| row.map(f64::from))
 }
 
 impl CoarseGrids {
@@ -120,15 +114,24 @@ impl CoarseGrid {
     fn new(fine: PatchGrid, spacing: usize) -> Self {
         let count = |nodes: usize| (nodes - 1).div_ceil(spacing) + 1;
         let (columns, rows) = (count(fine.columns), count(fine.rows));
+        let basis: Vec<_> = (0..=2 * spacing).map(|index| Basis::at(index, spacing)).collect();
+        let table = |of: fn(&Basis) -> f32| basis[..2 * spacing].iter().map(of).collect();
         Self {
             fine,
             spacing,
             columns,
             rows,
-            basis: (0..=2 * spacing).map(|index| Basis::at(index, spacing)).collect(),
-            lines: std::array::from_fn(|_| vec![0.0; rows * fine.columns]),
+            tables: [table(|b| b.g0), table(|b| b.g1), table(|b| b.d0), table(|b| b.d1)],
+            basis,
+            lines: std::array::from_fn(|_| vec![0.0; rows * (columns + 1) * spacing]),
             nodes: vec![[0.0; UNKNOWNS]; columns * rows],
         }
+    }
+
+    /// Values in a row of `lines`.
+    #[inline(always)]
+    fn line_len(&self) -> usize {
+        (self.columns + 1) * self.spacing
     }
 
     /// The basis of coarse node `coarse` at fine node `fine` along an axis, which lie at most a spacing apart.
@@ -150,78 +153,19 @@ impl CoarseGrid {
         fine / self.spacing..=fine.div_ceil(self.spacing)
     }
 
-    fn blocks(&self, normal: &[Vec<f32>; PACKED], scale: f32, stiffness: Stiffness) -> Vec<[f32; PACKED]> {
-        let bonds = self.bond_energy(stiffness);
-        let nodes = (0..self.rows).flat_map(|row| (0..self.columns).map(move |column| (column, row)));
-        nodes
-            .map(|(column, row)| {
-                let mut block = [[0.0; UNKNOWNS]; UNKNOWNS];
-                for j in self.support(row, self.fine.rows) {
-                    for i in self.support(column, self.fine.columns) {
-                        let shape = shape(self.basis(i, column), self.basis(j, row));
-                        add_normal(&mut block, normal, j * self.fine.columns + i, scale, shape);
-                    }
-                }
-                for (i, row) in block.iter_mut().enumerate() {
-                    for (j, entry) in row.iter_mut().enumerate().filter(|(j, _)| i / 3 == j / 3) {
-                        *entry += bonds[i % 3][j % 3];
-                    }
-                    // Keeps the block of a coarse node without texture and bonds invertible.
-                    row[i] += 1e-6;
-                }
-                let inverse = invert(block);
-                let mut packed_inverse = [0.0; PACKED];
-                for i in 0..UNKNOWNS {
-                    for j in 0..=i {
-                        packed_inverse[packed(i, j)] = inverse[i][j] as f32;
-                    }
-                }
-                packed_inverse
-            })
-            .collect()
-    }
-
-    /// The energy of all pairs with bond 1 in the field of one coarse node, for one component.
-    fn bond_energy(&self, stiffness: Stiffness) -> [[f64; 3]; 3] {
-        let (continuity, curvature) = (f64::from(stiffness.continuity), f64::from(stiffness.curvature));
-        // One node outside its range the field is zero.
-        let at = |x: usize, y: usize| match (self.basis.get(x), self.basis.get(y)) {
-            (Some(&x), Some(&y)) => shape(x, y),
-            _ => [[0.0; 3]; 3],
-        };
-        let mut energy = [[0.0; 3]; 3];
-        for y in 0..self.basis.len() {
-            for x in 0..self.basis.len() {
-                for (along, other) in [(1, at(x + 1, y)), (2, at(x, y + 1))] {
-                    let here = at(x, y);
-                    let terms = |k: usize| {
-                        let mismatch = here[0][k] - other[0][k] + 0.5 * (here[along][k] + other[along][k]);
-                        [mismatch, here[1][k] - other[1][k], here[2][k] - other[2][k]]
-                    };
-                    for (i, row) in energy.iter_mut().enumerate() {
-                        for (j, entry) in row.iter_mut().enumerate() {
-                            let ([c, px, py], [d, qx, qy]) = (terms(i), terms(j));
-                            *entry += continuity * c * d + curvature * (px * qx + py * qy);
-                        }
-                    }
-                }
-            }
-        }
-        energy
-    }
-
     /// Restricts a residual to the coarse nodes: along the columns first, so that whole rows are processed at once.
     #[simd]
     fn restrict<S: Simd>(&mut self, simd: S, residual: &Planes) {
         let _ = simd;
-        let columns = self.fine.columns;
+        let (columns, stride) = (self.fine.columns, self.line_len());
         self.lines.iter_mut().for_each(|line| line.fill(0.0));
         for fine_row in 0..self.fine.rows {
             for row in self.beside(fine_row) {
                 let basis = self.basis(fine_row, row);
                 for component in 0..2 {
                     let [value, slope_x, slope_y] = part(residual, component, fine_row * columns, columns);
-                    let [u0, v0, u1, v1] = parts_mut(&mut self.lines, component, row * columns, columns);
+                    let start = row * stride + self.spacing;
+                    let [u0, v0, u1, v1] = parts_mut(&mut self.lines, component, start, columns);
                     for i in 0..columns {
                         u0[i] += basis.g0 * value[i] + basis.d0 * slope_y[i];
                         v0[i] += basis.g0 * slope_x[i];
@@ -231,19 +175,18 @@ impl CoarseGrid {
                 }
             }
         }
+        let support = 2 * self.spacing;
+        let [g0, g1, d0, d1] = self.tables.each_ref().map(|table| &table[..support]);
         for row in 0..self.rows {
             for column in 0..self.columns {
-                let mut sums = [0.0; UNKNOWNS];
-                for i in self.support(column, columns) {
-                    let basis = self.basis(i, column);
-                    for component in 0..2 {
-                        let [u0, v0, u1, v1] = [0, 1, 2, 3].map(|k| self.lines[4 * component + k][row * columns + i]);
-                        sums[3 * component] += basis.g0 * u0 + basis.d0 * v0;
-                        sums[3 * component + 1] += basis.g1 * u0 + basis.d1 * v0;
-                        sums[3 * component + 2] += basis.g0 * u1 + basis.d0 * v1;
-                    }
+                let start = row * stride + column * self.spacing;
+                let node = &mut self.nodes[row * self.columns + column];
+                for component in 0..2 {
+                    let [u0, v0, u1, v1] = parts(&self.lines, component, start, support);
+                    node[3 * component] = dots(g0, u0, d0, v0);
+                    node[3 * component + 1] = dots(g1, u0, d1, v0);
+                    node[3 * component + 2] = dots(g0, u1, d0, v1);
                 }
-                self.nodes[row * self.columns + column] = sums;
             }
         }
     }
@@ -252,29 +195,13 @@ impl CoarseGrid {
     #[simd]
     fn prolong<S: Simd>(&mut self, simd: S, field: &mut Planes) {
         let _ = simd;
-        let columns = self.fine.columns;
-        self.lines.iter_mut().for_each(|line| line.fill(0.0));
-        for row in 0..self.rows {
-            for i in 0..columns {
-                for column in self.beside(i) {
-                    let basis = self.basis(i, column);
-                    let node = &self.nodes[row * self.columns + column];
-                    for component in 0..2 {
-                        let [value, slope_x, slope_y] = [0, 1, 2].map(|k| node[3 * component + k]);
-                        let at = row * columns + i;
-                        self.lines[4 * component][at] += basis.g0 * value + basis.g1 * slope_x;
-                        self.lines[4 * component + 1][at] += basis.d0 * value + basis.d1 * slope_x;
-                        self.lines[4 * component + 2][at] += basis.g0 * slope_y;
-                        self.lines[4 * component + 3][at] += basis.d0 * slope_y;
-                    }
-                }
-            }
-        }
+        self.interpolate_rows();
+        let (columns, stride) = (self.fine.columns, self.line_len());
         for fine_row in 0..self.fine.rows {
             for row in self.beside(fine_row) {
                 let basis = self.basis(fine_row, row);
                 for component in 0..2 {
-                    let [u0, v0, u1, v1] = parts(&self.lines, component, row * columns, columns);
+                    let [u0, v0, u1, v1] = parts(&self.lines, component, row * stride + self.spacing, columns);
                     let [value, slope_x, slope_y] = part_mut(field, component, fine_row * columns, columns);
                     for i in 0..columns {
                         value[i] += basis.g0 * u0[i] + basis.g1 * u1[i];
@@ -285,28 +212,50 @@ impl CoarseGrid {
             }
         }
     }
-}
 
-/// Adds `Bᵀ N B` of a fine node to a coarse node's block.
-fn add_normal(
-    block: &mut [[f64; UNKNOWNS]; UNKNOWNS],
-    normal: &[Vec<f32>; PACKED],
-    node: usize,
-    scale: f32,
-    shape: [[f64; 3]; 3],
-) {
-    for (i, row) in block.iter_mut().enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            let mut sum = 0.0;
-            for (p, of_i) in shape.iter().enumerate() {
-                for (q, of_j) in shape.iter().enumerate() {
-                    let n = f64::from(normal[packed(3 * (i / 3) + p, 3 * (j / 3) + q)][node]);
-                    sum += of_i[i % 3] * n * of_j[j % 3];
+    /// Interpolates along the coarse rows, from one coarse node to the next.
+    #[inline(always)]
+    fn interpolate_rows(&mut self) {
+        let (spacing, stride) = (self.spacing, self.line_len());
+        // To the right of a coarse node the second half of its basis counts, and the first half of its neighbour's.
+        let [[g0, h0], [g1, h1], [d0, e0], [d1, e1]] = self.tables.each_ref().map(|table| {
+            let (before, after) = table.split_at(spacing);
+            [after, before]
+        });
+        for row in 0..self.rows {
+            for column in 0..self.columns {
+                let here = self.nodes[row * self.columns + column];
+                let is_last = column + 1 == self.columns;
+                let next = if is_last { [0.0; UNKNOWNS] } else { self.nodes[row * self.columns + column + 1] };
+                for component in 0..2 {
+                    let [a, ax, ay] = [0, 1, 2].map(|k| here[3 * component + k]);
+                    let [b, bx, by] = [0, 1, 2].map(|k| next[3 * component + k]);
+                    let start = row * stride + (column + 1) * spacing;
+                    let [u0, v0, u1, v1] = parts_mut(&mut self.lines, component, start, spacing);
+                    for k in 0..spacing {
+                        u0[k] = (g0[k] * a + g1[k] * ax) + (h0[k] * b + h1[k] * bx);
+                        v0[k] = (d0[k] * a + d1[k] * ax) + (e0[k] * b + e1[k] * bx);
+                        u1[k] = g0[k] * ay + h0[k] * by;
+                        v1[k] = d0[k] * ay + e0[k] * by;
+                    }
                 }
             }
-            *entry += f64::from(scale) * sum;
         }
     }
+}
+
+/// `Σ a x + b y`, in eight parts that are summed at the end, so that the sum is vectorised.
+#[inline(always)]
+fn dots(a: &[f32], x: &[f32], b: &[f32], y: &[f32]) -> f32 {
+    const PARTS: usize = 8;
+    let mut sums = [0.0; PARTS];
+    let [(a, _), (x, _), (b, _), (y, _)] = [a, x, b, y].map(<[f32]>::as_chunks::<PARTS>);
+    for ((a, x), (b, y)) in a.iter().zip(x).zip(b.iter().zip(y)) {
+        for k in 0..PARTS {
+            sums[k] += a[k] * x[k] + b[k] * y[k];
+        }
+    }
+    sums.iter().sum()
 }
 
 #[inline(always)]

@@ -7,7 +7,7 @@ use super::grid::{PatchGrid, STRIDE};
 use super::nodes::NodeField;
 
 /// Hermite basis at the eight pixels between two nodes.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 struct HermiteBasis {
     value_0: [f32; STRIDE],
     slope_0: [f32; STRIDE],
@@ -72,16 +72,16 @@ impl Expander {
     #[inline(always)]
     pub(crate) fn row(&mut self, field: &NodeField, row: usize, out: [&mut [f32]; 2]) {
         self.interpolate_line(field, row);
+        let HermiteBasis { value_0, slope_0, value_1, slope_1 } = self.basis;
         for (component, out) in out.into_iter().enumerate() {
             let (value, slope) = (&self.line[2 * component], &self.line[2 * component + 1]);
             let nodes = value.windows(2).zip(slope.windows(2));
             let (cells, _) = out.as_chunks_mut::<STRIDE>();
             for (cell, (value, slope)) in cells.iter_mut().zip(nodes) {
+                let (left, right) = ([value[0], slope[0]], [value[1], slope[1]]);
                 for k in 0..STRIDE {
-                    cell[k] = self.basis.value_0[k] * value[0]
-                        + self.basis.slope_0[k] * slope[0]
-                        + self.basis.value_1[k] * value[1]
-                        + self.basis.slope_1[k] * slope[1];
+                    cell[k] =
+                        value_0[k] * left[0] + slope_0[k] * left[1] + value_1[k] * right[0] + slope_1[k] * right[1];
                 }
             }
         }
@@ -101,29 +101,37 @@ impl Expander {
                 let (a, b) = self.line.split_at_mut(2 * component + 1);
                 (&mut a[2 * component], &mut b[0])
             };
-            let inner_value = &mut line_value[1..=columns];
-            let inner_slope = &mut line_slope[1..=columns];
+            let (inner_value, inner_slope) = (&mut line_value[1..][..columns], &mut line_slope[1..][..columns]);
+            let at = |row: usize| [value, slope_x, slope_y, twist].map(|plane| &plane[row * columns..][..columns]);
             if outside {
-                let start = columns * below.min(self.grid.rows - 1);
+                let [value, slope_x, slope_y, twist] = at(below.min(self.grid.rows - 1));
                 let distance = (k as f32 + 0.5) / STRIDE as f32 - if below == 0 { 1.0 } else { 0.0 };
                 for i in 0..columns {
-                    inner_value[i] = value[start + i] + distance * slope_y[start + i];
-                    inner_slope[i] = slope_x[start + i] + distance * twist[start + i];
+                    inner_value[i] = value[i] + distance * slope_y[i];
+                    inner_slope[i] = slope_x[i] + distance * twist[i];
                 }
             } else {
-                let (a, b) = ((below - 1) * columns, below * columns);
+                let (upper, lower) = (at(below - 1), at(below));
                 let HermiteBasis { value_0, slope_0, value_1, slope_1 } = &self.basis;
-                let (h0, g0, h1, g1) = (value_0[k], slope_0[k], value_1[k], slope_1[k]);
-                for i in 0..columns {
-                    inner_value[i] = h0 * value[a + i] + g0 * slope_y[a + i] + h1 * value[b + i] + g1 * slope_y[b + i];
-                    inner_slope[i] = h0 * slope_x[a + i] + g0 * twist[a + i] + h1 * slope_x[b + i] + g1 * twist[b + i];
-                }
+                let weights = [value_0[k], slope_0[k], value_1[k], slope_1[k]];
+                combine(weights, [upper[0], upper[2], lower[0], lower[2]], inner_value);
+                combine(weights, [upper[1], upper[3], lower[1], lower[3]], inner_slope);
             }
             line_value[0] = line_value[1] - line_slope[1];
             line_slope[0] = line_slope[1];
             line_value[columns + 1] = line_value[columns] + line_slope[columns];
             line_slope[columns + 1] = line_slope[columns];
         }
+    }
+}
+
+/// The weighted sum of four rows of nodes. The slices have one length, so that the loop is vectorised.
+#[inline(always)]
+fn combine([h0, g0, h1, g1]: [f32; 4], [value_0, slope_0, value_1, slope_1]: [&[f32]; 4], out: &mut [f32]) {
+    let n = out.len();
+    let [value_0, slope_0, value_1, slope_1] = [value_0, slope_0, value_1, slope_1].map(|row| &row[..n]);
+    for i in 0..n {
+        out[i] = h0 * value_0[i] + g0 * slope_0[i] + h1 * value_1[i] + g1 * slope_1[i];
     }
 }
 

@@ -6,13 +6,13 @@
 //! grows with the distance to them. The variance is increased where the residual exceeds the noise, and where the field
 //! is rougher than patches can represent.
 
-use super::grid::{PatchGrid, STRIDE};
+use super::grid::{LANES, PatchGrid, STRIDE};
 use super::nodes::{NodeField, UNKNOWNS};
 use super::refinement::Refinement;
 use super::symmetric::packed;
 use super::template::Template;
 use crate::{Estimate, ValidityParams};
-use fearless_simd::Simd;
+use fearless_simd::{Simd, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
 /// Systematic error that averaging does not remove, px²: sampling and interpolation, measured on noise-free images.
@@ -51,23 +51,25 @@ pub(crate) fn spread_variance(grid: PatchGrid, steps: &[f32], variance: &mut [f3
 impl Refinement {
     /// Converts the measured energy to that of the residual after the step and the change of light, at the template's
     /// contrast: `(Σ r² − l·D⁻¹l) / γ² − 2 b·δ + δ·Aδ`, where `b` is already divided by γ. Exact for the linear model.
-    fn predict_energy(&mut self, template: &Template) {
+    #[simd]
+    fn predict_energy<S: Simd>(&mut self, simd: S, template: &Template) {
         let unscale = 1.0 / self.scale();
-        let [gain, offset] = &self.light;
-        let [d00, d01, d11] = &template.light_inverse;
-        let delta = &self.increment.planes;
-        for (n, energy) in self.energy.iter_mut().enumerate() {
-            let (l0, l1) = (gain[n], offset[n]);
-            let by_light = d00[n] * l0 * l0 + 2.0 * d01[n] * l0 * l1 + d11[n] * l1 * l1;
-            let mut left = (*energy - by_light) / self.contrast[n].max(LEAST_CONTRAST).powi(2);
+        for start in (0..self.energy.len()).step_by(LANES) {
+            let load = |plane: &[f32]| f32x16::from_slice(simd, &plane[start..][..LANES]);
+            let [gain, offset] = self.light.each_ref().map(|plane| load(plane));
+            let [d00, d01, d11] = template.light_inverse.each_ref().map(|plane| load(plane));
+            let by_light = d00 * gain * gain + d01 * gain * offset * 2.0 + d11 * offset * offset;
+            let contrast = load(&self.contrast).max(f32x16::splat(simd, LEAST_CONTRAST));
+            let mut left = (load(&self.energy) - by_light) / (contrast * contrast);
+            let delta = self.increment.planes.each_ref().map(|plane| load(plane));
             for i in 0..UNKNOWNS {
-                let mut image = 0.0;
+                let mut image = load(&self.gradient[i]) * (-2.0 * unscale);
                 for (j, delta) in delta.iter().enumerate() {
-                    image += template.normal[packed(i, j)][n] * delta[n];
+                    image += load(&template.normal[packed(i, j)]) * *delta;
                 }
-                left += delta[i][n] * (image - 2.0 * unscale * self.gradient[i][n]);
+                left += delta[i] * image;
             }
-            *energy = left.max(0.0);
+            left.max(f32x16::splat(simd, 0.0)).store_slice(&mut self.energy[start..][..LANES]);
         }
     }
 
@@ -93,15 +95,19 @@ impl Refinement {
     /// Decides which patches failed: those whose residual is larger than the noise and the template's variance allow,
     /// those with too little contrast, and those whose centre is outside the image.
     pub(crate) fn judge(&mut self, template: &Template, field: &NodeField, rules: &ValidityParams) {
-        self.predict_energy(template);
+        let level = self.level;
+        dispatch!(level, simd => self.predict_energy(simd, template));
         let floor = rules.noise_floor.powi(2) * self.noise_variance;
-        for node in 0..self.grid.nodes() {
-            let allowed = floor.max(rules.max_unexplained * template.variance[node]);
-            let is_explained =
-                self.energy[node] <= allowed * template.samples[node] && self.contrast[node] >= LEAST_CONTRAST;
-            self.is_inside[node] = field.is_inside(node);
-            self.trust[node] = f32::from(u8::from(is_explained && self.is_inside[node]));
-            self.mean_energy[node] = self.energy[node] / template.samples[node].max(1.0);
+        let n = self.grid.nodes();
+        field.mark_inside(&mut self.is_inside[..n]);
+        let (variance, samples) = (&template.variance[..n], &template.samples[..n]);
+        let (energy, contrast) = (&self.energy[..n], &self.contrast[..n]);
+        let (is_inside, trust, mean) = (&self.is_inside[..n], &mut self.trust[..n], &mut self.mean_energy[..n]);
+        for node in 0..n {
+            let allowed = floor.max(rules.max_unexplained * variance[node]);
+            let is_explained = energy[node] <= allowed * samples[node] && contrast[node] >= LEAST_CONTRAST;
+            trust[node] = f32::from(u8::from(is_explained && is_inside[node]));
+            mean[node] = energy[node] / samples[node].max(1.0);
         }
     }
 
@@ -196,11 +202,13 @@ pub(crate) fn mark_pixels<S: Simd>(
 /// given.
 #[inline(always)]
 #[expect(clippy::needless_bitwise_bool, reason = "without branches the loop is vectorised")]
+#[expect(clippy::cast_possible_wrap, reason = "the columns of an image")]
 fn mark_outside((u, v): (&[f32], &[f32]), y: f32, (right, bottom): (f32, f32), deviation: &mut [f32]) {
     let n = deviation.len();
     let (u, v) = (&u[..n], &v[..n]);
     for x in 0..n {
-        let (px, py) = (x as f32 + u[x], y + v[x]);
+        // Signed integers of 32 bits are converted in one instruction.
+        let (px, py) = (x as i32 as f32 + u[x], y + v[x]);
         let is_inside = (px >= 0.0) & (py >= 0.0) & (px <= right) & (py <= bottom);
         deviation[x] = if is_inside { deviation[x] } else { f32::INFINITY };
     }

@@ -42,14 +42,20 @@ impl NodeField {
         }
     }
 
-    /// Whether a node's point lies in the current image.
-    pub(crate) fn is_inside(&self, node: usize) -> bool {
-        let (i, j) = (node % self.grid.columns, node / self.grid.columns);
-        let (x, y) = (PatchGrid::centre(i) + self.planes[0][node], PatchGrid::centre(j) + self.planes[3][node]);
+    /// Writes for every node whether its point lies in the current image.
+    pub(crate) fn mark_inside(&self, is_inside: &mut [bool]) {
         let (right, bottom) = (self.grid.width as f32 - 1.0, self.grid.height as f32 - 1.0);
         // The outermost centres lie up to half a stride outside the image even at rest.
         let margin = MARGIN as f32;
-        x >= -margin && y >= -margin && x <= right + margin && y <= bottom + margin
+        let columns = self.grid.columns;
+        let rows = self.planes[0].chunks(columns).zip(self.planes[3].chunks(columns));
+        for (j, (is_inside, (u, v))) in is_inside.chunks_mut(columns).zip(rows).enumerate() {
+            let centre_y = PatchGrid::centre(j);
+            for (i, (is_inside, (u, v))) in is_inside.iter_mut().zip(u.iter().zip(v)).enumerate() {
+                let (x, y) = (PatchGrid::centre(i) + u, centre_y + v);
+                *is_inside = x >= -margin && y >= -margin && x <= right + margin && y <= bottom + margin;
+            }
+        }
     }
 
     /// Composes the field with an increment `δ` in the coordinates of the template: `u ← u + (I + ∇u) δ`, to first
@@ -58,11 +64,15 @@ impl NodeField {
         let d = &increment.planes;
         for first in [0, 3] {
             let [u, ux, uy] = self.planes[first..].first_chunk_mut().expect("three planes of one component");
-            for i in 0..u.len() {
+            let n = u.len();
+            let (ux, uy) = (&mut ux[..n], &mut uy[..n]);
+            let d = d.each_ref().map(|plane| &plane[..n]);
+            let [du, dux, duy] = [d[first], d[first + 1], d[first + 2]];
+            for i in 0..n {
                 let (gx, gy) = (ux[i] / STRIDE as f32, uy[i] / STRIDE as f32);
-                u[i] += d[first][i] + gx * d[0][i] + gy * d[3][i];
-                ux[i] += d[first + 1][i] + gx * d[1][i] + gy * d[4][i];
-                uy[i] += d[first + 2][i] + gx * d[2][i] + gy * d[5][i];
+                u[i] += du[i] + gx * d[0][i] + gy * d[3][i];
+                ux[i] += dux[i] + gx * d[1][i] + gy * d[4][i];
+                uy[i] += duy[i] + gx * d[2][i] + gy * d[5][i];
             }
         }
     }

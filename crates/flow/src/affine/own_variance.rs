@@ -2,7 +2,7 @@
 
 use super::grid::PatchGrid;
 use super::nodes::UNKNOWNS;
-use super::symmetric::{PACKED, invert, packed};
+use super::symmetric::{PACKED, packed};
 
 /// Sum of the variances of both components of every node's displacement, from its own patch alone, px². `scale` is one
 /// over the noise variance and the overlap of the patches.
@@ -27,7 +27,22 @@ pub(crate) fn own_variance(normal: impl Fn(usize) -> f32, scale: f32, slope_stif
         }
         row[i] += if i % 3 == 0 { 1e-9 } else { f64::from(slope_stiffness) };
     }
-    let inverse = invert(block);
-    let trace = inverse[0][0] + inverse[3][3];
+    let [[a, b], [_, c]] = eliminate_slopes(block);
+    let trace = (a + c) / (a * c - b * b);
     if trace.is_finite() && trace > 0.0 { trace as f32 } else { f32::MAX }
+}
+
+/// The Schur complement of the two values in a symmetric matrix, of which the four slopes are eliminated.
+fn eliminate_slopes(mut block: [[f64; UNKNOWNS]; UNKNOWNS]) -> [[f64; 2]; 2] {
+    const ORDER: [usize; UNKNOWNS] = [1, 2, 4, 5, 0, 3];
+    for (done, &pivot) in ORDER[..4].iter().enumerate() {
+        let scale = 1.0 / block[pivot][pivot];
+        for &row in &ORDER[done + 1..] {
+            let factor = block[row][pivot] * scale;
+            for &column in &ORDER[done + 1..] {
+                block[row][column] -= factor * block[pivot][column];
+            }
+        }
+    }
+    [[block[0][0], block[0][3]], [block[3][0], block[3][3]]]
 }

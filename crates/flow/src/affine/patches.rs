@@ -144,12 +144,10 @@ impl AffinePatches {
     /// that fail in it are set to the prediction of their neighbours.
     pub(crate) fn follow(&mut self, reference: &AffineReference, current: &Picture, coarsest: usize, steps: usize) {
         self.descend(reference, current, coarsest);
+        self.take_first_step(reference, current, steps);
         if steps > 1 {
-            self.approach(reference, current);
-        } else {
-            self.levels[0].refinement.trust_all();
+            self.take_full_steps(reference, current, steps - 1);
         }
-        self.take_full_steps(reference, current, steps.saturating_sub(1).max(1));
     }
 
     /// Finds the motion since the start on the coarse levels.
@@ -178,6 +176,16 @@ impl AffinePatches {
         let picture = Current { image: current.grey.level(0), gain: reference.gain(current) };
         self.take_steps(&reference.grey[0], picture, 1, QUICK_ITERATIONS);
         self.fill_failed();
+    }
+
+    /// The first of `steps` steps at full size: in grey if others follow, else with all that the pictures have.
+    fn take_first_step(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
+        if steps > 1 {
+            self.approach(reference, current);
+        } else {
+            self.levels[0].refinement.trust_all();
+            self.take_full_steps(reference, current, 1);
+        }
     }
 
     /// Refines a field found by a search, by steps at full size. Between two steps, failed patches are set to the

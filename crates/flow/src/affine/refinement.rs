@@ -50,7 +50,7 @@ const CLEARLY_WORSE: f32 = 1.5;
 #[derive(Debug, Clone)]
 pub(crate) struct Refinement {
     pub(super) grid: PatchGrid,
-    level: Level,
+    pub(super) level: Level,
     window: Window,
     pub(super) noise_variance: f32,
     expander: Expander,
@@ -324,10 +324,11 @@ impl Refinement {
 /// Converts displacements along padded row `row` to positions in the current picture. Padding gets a position outside
 /// it.
 #[inline(always)]
+#[expect(clippy::cast_possible_wrap, reason = "the columns of an image")]
 fn to_positions(grid: PatchGrid, row: usize, xs: &mut [f32], ys: &mut [f32]) {
     let y = row as f32 - MARGIN as f32;
     for (column, (x, v)) in xs.iter_mut().zip(ys.iter_mut()).enumerate() {
-        *x += column as f32 - MARGIN as f32;
+        *x += (column as i32 - MARGIN as i32) as f32; // integers of 32 bits are converted in one instruction
         *v += y;
     }
     xs[..MARGIN].fill(-1.0);

@@ -48,7 +48,8 @@ fn bytes_numbers_times_and_events_of_a_camera_are_in_the_file() {
 
     let recording = Recording::open(&path).unwrap();
     let events = recording.events(0).unwrap();
-    assert_eq!(events, ["the camera is unplugged; capture goes on when it is back", "the camera captures again"]);
+    // On a busy machine events of a camera without frames may follow.
+    assert_eq!(events[..2], ["the camera is unplugged; capture goes on when it is back", "the camera captures again"]);
     let mut source = RecordingSource::open(recording, 0).unwrap();
     let mut frame = EncodedFrame::empty();
     for (sequence, number) in [(0, 0), (1, 1), (2, 2), (4, 4), (10, 10), (11, 11)] {

@@ -51,19 +51,18 @@ impl AffinePatches {
         is_area_lost: impl FnOnce(&Self) -> bool,
     ) {
         let (coarsest, steps) = (self.params.affine.coarsest_level, self.params.affine.steps);
-        if steps == 1 {
-            return self.follow(reference, current, coarsest, steps);
-        }
         let LevelState { field, before, .. } = &mut self.levels[0];
         before.copy_from(field);
-        self.approach(reference, current);
+        self.take_first_step(reference, current, steps);
         if is_area_lost(self) {
             let LevelState { field, before, .. } = &mut self.levels[0];
             field.copy_from(before);
             self.descend(reference, current, coarsest);
-            self.approach(reference, current);
+            self.take_first_step(reference, current, steps);
         }
-        self.take_full_steps(reference, current, steps - 1);
+        if steps > 1 {
+            self.take_full_steps(reference, current, steps - 1);
+        }
     }
 }
 
