@@ -130,10 +130,10 @@ fn colour<T: Copy + Default>(
             pixels.iter_mut().zip(values).for_each(|(to, &[blue, green, red])| *to = [red, green, blue]);
         }
         (Channels::Rgb, None) => {
-            pixels.iter_mut().zip(from.rows()).for_each(|(to, from)| *to = [from[0], from[1], from[2]])
+            pixels.iter_mut().zip(from.rows()).for_each(|(to, from)| *to = [from[0], from[1], from[2]]);
         }
         (Channels::Bgr, None) => {
-            pixels.iter_mut().zip(from.rows()).for_each(|(to, from)| *to = [from[2], from[1], from[0]])
+            pixels.iter_mut().zip(from.rows()).for_each(|(to, from)| *to = [from[2], from[1], from[0]]);
         }
     }
     to
