@@ -17,7 +17,6 @@ const OLDEST: &str = "3.10";
 /// What a released wheel may have, bytes.
 const LARGEST_WHEEL: u64 = 15_000_000;
 const MATURIN: &str = "maturin>=1.9,<2";
-const ZIG: &str = "ziglang";
 /// The examples that need a library of their own, which `--with` installs.
 const WITH_LIBRARIES: [(&str, &str); 3] =
     [("dataset.py", "ray"), ("rerun_stream.py", "rerun"), ("torch_loop.py", "torch")];
@@ -35,38 +34,34 @@ pub(crate) struct Args {
     /// Install this package too, for an example: `ray`, `rerun-sdk` or `torch`; may be repeated.
     #[arg(long, value_name = "PACKAGE")]
     with: Vec<String>,
-    /// Only build wheels that run on older systems, for x86-64 and aarch64, with Zig as the linker.
-    #[arg(long, conflicts_with_all = ["dev", "with"])]
-    wheels: bool,
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     let folder = crate::target_folder().join("python");
     fs::create_dir_all(&folder)?;
-    let needed: &[&str] = if args.wheels { &[MATURIN, ZIG] } else { &[MATURIN] };
-    let tools = match python().and_then(|python| environment(&python, &folder.join("tools"), needed)) {
-        Ok(tools) => tools,
+    let (tools, fresh) = match environments(&folder, &args.with) {
+        Ok(environments) => environments,
         Err(why) if !args.required => {
             writeln!(out, "python: skipped, {why:#}")?;
             return Ok(());
         }
         Err(why) => return Err(why),
     };
-    let wheels = folder.join("wheels");
-    if args.wheels {
-        return portable(&tools, &wheels, out);
-    }
-    let wheel = build(&tools, &wheels, if args.dev { &["--profile", "dev"] } else { &["--release"] })?;
+    let wheel = build(&tools, &folder.join("wheels"), if args.dev { &["--profile", "dev"] } else { &["--release"] })?;
     report(&wheel, !args.dev, out)?;
+    install(&fresh, &[&wheel.display().to_string()])?;
+    test(&fresh, out)
+}
+
+/// The interpreters of `tools` and `fresh`.
+fn environments(folder: &Path, with: &[String]) -> Result<(PathBuf, PathBuf)> {
+    let python = python()?;
     let fresh = folder.join("fresh");
     if fresh.exists() {
         fs::remove_dir_all(&fresh)?;
     }
-    let wheel = wheel.display().to_string();
-    let packages: Vec<&str> =
-        [wheel.as_str()].into_iter().chain(TESTERS).chain(args.with.iter().map(String::as_str)).collect();
-    let fresh = environment(&python()?, &fresh, &packages)?;
-    test(&fresh, out)
+    let testers: Vec<&str> = TESTERS.into_iter().chain(with.iter().map(String::as_str)).collect();
+    Ok((environment(&python, &folder.join("tools"), &[MATURIN])?, environment(&python, &fresh, &testers)?))
 }
 
 /// The interpreter: `FINGERVISION_PYTHON`, or `python3`.
@@ -86,9 +81,13 @@ fn environment(python: &Path, folder: &Path, packages: &[&str]) -> Result<PathBu
     if !own.is_file() {
         crate::expect_success(Command::new(python).args(["-m", "venv"]).arg(folder))?;
     }
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    crate::expect_success(Command::new(&own).args(install).args(packages))?;
+    install(&own, packages)?;
     Ok(own)
+}
+
+fn install(python: &Path, packages: &[&str]) -> Result<()> {
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    crate::expect_success(Command::new(python).args(install).args(packages)).map(|_| ())
 }
 
 /// Builds a wheel into a folder that has no other one.
@@ -96,29 +95,11 @@ fn build(tools: &Path, wheels: &Path, options: &[&str]) -> Result<PathBuf> {
     if wheels.exists() {
         fs::remove_dir_all(wheels)?;
     }
-    maturin(tools, wheels, options)?;
-    let mut found = fs::read_dir(wheels)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
-    found.pop().with_context(|| format!("maturin built no wheel in {}", wheels.display()))
-}
-
-fn maturin(tools: &Path, wheels: &Path, options: &[&str]) -> Result<()> {
     let mut maturin = Command::new(tools);
     maturin.args(["-m", "maturin", "build", "--locked", "--out"]).arg(wheels).args(options);
-    crate::expect_success(maturin.current_dir(crate::workspace().join("python"))).map(|_| ())
-}
-
-/// Wheels for glibc 2.17 and later.
-fn portable(tools: &Path, wheels: &Path, out: &mut impl Write) -> Result<()> {
-    if wheels.exists() {
-        fs::remove_dir_all(wheels)?;
-    }
-    for target in ["x86_64-unknown-linux-gnu", "aarch64-unknown-linux-gnu"] {
-        maturin(tools, wheels, &["--release", "--zig", "--compatibility", "manylinux2014", "--target", target])?;
-    }
-    for wheel in fs::read_dir(wheels)? {
-        report(&wheel?.path(), true, out)?;
-    }
-    Ok(())
+    crate::expect_success(maturin.current_dir(crate::workspace().join("python")))?;
+    let mut found = fs::read_dir(wheels)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
+    found.pop().with_context(|| format!("maturin built no wheel in {}", wheels.display()))
 }
 
 /// Prints the size of a wheel; a released one may not be too large.
