@@ -90,7 +90,7 @@ def test_strides_and_read_only_images_make_no_difference(press: Press) -> None:
 class Tensor:
     """An image of another library: it has DLPack's methods and no others."""
 
-    def __init__(self, array: npt.NDArray[np.uint8]) -> None:
+    def __init__(self, array: npt.NDArray[Any]) -> None:
         """Wraps an array."""
         self.array = array
 
@@ -115,7 +115,8 @@ def test_images_of_other_libraries_are_tracked(press: Press) -> None:
 
 def test_results_are_handed_on_without_a_copy(press: Press) -> None:
     reading = list(fingervision.open(press.frames, press.profile))[-1]
-    for array in (reading.flow, reading.depth, reading.contact, reading.image):
+    arrays: list[Any] = [reading.flow, reading.depth, reading.contact, reading.image]
+    for array in arrays:
         other = np.from_dlpack(array)
         assert np.shares_memory(array, other)
         assert array.flags.c_contiguous
