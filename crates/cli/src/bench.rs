@@ -1,7 +1,8 @@
-//! `fingervision bench`: measures speed and accuracy of tracking on this machine.
+//! `fingervision bench`: measures speed and accuracy of tracking on this machine, or how many sensors it carries.
 
 mod press;
 mod report;
+mod sensors;
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ use crate::profile_args::ProfileArgs;
 
 use press::{FRAMES, Press};
 use report::{ElasticTimes, Report, end_point_error_px};
+use sensors::SensorsArgs;
 
 /// Columns and rows of the press if the profile names none, px.
 const SIZE: (usize, usize) = (610, 450);
@@ -37,11 +39,13 @@ const MOST_SIDE: f64 = 4096.0;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Least number of frames to time; the last press is always finished
-    #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..), conflicts_with = "load")]
     frames: u32,
     /// Write the press to a new folder instead: frames/*.png, the reference first, and their flow as truth/flow.npy
-    #[arg(long, value_name = "DIR", conflicts_with = "frames")]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["frames", "load"])]
     write_frames: Option<PathBuf>,
+    #[command(flatten)]
+    sensors: SensorsArgs,
     #[command(flatten)]
     profile: ProfileArgs,
     #[command(flatten)]
@@ -49,6 +53,9 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    if args.sensors.is_asked() {
+        return sensors::run(args, out);
+    }
     let mut profile = args.profile.load_or(calibrated())?;
     let size = image_size(&profile);
     // The images show only what is tracked: positions in a profile are those in the region.

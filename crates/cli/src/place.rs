@@ -34,7 +34,7 @@ pub enum Place {
 }
 
 impl Place {
-    /// The place that a user names: `camera`, `camera:ID`, `/dev/video0`, `sim:SCENE`, a path, `FILE.mcap?sensor=NAME`.
+    /// The place that a user names: `camera`, `camera:ID`, `/dev/v4l/by-id/…`, `sim:SCENE`, a path, `FILE.mcap?sensor=NAME`.
     ///
     /// # Errors
     ///

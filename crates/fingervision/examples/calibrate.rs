@@ -2,7 +2,7 @@
 //!
 //! The presses are simulated here; for a real sensor they are recordings, with the depth of every image.
 //!
-//! `cargo run --release --example calibrate [PROFILE.toml]` writes the profile with the law to a file.
+//! `cargo run --release -p fingervision --example calibrate -- [PROFILE.toml]` writes the profile with the law to a file.
 #![allow(clippy::print_stdout, reason = "an example shows what it finds")]
 
 use fingervision::{DepthMethod, Frame, PressCache, Profile, ReadyMade, Simulation, simulated_profile};

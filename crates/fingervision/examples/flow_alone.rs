@@ -1,6 +1,6 @@
 //! Dense optical flow between two images, without a sensor, a profile or a tracker.
 //!
-//! `cargo run --release --example flow_alone`
+//! `cargo run --release -p fingervision --example flow_alone`
 #![allow(clippy::print_stdout, reason = "an example shows what it finds")]
 
 use fingervision::{Estimate, FlowEstimator, FlowParams, Image, Pixels, Rect, Start, flow_colours, write_png};

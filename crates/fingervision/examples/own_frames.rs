@@ -1,6 +1,6 @@
 //! Tracks frames from your own program, such as those of a camera's driver, and prints the result of each.
 //!
-//! `cargo run --release --example own_frames`
+//! `cargo run --release -p fingervision --example own_frames`
 #![allow(clippy::print_stdout, reason = "an example shows what it finds")]
 
 use fingervision::{Fields, Flag, Frame, Image, Pixels, Profile, Tracker};

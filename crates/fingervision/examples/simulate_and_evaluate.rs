@@ -1,6 +1,6 @@
 //! Presses a ball into a simulated gel, tracks the camera's images and compares depth, contact and force with the truth.
 //!
-//! `cargo run --release --example simulate_and_evaluate`
+//! `cargo run --release -p fingervision --example simulate_and_evaluate`
 #![allow(clippy::print_stdout, reason = "an example shows what it finds")]
 
 use fingervision::{Fields, Frame, PressCache, Scene, Simulation, Tracker, simulated_profile};

@@ -1,6 +1,6 @@
 //! Tracks a folder of images or a video and writes what `fingervision track` writes: arrays, a table and a picture.
 //!
-//! `cargo run --release --example track_folder -- SOURCE PROFILE.toml OUT`
+//! `cargo run --release -p fingervision --example track_folder -- SOURCE PROFILE.toml OUT`
 #![allow(clippy::print_stdout, reason = "an example shows what it finds")]
 
 use fingervision::{

@@ -12,7 +12,7 @@ fn program(name: &str) -> PathBuf {
     let test = std::env::current_exe().unwrap();
     let example =
         test.ancestors().nth(2).unwrap().join("examples").join(name).with_extension(std::env::consts::EXE_EXTENSION);
-    assert!(example.is_file(), "{}: `cargo build --examples` makes it", example.display());
+    assert!(example.is_file(), "{}: `cargo build -p fingervision --examples` makes it", example.display());
     example
 }
 

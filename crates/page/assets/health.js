@@ -8,7 +8,8 @@ const BAD = new Set(['lost', 'gel-misfit', 'no-texture', 'other-sensor']);
 /** The quantile of sorted values below which this part of them lies. */
 export const quantile = (sorted, part) => (sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(part * sorted.length))] : null);
 
-const number = (value, digits) => (value == null || !Number.isFinite(value) ? '–' : value.toFixed(digits));
+// + 0 turns -0 into 0.
+const number = (value, digits) => (value == null || !Number.isFinite(value) ? '–' : (Number(value.toFixed(digits)) + 0).toFixed(digits));
 
 /** The numbers of a row as label, value and unit. */
 export function readouts(row, rate, delays) {

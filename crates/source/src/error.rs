@@ -127,12 +127,12 @@ impl SourceError {
     #[must_use]
     pub fn hint(&self) -> Option<String> {
         match self {
-            Self::NotFound { .. } => Some(READ.into()),
+            Self::NotFound { .. } => Some(format!("check the name; {READ}")),
             Self::NotRead { hint, .. } | Self::Camera { hint, .. } => Some(hint.clone()),
             Self::TooFewFrames { path, count } => Some(too_few_hint(path, *count)),
             Self::Container { .. } => Some("the recording may not have been closed: record again".into()),
             Self::Frame { sequence: 0, .. } => {
-                Some("the first frame must be readable: take it out of the folder, or record again".into())
+                Some("the first frame must be readable: leave it out, or record again".into())
             }
             Self::Frame { .. } => Some("the frames before it are complete: record it again, or leave it out".into()),
             Self::PixelRange { .. } => Some("scale the images to 0 to 1, or store them with 8 or 16 bit".into()),

@@ -15,7 +15,7 @@ use zune_jpeg::errors::DecodeErrors;
 /// A picture without its end is refused: decoders may fill the missing rows with grey.
 pub(crate) fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), String> {
     let (mut decoder, is_grey) = opened(bytes)?;
-    let values = decoder.decode().map_err(in_words)?;
+    let values = decoder.decode().map_err(|error| in_words(&error))?;
     let info = decoder.info().ok_or("the JPEG picture has no size")?;
     let (width, height) = (u32::from(info.width), u32::from(info.height));
     let image = if is_grey {
@@ -34,24 +34,26 @@ pub(crate) fn decode_jpeg_into(bytes: &[u8], pixels: &mut Pixels) -> Result<(), 
     let (mut decoder, is_grey) = opened(bytes)?;
     let size = decoder.dimensions().ok_or("the JPEG picture has no size")?;
     let values = if is_grey { reuse::grey8(pixels, size) } else { reuse::rgb8(pixels, size).as_flattened_mut() };
-    decoder.decode_into(values).map_err(in_words)
+    decoder.decode_into(values).map_err(|error| in_words(&error))
 }
 
+type Decoder<'a> = JpegDecoder<ZCursor<&'a [u8]>>;
+
 /// A decoder behind the headers of a whole picture, and whether that is grey.
-fn opened(bytes: &[u8]) -> Result<(JpegDecoder<ZCursor<&[u8]>>, bool), String> {
+fn opened(bytes: &[u8]) -> Result<(Decoder<'_>, bool), String> {
     if !is_whole(bytes) {
         return Err("the JPEG picture is cut off".into());
     }
     let options = DecoderOptions::default().set_strict_mode(true);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder.decode_headers().map_err(in_words)?;
+    decoder.decode_headers().map_err(|error| in_words(&error))?;
     let is_grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
     let output = if is_grey { ColorSpace::Luma } else { ColorSpace::RGB };
     decoder.set_options(options.jpeg_set_out_colorspace(output));
     Ok((decoder, is_grey))
 }
 
-fn in_words(error: DecodeErrors) -> String {
+fn in_words(error: &DecodeErrors) -> String {
     format!("{error:?}")
 }
 

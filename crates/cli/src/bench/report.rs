@@ -103,7 +103,7 @@ impl Times {
 
 /// The value below which `percent` per cent of the values lie, linear between neighbours. `sorted` contains at least
 /// one.
-fn percentile(sorted: &[f64], percent: f64) -> f64 {
+pub(super) fn percentile(sorted: &[f64], percent: f64) -> f64 {
     let rank = percent / 100.0 * (sorted.len() - 1) as f64;
     let (below, above) = (sorted[rank.floor() as usize], sorted[rank.ceil() as usize]);
     below + rank.fract() * (above - below)
