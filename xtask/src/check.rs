@@ -1,6 +1,6 @@
 //! `cargo xtask check`: all checks except the tests.
 
-use crate::{circles, layers, lengths, workspace};
+use crate::{FEATURES, circles, layers, lengths, workspace};
 use anyhow::{Context, Result, ensure};
 use std::io::Write;
 use std::process::Command;
@@ -10,7 +10,7 @@ pub(crate) fn run(out: &mut impl Write) -> Result<()> {
     layers::run(out)?;
     circles::run(out)?;
     cargo(&["fmt", "--all", "--check"], out)?;
-    cargo(&["clippy", "--workspace", "--all-targets", "--locked", "--quiet", "--", "-D", "warnings"], out)?;
+    cargo(&["clippy", "--workspace", "--all-targets", FEATURES, "--locked", "--quiet", "--", "-D", "warnings"], out)?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], out)
 }
 

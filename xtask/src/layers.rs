@@ -9,7 +9,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// The dependencies that a crate of the workspace may have, without the prefix `fingervision-`.
-const LAYERS: [(&str, &[&str]); 23] = [
+const LAYERS: [(&str, &[&str]); 24] = [
     // Stands apart: only tests use it.
     ("fuzz", &[]),
     ("image", &[]),
@@ -25,6 +25,7 @@ const LAYERS: [(&str, &[&str]); 23] = [
     ("camera", &["image", "source", "touch"]),
     ("pipeline", &["image", "source", "camera", "touch"]),
     ("recording", &["image", "optics", "source", "touch", "pipeline"]),
+    ("foxglove", &["image", "source", "touch", "pipeline", "recording"]),
     ("page", &["image", "optics", "source", "touch", "pipeline"]),
     ("plot", &["image", "flow"]),
     ("sink", &["touch", "image", "flow", "plot", "settings"]),
@@ -51,6 +52,7 @@ const LAYERS: [(&str, &[&str]); 23] = [
             "camera",
             "pipeline",
             "page",
+            "foxglove",
             "recording",
             "sink",
             "simulation",
@@ -76,7 +78,7 @@ const HEAVY: [(&str, &[&str]); 31] = [
     ("image-webp", &["recording"]),
     ("indicatif", &["cli"]),
     ("jiff", &["cli"]),
-    ("jpeg-encoder", &["page"]),
+    ("jpeg-encoder", &["page", "cli"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel", "sink"]),
     ("moq-v4l", &["camera"]),

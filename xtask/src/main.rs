@@ -15,6 +15,9 @@ use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use std::process::{Command, ExitCode};
 
+/// The command's features that are off by default, as an argument of cargo: checks and tests use them.
+const FEATURES: &str = "--features=fingervision-cli/foxglove,fingervision-cli/mp4";
+
 /// Chores of the workspace.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask")]

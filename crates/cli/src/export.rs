@@ -49,6 +49,14 @@ enum Format {
     Zarr,
     /// A video of camera image, depth and force, motion JPEG; for recordings only
     Avi,
+    /// The same video as H.264; only in programs that were built with `--features mp4`
+    Mp4,
+}
+
+impl Format {
+    fn is_video(self) -> bool {
+        matches!(self, Self::Avi | Self::Mp4)
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -83,10 +91,23 @@ impl Args {
     fn format(&self) -> Result<Format, Failure> {
         let ending = self.out.extension().and_then(OsStr::to_str).unwrap_or_default().to_lowercase();
         let of_ending = <Format as clap::ValueEnum>::from_str(&ending, true).ok();
-        self.format.or(of_ending).ok_or_else(|| {
+        let format = self.format.or(of_ending).ok_or_else(|| {
             let message = format!("{} names no format", self.out.display());
-            Failure::new(message, "end it in .npz, .csv, .zarr or .avi, or give --format")
-        })
+            Failure::new(message, "end it in .npz, .csv, .zarr, .avi or .mp4, or give --format")
+        })?;
+        if format.is_video() && of_ending != Some(format) {
+            let message =
+                format!("{}: the name of a video ends in .avi or .mp4, as its format does", self.out.display());
+            return Err(Failure::new(message, "name it so, and leave out --format"));
+        }
+        if format == Format::Mp4 && cfg!(not(feature = "mp4")) {
+            let message = format!("{}: this program was built without MP4", self.out.display());
+            return Err(Failure::new(
+                message,
+                "name it .avi, or build the program with `cargo build --release --features mp4`",
+            ));
+        }
+        Ok(format)
     }
 
     /// Refuses to replace an existing file or folder, or removes it if it may be replaced.
@@ -115,7 +136,7 @@ impl Args {
             profile: self.profile.load_or(profile)?,
             fields: None,
             precision: Precision::default(),
-            overlay: (format == Format::Avi).then(|| self.out.clone()),
+            overlay: format.is_video().then(|| self.out.clone()),
             folder: work.path().join("run"),
             overwrite: false,
             part: Part::default(),
@@ -124,7 +145,7 @@ impl Args {
         };
         let (summary, failure) = run.track(source.as_mut())?;
         failure.map_or(Ok(()), Err)?;
-        if format == Format::Avi {
+        if format.is_video() {
             return Ok(summary.tally.frames);
         }
         self.export_run(&run.folder, format)
@@ -141,7 +162,7 @@ impl Args {
                     Failure::new(format!("cannot write {}: {error}", self.out.display()), "choose a writable folder")
                 })?;
             }
-            Format::Avi => {
+            Format::Avi | Format::Mp4 => {
                 let message = format!("{} has no camera images for a video", folder.display());
                 return Err(Failure::new(message, "export the recording, or track it again with --overlay FILE.avi"));
             }

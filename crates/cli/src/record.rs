@@ -3,10 +3,11 @@
 use std::io::Write;
 use std::path::PathBuf;
 
-use fingervision_pipeline::{Interest, Pace, Pipeline};
+use fingervision_pipeline::{Interest, Pace, Pipeline, Sensor};
 use fingervision_recording::{Clock, RecorderOptions, RecorderProgress, RecorderThread};
 use serde::Serialize;
 
+use crate::disk;
 use crate::failure::Failure;
 use crate::live::sensors::{SensorArgs, SensorOptions};
 use crate::live::status::{self, Beside, SensorSummary};
@@ -38,7 +39,7 @@ pub(crate) struct Args {
     /// End after this time, s, measured by the times of the frames
     #[arg(long, value_name = "N", value_parser = seconds)]
     seconds: Option<f64>,
-    /// Record frames, events and the profile, but no readings
+    /// Record frames, events and the profile, but no readings: nothing is tracked, which takes less processor time
     #[arg(long)]
     frames_only: bool,
     /// Replace the file if it exists
@@ -64,7 +65,11 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let named = SensorArgs { sources: args.sources.clone(), options: args.sensors.clone() };
     let has_camera = named.has_camera()?;
     let (pace, clock) = if has_camera { (Pace::Recorded, Clock::Host) } else { (Pace::Lossless, Clock::Source) };
-    let pipeline = Pipeline::prepare(named.open(pace, args.output)?);
+    let mut sensors = named.open(pace, args.output)?;
+    if args.frames_only {
+        sensors = sensors.into_iter().map(Sensor::without_tracking).collect();
+    }
+    let pipeline = Pipeline::prepare(sensors);
     let interest = RecorderThread::interest();
     let subscription = if has_camera { pipeline.subscribe(interest) } else { pipeline.subscribe_lossless(interest) };
     let shown = Interest { capacity: SHOWN_MESSAGES, ..Interest::readings() };
@@ -80,7 +85,12 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
         args.output
             .note(&format!("{lost} frames or readings are not in the file: this computer or its disk is too slow"));
     }
-    let text = format!("recorded {}", summary_text(&args.file, &progress));
+    // After an error nobody knows how many of the frames are in the file.
+    let text = if progress.error.is_some() {
+        format!("{}: {} were written", args.file.display(), disk::size(progress.bytes))
+    } else {
+        format!("recorded {}", summary_text(&args.file, &progress))
+    };
     let RecorderProgress { bytes, seconds, frames, readings, lost: lost_messages, error, .. } = progress;
     let summary = RecordSummary { file: args.file.clone(), bytes, seconds, frames, readings, lost_messages, sensors };
     args.output.result(out, &summary, &text)?;

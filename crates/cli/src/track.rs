@@ -51,7 +51,8 @@ pub(crate) struct Args {
     dtype: NumberType,
     /// Also write a video: the camera image with the contact, depth, and force over time
     ///
-    /// The file is motion JPEG in AVI, FILE.avi. It can be played while it is written, and after the run was killed.
+    /// The file is motion JPEG in AVI, FILE.avi. It can be played while it is written, and after the run was killed. Programs
+    /// that were built with `--features mp4` also write FILE.mp4, H.264.
     #[arg(long, value_name = "FILE", value_parser = overlay_name)]
     overlay: Option<PathBuf>,
     /// Nominal rate of an image folder or a simulated scene, frames per second; videos have their own time stamps
@@ -208,7 +209,8 @@ impl Args {
 
 fn overlay_name(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("avi")) {
+    let ends_in = |wanted: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(wanted));
+    if ends_in("avi") || cfg!(feature = "mp4") && ends_in("mp4") {
         return Ok(path);
     }
     let avi = path.with_extension("avi");

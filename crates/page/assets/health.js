@@ -26,6 +26,12 @@ export function readouts(row, rate, delays) {
   ];
 }
 
+/** Exposure and focus of the image, for a person who adjusts the camera. */
+export function imageText(row) {
+  if (!row) return '\u00a0';
+  return `mean level ${number(row.mean_level, 0)} of 255, ${number(100 * row.saturated, 1)} % saturated, focus ${number(row.focus, 0)} % of the best`;
+}
+
 /** Sentences on the state of a sensor, each with how serious it is: bad, warn, past or good. */
 export function sentences({ row, flagTimes, counts, now, isPast, words }) {
   const out = [];

@@ -3,7 +3,7 @@
 import { Charts } from './charts.js';
 import { drawBar } from './colours.js';
 import { drawArrows, KINDS } from './arrows.js';
-import { quantile, readouts, sentences } from './health.js';
+import { imageText, quantile, readouts, sentences } from './health.js';
 import { drawMap, drawOutline, drawPicture } from './pictures.js';
 import { Surface } from './surface.js';
 import { valueAt } from './wire.js';
@@ -13,6 +13,7 @@ const KEEP_EVERY_S = 0.2; // fields that are kept for looking back
 const MOST_KEPT_BYTES = 64e6;
 const DELAYS_S = 10;
 const CHARTS_EVERY_S = 0.1;
+const BEST_KEPT = .9975; // of the best sharpness, a second: after a change of gel the best is another one
 const LEAST_RANGE = { depth: 0.2, displacement: 2 }; // mm, px
 
 const element = (kind, className, text) => {
@@ -26,7 +27,7 @@ export class SensorView {
   constructor(index, about, words) {
     Object.assign(this, { index, about, words });
     this.rows = []; this.kept = []; this.keptBytes = 0; this.flagTimes = new Map(); this.delays = [];
-    this.fields = null; this.bitmap = null; this.largest = 0; this.counts = null; this.chartsDrawn = 0; this.isDirty = true;
+    this.fields = null; this.bitmap = null; this.largest = 0; this.counts = null; this.best = 0; this.bestTime = 0; this.chartsDrawn = 0; this.isDirty = true;
     this.scratch = document.createElement('canvas');
     this.build();
   }
@@ -39,6 +40,7 @@ export class SensorView {
     this.health.setAttribute('aria-label', 'Health');
     const panels = element('div', 'panels');
     [this.picture, this.pictureNote] = this.panel(panels, 'Camera', 'camera');
+    this.imageNote = element('div', 'bar'); this.picture.closest('.panel').append(this.imageNote);
     [this.map, this.mapNote] = this.panel(panels, about.gel_size_mm ? 'Depth, mm' : 'Displacement, px', 'map');
     const [surface, note] = this.panel(panels, 'Surface, depth doubled', 'surface');
     surface.tabIndex = 0; surface.setAttribute('aria-label', 'Surface; turn it with the arrow keys');
@@ -79,6 +81,9 @@ export class SensorView {
   nextArrows() { this.arrows.selectedIndex = (this.arrows.selectedIndex + 1) % KINDS.length; this.isDirty = true; }
 
   takeRow(row) {
+    const age = Math.max(0, row.captured_s - this.bestTime);
+    this.best = Math.max(row.sharpness, this.best * BEST_KEPT ** age); this.bestTime = row.captured_s;
+    row.focus = this.best > 0 ? 100 * row.sharpness / this.best : null;
     this.rows.push(row);
     for (const flag of row.flags) this.flagTimes.set(flag, row.captured_s);
     if (this.rows.length > 200 && this.rows[100].captured_s < row.captured_s - KEEP_S) this.rows.splice(0, 100);
@@ -159,6 +164,8 @@ export class SensorView {
       shown.append(element('small', '', unit)); box.append(element('dt', '', label), shown);
       return box;
     }));
+    const image = imageText(row);
+    if (this.imageNote.textContent !== image) this.imageNote.textContent = image;
     const state = { row, flagTimes: this.flagTimes, counts: this.counts, now, isPast, words: this.words };
     replace(this.health, sentences(state).map(([kind, text]) => element('li', kind, text)));
   }

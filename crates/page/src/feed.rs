@@ -53,6 +53,9 @@ struct Row {
     area_mm2: Option<f32>,
     force_n: Option<[f32; 3]>,
     torque_nmm: Option<f32>,
+    mean_level: f32,
+    saturated: f32,
+    sharpness: f32,
     flags: Vec<&'static str>,
 }
 
@@ -99,6 +102,9 @@ impl Row {
             area_mm2: numbers.contact_area_mm2,
             force_n: numbers.force_n,
             torque_nmm: numbers.torque_nmm,
+            mean_level: numbers.mean_level,
+            saturated: numbers.saturated_part,
+            sharpness: numbers.sharpness,
             flags: numbers.flags.iter().map(fingervision_touch::Flag::name).collect(),
         }
     }

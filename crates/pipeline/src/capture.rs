@@ -7,7 +7,7 @@ use fingervision_source::EncodedFrame;
 
 use crate::captured::Captured;
 use crate::hub::Hub;
-use crate::input::Next;
+use crate::next::Next;
 use crate::pool::Pool;
 use crate::queue::Queue;
 use crate::ready::Ready;
@@ -53,7 +53,8 @@ impl Capture {
         match self.input.next(wait, frame) {
             Next::Frame { captured_s } => {
                 let frame = Arc::clone(slot);
-                self.hand_on(Captured { frame, captured_s });
+                let truth = self.input.truth();
+                self.hand_on(Captured { frame, captured_s, truth });
             }
             Next::Event(text) => self.event(text),
             Next::Nothing => {}
@@ -69,14 +70,18 @@ impl Capture {
 
     fn hand_on(&self, captured: Captured) {
         self.publish(&captured);
-        let dropped = self.queue.push(captured).is_some();
+        let dropped = self.handle.is_tracked() && self.queue.push(captured).is_some();
         self.ready.announce(self.index);
         self.count(dropped);
     }
 
     fn publish(&self, captured: &Captured) {
-        let Captured { frame, captured_s } = captured.clone();
-        self.hub.publish(&Message::Frame { sensor: self.index, frame, captured_s });
+        let (sensor, Captured { frame, captured_s, truth }) = (self.index, captured.clone());
+        let (sequence, capture_time_s) = (frame.sequence, frame.capture_time_s);
+        self.hub.publish(&Message::Frame { sensor, frame, captured_s });
+        if let Some(truth) = truth {
+            self.hub.publish(&Message::Truth { sensor, sequence, capture_time_s, captured_s, truth });
+        }
     }
 
     /// Counts a frame, and the older one that was dropped for it, if any.

@@ -40,7 +40,7 @@ impl Hub {
         let mut state = self.lock();
         state.subscribers.retain(|subscriber| Arc::strong_count(subscriber) > 1);
         for subscriber in &state.subscribers {
-            if subscriber.wants_frames || !matches!(message, Message::Frame { .. }) {
+            if subscriber.wants_frames || !matches!(message, Message::Frame { .. } | Message::Truth { .. }) {
                 drop(subscriber.queue.push(message.clone()));
             }
         }

@@ -4,11 +4,12 @@ use std::time::{Duration, Instant};
 
 use fingervision_camera::{Arrived, Camera, CameraError};
 use fingervision_image::Frame;
-use fingervision_source::{EncodedFrame, Source};
+use fingervision_source::{EncodedFrame, FrameTruth, Source};
 
 use crate::clock::captured_s;
+use crate::host_time_s;
+use crate::next::Next;
 use crate::replay::Replay;
-use crate::{PipelineError, host_time_s};
 
 /// A camera is started again if it sends nothing for this number of frame periods, within these limits: an exposure may
 /// take longer than a period.
@@ -35,18 +36,6 @@ enum Kind {
     Camera(Box<Camera>),
     Source(Box<Player>),
     Replay(Replay),
-}
-
-/// The next item of an input.
-pub(crate) enum Next {
-    /// A frame was written. It was captured at this time.
-    Frame { captured_s: f64 },
-    /// An event, as a sentence.
-    Event(String),
-    /// No frame yet.
-    Nothing,
-    /// The end, with the error if it came early.
-    End(Option<PipelineError>),
 }
 
 impl Input {
@@ -99,6 +88,22 @@ impl Input {
             Kind::Camera(camera) => camera.remarks().to_vec(),
             Kind::Source(player) => player.source.remarks(),
             Kind::Replay(_) => Vec::new(),
+        }
+    }
+
+    /// The truth of the frame that came last, if it is simulated.
+    pub(crate) fn truth(&self) -> Option<FrameTruth> {
+        match &self.kind {
+            Kind::Camera(_) | Kind::Replay(_) => None,
+            Kind::Source(player) => player.source.truth(),
+        }
+    }
+
+    /// The scene, as TOML, if it is simulated.
+    pub(crate) fn scene_toml(&self) -> Option<String> {
+        match &self.kind {
+            Kind::Camera(_) | Kind::Replay(_) => None,
+            Kind::Source(player) => player.source.scene_toml(),
         }
     }
 

@@ -45,6 +45,7 @@ mod error;
 mod hub;
 mod input;
 mod message;
+mod next;
 mod pipeline;
 mod pool;
 mod queue;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use fingervision_source::EncodedFrame;
+use fingervision_source::{EncodedFrame, FrameTruth};
 use fingervision_touch::{Reading, ReadingNumbers, StageTimes};
 
 /// A message from a sensor. Times are those of [`host_time_s`](crate::host_time_s).
@@ -18,6 +18,19 @@ pub enum Message {
         frame: Arc<EncodedFrame>,
         /// When it was captured.
         captured_s: f64,
+    },
+    /// The truth of the frame before, if it is simulated; for those who get frames.
+    Truth {
+        /// The sensor's index.
+        sensor: usize,
+        /// The frame's number.
+        sequence: u64,
+        /// The frame's time on the source's own clock.
+        capture_time_s: f64,
+        /// When the frame was captured.
+        captured_s: f64,
+        /// The truth.
+        truth: FrameTruth,
     },
     /// A frame was tracked.
     Reading {

@@ -112,14 +112,18 @@ mod tests {
     #[test]
     fn sensors_take_turns_and_none_is_worked_on_twice_at_a_time() {
         let ready = Ready::new(3);
-        [2, 0, 2, 1].into_iter().for_each(|sensor| ready.announce(sensor));
+        for sensor in [2, 0, 2, 1] {
+            ready.announce(sensor);
+        }
         assert_eq!(ready.take(), Some(2));
         ready.announce(2);
         ready.give_back(2, Left::Nothing);
         assert_eq!([ready.take(), ready.take(), ready.take()], [Some(0), Some(1), Some(2)]);
         ready.give_back(0, Left::More);
         assert_eq!(ready.take(), Some(0));
-        [0, 1, 2].into_iter().for_each(|sensor| ready.give_back(sensor, Left::End));
+        for sensor in [0, 1, 2] {
+            ready.give_back(sensor, Left::End);
+        }
         ready.announce(1);
         assert_eq!(ready.take(), None);
     }

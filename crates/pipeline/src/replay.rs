@@ -6,14 +6,14 @@ use std::time::Duration;
 use fingervision_source::{CameraLayout, EncodedFrame};
 
 use crate::host_time_s;
-use crate::input::Next;
+use crate::next::Next;
 
 /// Time before the second frame, s: each tracker first prepares its reference.
 const LEAD_S: f64 = 1.0;
 
-/// Frames in memory, played there and back. Clones are further sensors: their frames are due at the same times.
+/// Frames in memory, played forwards and backwards in turn. Clones are further sensors: their frames are due at the same times.
 ///
-/// The first frame comes at once. A frame is captured when it is due, however late it is handed out, so that latencies
+/// The first frame comes at once. A frame is captured when it is due, however late it is returned, so that latencies
 /// count from there.
 #[derive(Debug, Clone)]
 pub struct Replay {
@@ -55,7 +55,7 @@ impl Replay {
         frame.sequence = self.next;
         frame.capture_time_s = self.next as f64 * self.period_s;
         frame.layout = self.layout;
-        frame.bytes.clone_from(&self.frames[there_and_back(self.next, self.frames.len())]);
+        frame.bytes.clone_from(&self.frames[place_of(self.next, self.frames.len())]);
         self.next += 1;
         Next::Frame { captured_s: due_s }
     }
@@ -69,7 +69,7 @@ impl Replay {
 }
 
 /// The index of a frame of a film that runs forwards, backwards, forwards, ….
-fn there_and_back(number: u64, frames: usize) -> usize {
+fn place_of(number: u64, frames: usize) -> usize {
     let last = frames.saturating_sub(1) as u64;
     let at = number % (2 * last).max(1);
     at.min(2 * last - at.min(2 * last)) as usize
@@ -80,10 +80,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_film_runs_there_and_back() {
-        let order: Vec<usize> = (0..8).map(|number| there_and_back(number, 4)).collect();
+    fn a_film_runs_forwards_and_backwards() {
+        let order: Vec<usize> = (0..8).map(|number| place_of(number, 4)).collect();
         assert_eq!(order, [0, 1, 2, 3, 2, 1, 0, 1]);
-        assert_eq!([0, 1, 2].map(|number| there_and_back(number, 1)), [0; 3]);
-        assert_eq!([0, 1, 2, 3].map(|number| there_and_back(number, 2)), [0, 1, 0, 1]);
+        assert_eq!([0, 1, 2].map(|number| place_of(number, 1)), [0; 3]);
+        assert_eq!([0, 1, 2, 3].map(|number| place_of(number, 2)), [0, 1, 0, 1]);
     }
 }

@@ -8,7 +8,7 @@ use fingervision_source::{CameraFrameDecoder, EncodedFrame};
 use fingervision_touch::{Fields, Profile, Tracker};
 
 use crate::captured::Captured;
-use crate::input::Next;
+use crate::next::Next;
 use crate::shared::Shared;
 use crate::{Input, PipelineError, SensorCounts};
 
@@ -22,7 +22,7 @@ const MOST_DAMAGED: usize = 10;
 /// A sensor that is ready to start: its first frame has arrived, and its profile fits this frame.
 pub struct Sensor {
     pub(crate) input: Input,
-    pub(crate) tracker: Tracker,
+    pub(crate) tracker: Option<Tracker>,
     pub(crate) decoder: CameraFrameDecoder,
     /// The first frame, which was not tracked yet, as it came and decoded.
     pub(crate) first: (Captured, Frame),
@@ -35,9 +35,11 @@ pub struct SensorHandle {
     name: Arc<str>,
     description: Arc<str>,
     profile: Arc<Profile>,
+    scene_toml: Option<Arc<str>>,
     fields: Fields,
     size: (usize, usize),
     frame_size: (usize, usize),
+    is_tracked: bool,
     pub(crate) shared: Arc<Shared>,
 }
 
@@ -70,14 +72,21 @@ impl Sensor {
                     let tracker = Tracker::new(&profile, pixels.size(), pixels.is_colour(), fields)?;
                     let handle = SensorHandle::new(name, &input, profile, fields, &tracker, &pixels);
                     let frame = frame_of(&first, pixels);
-                    let first = (Captured { frame: Arc::new(first), captured_s }, frame);
-                    return Ok(Self { input, tracker, decoder, first, handle });
+                    let first = (Captured { frame: Arc::new(first), captured_s, truth: input.truth() }, frame);
+                    return Ok(Self { input, tracker: Some(tracker), decoder, first, handle });
                 }
                 Err(reason) => failure = Some(reason),
             }
         }
         let reason = failure.unwrap_or_else(|| "none arrived".into());
         Err(PipelineError::NoFrame { sensor: name.into(), reason })
+    }
+
+    /// The same sensor, whose frames are captured and not tracked: it has frames and events, no readings.
+    #[must_use]
+    pub fn without_tracking(mut self) -> Self {
+        (self.tracker, self.handle.is_tracked) = (None, false);
+        self
     }
 
     /// The sensor's handle.
@@ -104,9 +113,11 @@ impl SensorHandle {
             name: name.into(),
             description: input.description().into(),
             profile: Arc::new(profile),
+            scene_toml: input.scene_toml().map(Into::into),
             fields,
             size: tracker.size(),
             frame_size: pixels.size(),
+            is_tracked: true,
             shared: Arc::default(),
         }
     }
@@ -129,6 +140,12 @@ impl SensorHandle {
         &self.profile
     }
 
+    /// The scene that it shows, as TOML, if it is simulated.
+    #[must_use]
+    pub fn scene_toml(&self) -> Option<&str> {
+        self.scene_toml.as_deref()
+    }
+
     /// The fields that its readings have.
     #[must_use]
     pub fn fields(&self) -> Fields {
@@ -145,6 +162,12 @@ impl SensorHandle {
     #[must_use]
     pub fn frame_size(&self) -> (usize, usize) {
         self.frame_size
+    }
+
+    /// Whether its frames are tracked.
+    #[must_use]
+    pub fn is_tracked(&self) -> bool {
+        self.is_tracked
     }
 
     /// Counts of its frames so far.

@@ -22,7 +22,8 @@ const MOST_SNAPSHOTS: usize = 4;
 /// What is needed to track a sensor's frames. Dropping it tells all subscribers that the sensor has ended.
 pub(crate) struct Track {
     index: usize,
-    tracker: Tracker,
+    /// Absent if frames are not tracked; then none comes.
+    tracker: Option<Tracker>,
     decoder: CameraFrameDecoder,
     layout: CameraLayout,
     handle: SensorHandle,
@@ -38,16 +39,16 @@ pub(crate) struct Track {
 }
 
 impl Track {
-    /// For a sensor whose first frame was decoded to `frame` and is still to be tracked.
+    /// For a sensor whose first frame was decoded to `frame` and, if there is a tracker, is still to be tracked.
     pub(crate) fn new(
         index: usize,
-        (tracker, decoder): (Tracker, CameraFrameDecoder),
+        (tracker, decoder): (Option<Tracker>, CameraFrameDecoder),
         (first, frame): (Captured, Frame),
         handle: SensorHandle,
         (hub, queue): (Arc<Hub>, Arc<Queue<Captured>>),
     ) -> Self {
         let (layout, snapshots) = (first.frame.layout, Pool::new(MOST_SNAPSHOTS));
-        let first = Some(first);
+        let first = tracker.is_some().then_some(first);
         Self { index, tracker, decoder, layout, handle, first, frame, hub, queue, snapshots, is_rezeroing: false }
     }
 
@@ -57,10 +58,9 @@ impl Track {
             return if self.queue.is_done() { Left::End } else { Left::Nothing };
         };
         let waiting_ms = 1e3 * (host_time_s() - captured.captured_s);
-        match self.track(&captured.frame) {
-            Ok((numbers, decode_ms)) => {
+        match self.track(&captured.frame, waiting_ms) {
+            Ok((numbers, times)) => {
                 self.note_reference(&numbers);
-                let times = FrameTimes { waiting_ms, decode_ms, stages: self.tracker.stage_times() };
                 self.publish(numbers, &captured, times);
             }
             Err(reason) => {
@@ -71,22 +71,23 @@ impl Track {
         Left::More
     }
 
-    /// The numbers of a frame's reading, and the time for decoding, ms.
-    fn track(&mut self, frame: &EncodedFrame) -> Result<(ReadingNumbers, f64), String> {
+    /// The numbers of a frame's reading, and the times that it took.
+    fn track(&mut self, frame: &EncodedFrame, waiting_ms: f64) -> Result<(ReadingNumbers, FrameTimes), String> {
         let begin = Instant::now();
         if frame.layout != self.layout {
             // The camera was opened again and may have another mode; the tracker refuses frames of another size.
             (self.layout, self.decoder) = (frame.layout, CameraFrameDecoder::new(frame.layout));
         }
+        let tracker = self.tracker.as_mut().ok_or("it is not tracked")?;
         self.decoder.decode_into(&frame.bytes, &mut self.frame.pixels)?;
         (self.frame.sequence, self.frame.capture_time_s) = (frame.sequence, frame.capture_time_s);
         let decode_ms = 1e3 * begin.elapsed().as_secs_f64();
         if self.handle.shared.take_rezero() {
-            self.tracker.rezero();
+            tracker.rezero();
             self.is_rezeroing = true;
         }
-        let reading = self.tracker.track(&self.frame).map_err(|error| error.to_string())?;
-        Ok((reading.numbers, decode_ms))
+        let numbers = tracker.track(&self.frame).map_err(|error| error.to_string())?.numbers;
+        Ok((numbers, FrameTimes { waiting_ms, decode_ms, stages: tracker.stage_times() }))
     }
 
     /// Logs a new reference, before the first reading that is relative to it.
@@ -105,7 +106,7 @@ impl Track {
         self.hub.publish(&Message::Reading { sensor, numbers, captured_s, ready_s, times });
         let snapshots = &mut self.snapshots;
         self.hub.publish_fields(sensor, ready_s, || {
-            let reading = self.tracker.reading();
+            let reading = self.tracker.as_ref()?.reading();
             let frame = &captured.frame;
             let make = || Snapshot { reading: reading.clone(), frame: Arc::clone(frame), captured_s, ready_s };
             let slot = snapshots.free(make)?;

@@ -63,10 +63,17 @@ impl RecordingError {
     #[must_use]
     pub fn hint(&self) -> String {
         match self {
-            Self::Write { error, .. } if error.kind() == io::ErrorKind::StorageFull => {
-                "free some space, or record to another disk; what was recorded so far can be read".into()
-            }
-            Self::Write { .. } => "check that the folder exists and can be written".into(),
+            Self::Write { error, .. } => match error.kind() {
+                io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+                    "free some space, or record to another disk; what was recorded so far can be read".into()
+                }
+                io::ErrorKind::FileTooLarge => {
+                    "the file system (FAT: 4 GB) or `ulimit -f` allows no longer file: record to another \
+                     disk; what was recorded so far can be read"
+                        .into()
+                }
+                _ => "check that the folder exists and can be written".into(),
+            },
             Self::Read { .. } => "check that the file exists and is readable".into(),
             Self::NotARecording { .. } => {
                 "recordings are MCAP files that `fingervision record` or `fingervision live --record` wrote".into()

@@ -226,6 +226,35 @@ pub(crate) struct Reading {
     pub(crate) force_z_n: Option<f32>,
     #[prost(float, optional, tag = "16")]
     pub(crate) torque_z_nmm: Option<f32>,
+    #[prost(float, tag = "17")]
+    pub(crate) damaged_part: f32,
+    #[prost(float, tag = "18")]
+    pub(crate) mean_level: f32,
+    #[prost(float, tag = "19")]
+    pub(crate) saturated_part: f32,
+    #[prost(float, tag = "20")]
+    pub(crate) sharpness: f32,
+}
+
+/// What a simulation knows of a frame: `fingervision.Truth`.
+#[derive(Clone, PartialEq, Message)]
+pub(crate) struct Truth {
+    #[prost(message, optional, tag = "1")]
+    pub(crate) timestamp: Option<Timestamp>,
+    #[prost(uint64, tag = "2")]
+    pub(crate) sequence: u64,
+    #[prost(double, tag = "3")]
+    pub(crate) capture_time_s: f64,
+    #[prost(double, tag = "4")]
+    pub(crate) depth_mm: f64,
+    #[prost(double, tag = "5")]
+    pub(crate) force_x_n: f64,
+    #[prost(double, tag = "6")]
+    pub(crate) force_y_n: f64,
+    #[prost(double, tag = "7")]
+    pub(crate) force_z_n: f64,
+    #[prost(double, tag = "8")]
+    pub(crate) torque_z_nmm: f64,
 }
 
 /// A time, ns since 1970, as messages have it.

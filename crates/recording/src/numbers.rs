@@ -23,6 +23,10 @@ pub(crate) fn to_message(numbers: &ReadingNumbers, captured_s: f64, time_ns: u64
         force_y_n,
         force_z_n,
         torque_z_nmm: numbers.torque_nmm,
+        damaged_part: numbers.damaged_part,
+        mean_level: numbers.mean_level,
+        saturated_part: numbers.saturated_part,
+        sharpness: numbers.sharpness,
     }
 }
 
@@ -44,6 +48,9 @@ pub(crate) fn from_message(message: &Reading) -> ReadingNumbers {
         _ => None,
     };
     numbers.torque_nmm = message.torque_z_nmm;
+    numbers.damaged_part = message.damaged_part;
+    (numbers.mean_level, numbers.saturated_part) = (message.mean_level, message.saturated_part);
+    numbers.sharpness = message.sharpness;
     numbers
 }
 
@@ -67,6 +74,8 @@ mod tests {
         (numbers.reference_id, numbers.reference_count, numbers.photometric_error) = (3, 4, 0.1);
         (numbers.latency_ms, numbers.max_depth_mm, numbers.contact_area_mm2) = (1.5, Some(0.0), Some(12.0));
         (numbers.force_n, numbers.torque_nmm) = (Some([0.0, -0.5, 2.0]), Some(-0.0));
+        (numbers.damaged_part, numbers.mean_level) = (0.25, 117.5);
+        (numbers.saturated_part, numbers.sharpness) = (0.01, 1.7);
         for flag in Flag::ALL {
             numbers.flags.raise(flag);
             assert_eq!(from_message(&to_message(&numbers, 3.0, 1)), numbers);

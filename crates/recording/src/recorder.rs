@@ -1,5 +1,6 @@
 //! A thread that records sensors while they run.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -104,10 +105,15 @@ impl RecorderThread {
     ) -> Result<Self, RecordingError> {
         let of_handle = |handle: &SensorHandle| RecordedSensor::of(handle, options.clock);
         let sensors: Vec<RecordedSensor> = handles.iter().map(of_handle).collect();
-        let writer = RecordingWriter::create(path, &sensors)?;
+        let mut writer = RecordingWriter::create(path, &sensors)?;
+        for (index, scene) in
+            handles.iter().enumerate().filter_map(|(index, handle)| Some((index, handle.scene_toml()?)))
+        {
+            writer.write_scene(index, scene)?;
+        }
         let shared = Arc::new(Shared { progress: Mutex::default(), is_stopped: AtomicBool::new(false), options });
         let times = vec![Times::default(); sensors.len()];
-        let recorder = Recorder { writer, subscription, times, shared: Arc::clone(&shared) };
+        let recorder = Recorder { path: path.to_owned(), writer, subscription, times, shared: Arc::clone(&shared) };
         let thread = thread::Builder::new().name("recorder".into()).spawn(move || recorder.run());
         let thread = thread.map_err(|error| RecordingError::Thread { path: path.to_owned(), error })?;
         Ok(Self { path: path.to_owned(), shared, thread: Some(thread) })
@@ -166,6 +172,7 @@ impl Shared {
 
 /// The state of the thread.
 struct Recorder {
+    path: PathBuf,
     writer: RecordingWriter,
     subscription: Subscription,
     times: Vec<Times>,
@@ -175,7 +182,7 @@ struct Recorder {
 impl Recorder {
     fn run(mut self) {
         let done = self.record();
-        let Self { writer, subscription, shared, .. } = self;
+        let Self { writer, subscription, shared, path, .. } = self;
         // Lossless sensors must not wait until the file is closed.
         drop(subscription);
         let done = done.and_then(|()| writer.finish());
@@ -183,7 +190,11 @@ impl Recorder {
         progress.is_ended = true;
         match done {
             Ok(bytes) => progress.bytes = bytes,
-            Err(error) => progress.error = Some([error.to_string(), error.hint()]),
+            Err(error) => {
+                progress.error = Some([error.to_string(), error.hint()]);
+                // What was written of the last chunk counts, too.
+                progress.bytes = fs::metadata(&path).map_or(progress.bytes, |metadata| metadata.len());
+            }
         }
     }
 
@@ -219,6 +230,12 @@ impl Recorder {
                 times.last_s = time_s;
                 writer.write_frame(*sensor, frame, *captured_s)?;
                 shared.lock().frames += 1;
+            }
+            Message::Truth { sensor, sequence, capture_time_s, captured_s, truth } => {
+                let time_s = time_s(clock, *captured_s, *capture_time_s);
+                if !self.times[*sensor].is_late(time_s, most_seconds) {
+                    writer.write_truth(*sensor, (*sequence, *capture_time_s), truth, *captured_s)?;
+                }
             }
             Message::Reading { sensor, numbers, captured_s, .. } if has_readings => {
                 let time_s = time_s(clock, *captured_s, numbers.capture_time_s);

@@ -1,20 +1,20 @@
 //! Opens a recording: which sensors it has, their profiles, frames and readings.
 
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use fingervision_source::{CameraLayout, EncodedFrame};
+use fingervision_source::FrameTruth;
 use fingervision_touch::{Profile, ProfileError, ReadingNumbers};
 use prost::Message;
 
 use crate::container::scan::{Contents, Place, scan};
-use crate::lossless::{self, Storage};
-use crate::message::{CompressedImage, Frame, Log, Reading};
+use crate::message::{Log, Reading, Truth};
+use crate::message_reader::MessageReader;
 use crate::topic::Topic;
-use crate::writer::{PROFILE_NAME, SENSOR_METADATA};
-use crate::{RecordingError, coding, numbers};
+use crate::writer::{PROFILE_NAME, SCENE_NAME, SENSOR_METADATA};
+use crate::{RecordingError, numbers};
 
 /// The first bytes of every recording.
 const SIGNATURE: [u8; 8] = *b"\x89MCAP0\r\n";
@@ -45,12 +45,23 @@ pub struct RecordingSensor {
     prefix: String,
 }
 
-/// Reads the messages of a recording.
-#[derive(Debug)]
-pub(crate) struct MessageReader {
-    file: File,
-    bytes: Vec<u8>,
-    image: CompressedImage,
+/// The truth of a frame of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordedTruth {
+    /// The frame's number.
+    pub sequence: u64,
+    /// The frame's time on the source's own clock, s.
+    pub capture_time_s: f64,
+    /// What the simulation knows.
+    pub truth: FrameTruth,
+}
+
+impl RecordedTruth {
+    pub(crate) fn of(message: &Truth) -> Self {
+        let force_n = [message.force_x_n, message.force_y_n, message.force_z_n];
+        let truth = FrameTruth { depth_mm: message.depth_mm, force_n, torque_nmm: message.torque_z_nmm };
+        Self { sequence: message.sequence, capture_time_s: message.capture_time_s, truth }
+    }
 }
 
 impl Recording {
@@ -123,11 +134,19 @@ impl Recording {
     ///
     /// [`ProfileError`] if this version does not accept it.
     pub fn profile(&self, sensor: usize) -> Result<Option<Profile>, ProfileError> {
-        let Some(sensor) = self.sensors.get(sensor) else { return Ok(None) };
-        let name = format!("{}/{PROFILE_NAME}", sensor.prefix);
-        let attachment = self.contents.attachments.iter().find(|attachment| attachment.name == name);
-        let text = attachment.and_then(|attachment| std::str::from_utf8(&attachment.data).ok());
-        text.map(Profile::from_toml).transpose()
+        self.attachment(sensor, PROFILE_NAME).map(Profile::from_toml).transpose()
+    }
+
+    /// The scene that a simulated sensor showed, as TOML; of several presses, that of the first.
+    #[must_use]
+    pub fn scene_toml(&self, sensor: usize) -> Option<&str> {
+        self.attachment(sensor, SCENE_NAME)
+    }
+
+    fn attachment(&self, sensor: usize, name: &str) -> Option<&str> {
+        let name = format!("{}/{name}", self.sensors.get(sensor)?.prefix);
+        let attachment = self.contents.attachments.iter().find(|attachment| attachment.name == name)?;
+        std::str::from_utf8(&attachment.data).ok()
     }
 
     /// Sentences on what is unusual: the file was not closed, or is damaged.
@@ -149,7 +168,7 @@ impl Recording {
         !self.contents.is_closed
     }
 
-    /// The numbers of all readings of a sensor, in order. Damaged ones are left out.
+    /// The numbers of all readings of a sensor, in order. Those of chunks whose check sum is wrong are left out.
     ///
     /// # Errors
     ///
@@ -159,7 +178,16 @@ impl Recording {
         Ok(messages.iter().map(numbers::from_message).collect())
     }
 
-    /// The events of a sensor, in order.
+    /// The truth of every frame of a simulated sensor, in order, as [`Self::readings`]; empty for a real one.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError::Read`] if the system refuses.
+    pub fn truths(&self, sensor: usize) -> Result<Vec<RecordedTruth>, RecordingError> {
+        Ok(self.messages::<Truth>(sensor, Topic::Truth)?.iter().map(RecordedTruth::of).collect())
+    }
+
+    /// The events of a sensor, in order, as [`Self::readings`].
     ///
     /// # Errors
     ///
@@ -172,15 +200,15 @@ impl Recording {
         let mut reader = self.reader()?;
         let mut messages = Vec::new();
         for place in self.places(sensor, topic) {
-            let bytes = reader.read(*place).map_err(RecordingError::reading(&self.path))?;
-            messages.extend(M::decode(bytes).ok());
+            let bytes = reader.read_sound(*place).map_err(RecordingError::reading(&self.path))?;
+            messages.extend(bytes.and_then(|bytes| M::decode(bytes).ok()));
         }
         Ok(messages)
     }
 
     pub(crate) fn reader(&self) -> Result<MessageReader, RecordingError> {
         let file = File::open(&self.path).map_err(RecordingError::reading(&self.path))?;
-        Ok(MessageReader { file, bytes: Vec::new(), image: CompressedImage::default() })
+        Ok(MessageReader::new(file, Arc::clone(&self.contents)))
     }
 
     /// The positions of the messages of a topic.
@@ -217,52 +245,4 @@ fn places<'a>(contents: &'a Contents, prefix: &str, topic: Topic) -> &'a [Place]
     let topic = topic.of(prefix);
     let channel = contents.channels.iter().find(|channel| channel.topic == topic);
     channel.map_or(&[], |channel| &channel.messages)
-}
-
-impl MessageReader {
-    /// The data of a message. Its position lies inside the file, so its length is limited by that of the file.
-    pub(crate) fn read(&mut self, place: Place) -> std::io::Result<&[u8]> {
-        self.file.seek(SeekFrom::Start(place.offset))?;
-        self.bytes.resize(place.len as usize, 0);
-        self.file.read_exact(&mut self.bytes)?;
-        Ok(&self.bytes)
-    }
-
-    /// Reads the original bytes of a frame; `images` are the positions of the sensor's image messages.
-    ///
-    /// # Errors
-    ///
-    /// A sentence on what is wrong with it.
-    pub(crate) fn frame(&mut self, place: Place, images: &[Place], into: &mut EncodedFrame) -> Result<(), String> {
-        let bytes = self.read(place).map_err(|error| error.to_string())?;
-        let message = Frame::decode(bytes).map_err(|_| "its message is damaged")?;
-        let coding =
-            coding::of(&message.coding).ok_or_else(|| format!("the coding {} is not known", message.coding))?;
-        let (width, height) = (message.width as usize, message.height as usize);
-        into.layout = CameraLayout { coding, width, height, row_bytes: message.row_bytes as usize };
-        (into.sequence, into.capture_time_s) = (message.sequence, message.capture_time_s);
-        let storage = Storage::of(&message.storage).ok_or_else(|| format!("stored as {}", message.storage))?;
-        let len = usize::try_from(message.length).map_err(|_| "its length is impossible")?;
-        match storage {
-            Storage::Raw => into.bytes = message.data,
-            Storage::WebP => lossless::decode(into.layout, len, &message.data, &mut into.bytes)?,
-            Storage::Image => {
-                let found = images.binary_search_by_key(&message.image, |place| place.number);
-                let place = found.ok().and_then(|index| images.get(index)).ok_or("its image is missing")?;
-                self.image(*place, &mut into.bytes)?;
-            }
-        }
-        if into.bytes.len() != len || crc32fast::hash(&into.bytes) != message.crc32 {
-            return Err("its bytes are damaged".into());
-        }
-        Ok(())
-    }
-
-    fn image(&mut self, place: Place, into: &mut Vec<u8>) -> Result<(), String> {
-        self.read(place).map_err(|error| error.to_string())?;
-        self.image.clear();
-        self.image.merge(self.bytes.as_slice()).map_err(|_| "its image is damaged")?;
-        std::mem::swap(into, &mut self.image.data);
-        Ok(())
-    }
 }

@@ -3,12 +3,14 @@
 use std::path::Path;
 
 use fingervision_image::Frame;
-use fingervision_source::{CameraFrameDecoder, EncodedFrame, FrameFormat, Source, SourceError};
+use fingervision_source::{CameraFrameDecoder, EncodedFrame, FrameFormat, FrameTruth, Source, SourceError};
+use prost::Message;
 
 use crate::container::scan::Place;
-use crate::recording::MessageReader;
+use crate::message::Truth;
+use crate::message_reader::MessageReader;
 use crate::topic::Topic;
-use crate::{Recording, RecordingError};
+use crate::{RecordedTruth, Recording, RecordingError};
 
 /// The frames of a sensor, in order, with their original numbers and times.
 pub struct RecordingSource {
@@ -17,6 +19,10 @@ pub struct RecordingSource {
     reader: MessageReader,
     frames: Vec<Place>,
     images: Vec<Place>,
+    /// Empty for a real sensor.
+    truths: Vec<Place>,
+    /// That of the last frame.
+    truth: Option<FrameTruth>,
     next: usize,
     /// Numbers of the first and the last frame.
     sequences: [u64; 2],
@@ -38,6 +44,7 @@ impl RecordingSource {
         let mut reader = recording.reader().map_err(|error| refused(&path, error))?;
         let frames = recording.places(sensor, Topic::Frame).to_vec();
         let images = recording.places(sensor, Topic::Image).to_vec();
+        let truths = recording.places(sensor, Topic::Truth).to_vec();
         let (Some(first), Some(last), 2..) = (frames.first(), frames.last(), frames.len()) else {
             return Err(SourceError::TooFewFrames { path, count: frames.len() as u64 });
         };
@@ -51,8 +58,22 @@ impl RecordingSource {
         let pixels = decoder.decode(&encoded.bytes).map_err(|reason| damaged(encoded.sequence, reason))?;
         let sequences = [encoded.sequence, last_sequence.max(encoded.sequence)];
         let (format, decoder) = (FrameFormat::from(&pixels), Some(decoder));
-        let is_ended = false;
-        Ok(Self { recording, sensor, reader, frames, images, next: 0, sequences, format, decoder, encoded, is_ended })
+        let (next, is_ended) = (0, false);
+        Ok(Self {
+            recording,
+            sensor,
+            reader,
+            frames,
+            images,
+            truths,
+            truth: None,
+            next,
+            sequences,
+            format,
+            decoder,
+            encoded,
+            is_ended,
+        })
     }
 
     /// Writes the original bytes of the next frame to `frame`; false after the last.
@@ -61,12 +82,24 @@ impl RecordingSource {
     ///
     /// [`SourceError::Frame`] if its bytes are damaged; the next call continues with the frame behind it.
     pub fn next_encoded(&mut self, frame: &mut EncodedFrame) -> Result<bool, SourceError> {
-        let Some(place) = self.frames.get(self.next) else { return Ok(false) };
+        let Some(place) = self.frames.get(self.next).copied() else { return Ok(false) };
         self.next += 1;
-        match self.reader.frame(*place, &self.images, frame) {
-            Ok(()) => Ok(true),
+        self.truth = None;
+        match self.reader.frame(place, &self.images, frame) {
+            Ok(()) => {
+                self.truth = self.read_truth(place.time_ns, frame.sequence);
+                Ok(true)
+            }
             Err(reason) => Err(damaged(self.recording.path(), frame.sequence, reason)),
         }
+    }
+
+    /// The truth of the frame with this number, whose message has the same time; none if it is damaged.
+    fn read_truth(&mut self, time_ns: u64, sequence: u64) -> Option<FrameTruth> {
+        let index = self.truths.binary_search_by_key(&time_ns, |place| place.time_ns).ok()?;
+        let bytes = self.reader.read_sound(*self.truths.get(index)?).ok()??;
+        let recorded = RecordedTruth::of(&Truth::decode(bytes).ok()?);
+        (recorded.sequence == sequence).then_some(recorded.truth)
     }
 
     fn decode(&mut self) -> Result<Frame, SourceError> {
@@ -112,6 +145,14 @@ impl Source for RecordingSource {
 
     fn last_sequence(&self) -> Option<u64> {
         Some(self.sequences[1])
+    }
+
+    fn truth(&self) -> Option<FrameTruth> {
+        self.truth
+    }
+
+    fn scene_toml(&self) -> Option<String> {
+        self.recording.scene_toml(self.sensor).map(Into::into)
     }
 
     fn size(&self) -> (usize, usize) {

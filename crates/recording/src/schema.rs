@@ -170,6 +170,24 @@ pub(crate) static READING: Schema = Schema {
         ("force_y_n", 14, Optional(Float)),
         ("force_z_n", 15, Optional(Float)),
         ("torque_z_nmm", 16, Optional(Float)),
+        ("damaged_part", 17, One(Float)),
+        ("mean_level", 18, One(Float)),
+        ("saturated_part", 19, One(Float)),
+        ("sharpness", 20, One(Float)),
+    ],
+};
+
+pub(crate) static TRUTH: Schema = Schema {
+    name: "fingervision.Truth",
+    fields: &[
+        TIME,
+        ("sequence", 2, One(Uint64)),
+        ("capture_time_s", 3, One(Double)),
+        ("depth_mm", 4, One(Double)),
+        ("force_x_n", 5, One(Double)),
+        ("force_y_n", 6, One(Double)),
+        ("force_z_n", 7, One(Double)),
+        ("torque_z_nmm", 8, One(Double)),
     ],
 };
 
@@ -177,7 +195,7 @@ static TIMESTAMP: Schema =
     Schema { name: "google.protobuf.Timestamp", fields: &[("seconds", 1, One(Int64)), ("nanos", 2, One(Int32))] };
 
 /// Every schema; one that is part of another comes before it.
-pub(crate) static ALL: [&Schema; 13] = [
+pub(crate) static ALL: [&Schema; 14] = [
     &TIMESTAMP,
     &VECTOR3,
     &QUATERNION,
@@ -191,6 +209,7 @@ pub(crate) static ALL: [&Schema; 13] = [
     &LOG,
     &FRAME,
     &READING,
+    &TRUTH,
 ];
 
 impl Schema {

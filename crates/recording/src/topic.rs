@@ -13,11 +13,12 @@ pub(crate) enum Topic {
     Calibration,
     Transform,
     Log,
+    Truth,
 }
 
 impl Topic {
     /// Every topic, in the order of its number.
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 9] = [
         Self::Frame,
         Self::Image,
         Self::Preview,
@@ -26,6 +27,7 @@ impl Topic {
         Self::Calibration,
         Self::Transform,
         Self::Log,
+        Self::Truth,
     ];
 
     pub(crate) fn name(self) -> &'static str {
@@ -38,6 +40,7 @@ impl Topic {
             Self::Calibration => "calibration",
             Self::Transform => "transform",
             Self::Log => "log",
+            Self::Truth => "truth",
         }
     }
 
@@ -51,6 +54,7 @@ impl Topic {
             Self::Calibration => &schema::CAMERA_CALIBRATION,
             Self::Transform => &schema::FRAME_TRANSFORM,
             Self::Log => &schema::LOG,
+            Self::Truth => &schema::TRUTH,
         }
     }
 

@@ -4,8 +4,9 @@ use std::sync::mpsc::Receiver;
 
 use fingervision_gel::{Scene, Simulation};
 use fingervision_image::{Frame, Pixels};
-use fingervision_source::{FrameFormat, Options, Source, SourceError};
+use fingervision_source::{FrameFormat, FrameTruth, Options, Source, SourceError};
 
+use crate::frame::frame_truth;
 use crate::simulated_profile;
 
 /// Frames at rest before each press.
@@ -45,10 +46,14 @@ impl Press {
         REST + HOLD + 2 * (self.frames.len() - 1)
     }
 
+    /// The frame of the press that a step of the cycle shows.
+    fn index(&self, step: usize) -> usize {
+        let (last, place) = (self.frames.len() - 1, step.saturating_sub(REST));
+        if place <= last + HOLD { place.min(last) } else { 2 * last + HOLD - place }
+    }
+
     fn pixels(&mut self, step: usize) -> Result<Pixels, SourceError> {
-        let last = self.frames.len() - 1;
-        let place = step.saturating_sub(REST);
-        let index = if place <= last + HOLD { place.min(last) } else { 2 * last + HOLD - place };
+        let index = self.index(step);
         if let Some(pixels) = &self.frames[index] {
             return Ok(pixels.clone());
         }
@@ -121,6 +126,16 @@ impl Source for PressFilm {
         self.presses[0].simulation.size()
     }
 
+    /// On the way out the truth is that of the way in, whose image is shown again.
+    fn truth(&self) -> Option<FrameTruth> {
+        let press = &self.presses[self.press];
+        frame_truth(&press.simulation, press.index(self.step.checked_sub(1)?))
+    }
+
+    fn scene_toml(&self) -> Option<String> {
+        Some(self.first_scene().to_toml())
+    }
+
     fn description(&self) -> String {
         let ((width, height), scene) = (self.size(), self.first_scene());
         let format = FrameFormat { width, height, is_colour: scene.render.colour, bits: 8 };
@@ -137,9 +152,13 @@ mod tests {
     use std::sync::mpsc;
 
     fn solved(name: &str, seed: u64) -> Simulation {
-        let mut scene = Scene::find("board").unwrap();
+        solved_scene("board", None, name, seed)
+    }
+
+    fn solved_scene(scene: &str, set: Option<(&str, &str)>, name: &str, seed: u64) -> Simulation {
+        let mut scene = Scene::find(scene).unwrap();
         let sets = [("render.width", "32"), ("render.height", "24"), ("motion.frames", "4")];
-        scene.set_all(sets).unwrap();
+        scene.set_all(sets.into_iter().chain(set)).unwrap();
         scene.set_seed(seed);
         scene.name = name.into();
         let mut simulation = Simulation::new(&scene).unwrap();
@@ -162,5 +181,23 @@ mod tests {
         let (deepest, out) = (REST + 3, REST + 3 + HOLD);
         assert!(is_same(0, REST) && is_same(deepest, out) && !is_same(deepest - 1, deepest));
         assert!(is_same(deepest - 1, out + 1) && is_same(deepest - 2, out + 2) && is_same(0, out + 3));
+    }
+
+    #[test]
+    fn the_truth_is_that_of_the_image_shown() {
+        let press = solved_scene("circle", Some(("mesh.cells", "[12, 12, 3]")), "press", 1);
+        let mut film = PressFilm::new(press, None, &Options::default()).unwrap();
+        assert_eq!(film.truth(), None, "no frame was shown");
+        let shown = std::iter::from_fn(|| film.next_frame().unwrap().and(film.truth()));
+        let truths: Vec<FrameTruth> = shown.take(REST + HOLD + 7).collect();
+        let (deepest, out) = (REST + 3, REST + 3 + HOLD);
+        let simulation = &film.presses[0].simulation;
+        for (step, index) in [(0, 0), (REST, 0), (REST + 1, 1), (deepest, 3), (out, 3), (out + 1, 2), (out + 3, 0)] {
+            let (pose, state) = (simulation.poses()[index], &simulation.states()[index]);
+            let expected =
+                FrameTruth { depth_mm: pose.depth_mm, force_n: state.force_n, torque_nmm: state.torque_nmm[2] };
+            assert_eq!(truths[step], expected, "step {step}");
+        }
+        assert!(truths[deepest].force_n[2] > truths[REST + 1].force_n[2], "{truths:?}");
     }
 }

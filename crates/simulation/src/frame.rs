@@ -1,7 +1,8 @@
 //! One frame of a simulated press, with its truth.
 
-use fingervision_gel::Truth;
+use fingervision_gel::{Simulation, Truth};
 use fingervision_image::Pixels;
+use fingervision_source::FrameTruth;
 
 /// One frame of a simulated press.
 #[derive(Debug, Clone, Copy)]
@@ -16,4 +17,10 @@ pub struct SimulatedFrame<'a> {
     pub force_n: [f64; 3],
     /// Torque on the gel about z through the centre of contact, N mm.
     pub torque_z_nmm: f64,
+}
+
+/// The truth of a solved frame in numbers; absent if there is no such frame.
+pub(crate) fn frame_truth(simulation: &Simulation, index: usize) -> Option<FrameTruth> {
+    let (pose, state) = (simulation.poses().get(index)?, simulation.states().get(index)?);
+    Some(FrameTruth { depth_mm: pose.depth_mm, force_n: state.force_n, torque_nmm: state.torque_nmm[2] })
 }

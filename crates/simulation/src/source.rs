@@ -5,9 +5,10 @@ use std::path::Path;
 
 use fingervision_gel::{EarlyEnd, PressCache, Progress, Scene, SceneError, Simulation};
 use fingervision_image::Frame;
-use fingervision_source::{FrameFormat, Options, Source, SourceError};
+use fingervision_source::{FrameFormat, FrameTruth, Options, Source, SourceError};
 
 use crate::PressFilm;
+use crate::frame::frame_truth;
 
 const PREFIX: &str = "sim:";
 
@@ -209,6 +210,14 @@ impl Source for SimulatedSource {
 
     fn size(&self) -> (usize, usize) {
         self.simulation.size()
+    }
+
+    fn truth(&self) -> Option<FrameTruth> {
+        frame_truth(&self.simulation, self.next.checked_sub(1)?)
+    }
+
+    fn scene_toml(&self) -> Option<String> {
+        Some(self.scene().to_toml())
     }
 
     fn description(&self) -> String {

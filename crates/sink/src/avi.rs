@@ -5,7 +5,7 @@
 //! (`OpenDML` 1.02, "AVI file format extensions"), so neither length nor memory is bounded by the format: only the index
 //! of one part is kept in memory, 8 bytes per frame.
 //!
-//! Implemented here because it is a page of headers, and encoders of other codecs need a C++ compiler.
+//! Implemented here because it is a page of headers. It needs no encoder but that of JPEG, so every program can write it.
 
 mod header;
 

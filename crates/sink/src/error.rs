@@ -69,6 +69,14 @@ pub enum SinkError {
         /// The frame's number in its source.
         sequence: u64,
     },
+    /// The format is not part of this program.
+    #[error("{}: this program was built without {what}", .path.display())]
+    NotBuilt {
+        /// The file.
+        path: PathBuf,
+        /// The format.
+        what: &'static str,
+    },
     /// There is nothing to draw: no reading was written.
     #[error("no frame was read, so there is nothing to draw")]
     NoReadings,
@@ -87,6 +95,9 @@ impl SinkError {
             Self::NotARun { .. } => Some("give a folder of `fingervision track`"),
             Self::SizeMismatch { .. } => Some("start a new run for every size of image"),
             Self::FieldAbsent { .. } => Some("leave the field out of --fields, or calibrate the profile for it"),
+            Self::NotBuilt { .. } => {
+                Some("name it .avi, or build the program with `cargo build --release --features mp4`")
+            }
             Self::NoReadings => Some("check that the source provides frames"),
         }
     }

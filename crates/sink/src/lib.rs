@@ -11,6 +11,8 @@ mod error;
 mod export;
 mod field;
 mod float_array;
+#[cfg(feature = "mp4")]
+mod mp4;
 mod picture;
 mod rows;
 mod run_fields;
@@ -18,6 +20,7 @@ mod run_folder;
 mod run_options;
 mod sink;
 mod table;
+mod video;
 mod whole_file;
 
 pub use arrays::{ArrayWriter, Element};

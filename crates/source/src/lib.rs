@@ -52,4 +52,4 @@ pub use error::SourceError;
 pub use format::FrameFormat;
 pub use open::open;
 pub use repetition::{Repetition, repetition};
-pub use source::{Options, Source};
+pub use source::{FrameTruth, Options, Source};

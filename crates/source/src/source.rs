@@ -49,10 +49,31 @@ pub trait Source: Send {
     /// One line for logs and reports: where the frames come from and what they are.
     fn description(&self) -> String;
 
+    /// The truth of the frame that came last, if a simulation made it.
+    fn truth(&self) -> Option<FrameTruth> {
+        None
+    }
+
+    /// The scene that a simulation shows, as TOML; of several, the first.
+    fn scene_toml(&self) -> Option<String> {
+        None
+    }
+
     /// Remarks about unusual properties of the source that do not prevent reading, one sentence each.
     fn remarks(&self) -> Vec<String> {
         Vec::new()
     }
+}
+
+/// What a simulation knows of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameTruth {
+    /// Indentation depth of the indenter, mm.
+    pub depth_mm: f64,
+    /// Force of the indenter on the gel `(x, y, z)`, N.
+    pub force_n: [f64; 3],
+    /// Torque on the gel about z through the centre of contact, N mm.
+    pub torque_nmm: f64,
 }
 
 /// Options for reading a source.

@@ -2,7 +2,7 @@
 
 use crate::Flags;
 
-/// Every number of a reading that belongs to the whole frame, as in a table.
+/// Every number of a reading that belongs to the whole frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct ReadingNumbers {
@@ -26,6 +26,13 @@ pub struct ReadingNumbers {
     /// Part of the image in which the flow is never valid while that of the gel around it is, 0 to 1; see
     /// [`Flag::GelDamaged`](crate::Flag).
     pub damaged_part: f32,
+    /// Mean grey level of the region of interest, 0 to 255.
+    pub mean_level: f32,
+    /// Part of its pixels of which a channel is saturated, 0 to 1.
+    pub saturated_part: f32,
+    /// Its sharpness, dimensionless, as [`Picture::sharpness`](fingervision_flow::Picture::sharpness): compare it only with
+    /// other images of this sensor.
+    pub sharpness: f32,
     /// Largest depth where it is valid, mm.
     pub max_depth_mm: Option<f32>,
     /// Area of contact in the undeformed surface, mm²; with elastic depth.

@@ -9,7 +9,7 @@ use crate::stage_times::Stopwatch;
 use crate::{DepthMethod, Fields, Flag, Flags, Profile, Reading, StageTimes, TrackError};
 use density_stage::DensityStage;
 use elastic_stage::ElasticStage;
-use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Picture, Reference};
+use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Levels, Picture, Reference};
 use fingervision_image::{Frame, Image, Rect};
 use std::time::Instant;
 
@@ -168,12 +168,13 @@ impl Tracker {
         }
         let matched = self.references.track(&mut self.estimator, &self.picture, &mut self.estimate);
         self.times.flow_ms = watch.lap_ms();
-        let mut flags = self.flags(dropped);
+        let (levels, sharpness) = (self.picture.levels(), self.picture.sharpness());
+        let mut flags = self.flags(dropped, sharpness);
         if self.zero_id.replace(matched.zero_id).is_some_and(|before| before != matched.zero_id) {
             flags.raise(Flag::NewReference);
             self.watch.restart();
         }
-        self.check(frame.capture_time_s, &mut flags);
+        self.check(frame.capture_time_s, levels, &mut flags);
         let reading = &mut self.reading;
         reading.numbers.sequence = frame.sequence;
         reading.numbers.capture_time_s = frame.capture_time_s;
@@ -187,6 +188,8 @@ impl Tracker {
         std::mem::swap(&mut reading.valid, &mut self.estimate.valid);
         reading.numbers.flags = flags;
         reading.numbers.damaged_part = self.watch.damaged_part();
+        (reading.numbers.mean_level, reading.numbers.saturated_part) = (levels.mean, levels.saturated);
+        reading.numbers.sharpness = sharpness;
         self.times.checks_ms = watch.lap_ms();
         // The elastic inverse uses the validity of the flow alone, so it runs before gaps of the density are marked as
         // not valid.
@@ -211,8 +214,7 @@ impl Tracker {
     }
 
     /// Runs the checks that need the picture or more than one frame.
-    fn check(&mut self, time_s: f64, flags: &mut Flags) {
-        let levels = self.picture.levels();
+    fn check(&mut self, time_s: f64, levels: Levels, flags: &mut Flags) {
         let first = self.references.first().map_or(levels, Reference::levels);
         let is_lost = flags.has(Flag::Lost);
         let seen = Seen { time_s, grey: self.picture.grey(), levels, first, estimate: &self.estimate, is_lost };
@@ -237,7 +239,7 @@ impl Tracker {
         Ok(frame.sequence - previous - 1)
     }
 
-    fn flags(&self, dropped: u64) -> Flags {
+    fn flags(&self, dropped: u64, sharpness: f32) -> Flags {
         let mut flags = Flags::default();
         let mut raise_if = |flag: Flag, holds: bool| {
             if holds {
@@ -254,7 +256,6 @@ impl Tracker {
             let (light, then) = (self.picture.mean_level().max(1.0), first.mean_level().max(1.0));
             raise_if(Flag::NoTexture, first.textured() < LEAST_TEXTURED);
             raise_if(Flag::LightChanged, light > then * LIGHT_FACTOR || then > light * LIGHT_FACTOR);
-            let sharpness = self.picture.sharpness();
             raise_if(Flag::OutOfFocus, SHARPNESS_FACTOR * sharpness < first.sharpness());
         }
         flags

@@ -15,6 +15,7 @@ use std::process::Command;
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 
+use crate::FEATURES;
 use packages::Packages;
 
 /// A program is ended after this time, s; a boot with all tests takes half a minute.
@@ -39,8 +40,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         }
         Err(why) => return Err(why),
     };
-    let tests = build(&["test", "--package", "fingervision-camera", "--test", "devices", "--no-run"], "devices")?;
-    let command = build(&["build", "--package", "fingervision-cli"], "fingervision")?;
+    let [tests, command] = build()?;
     let initrd = guest::initrd(&folder, &packages, [&tests, &command])?;
     let log = guest::boot(&packages, &initrd, LONGEST_RUN_S)?;
     fs::write(folder.join("console.log"), &log)?;
@@ -66,13 +66,19 @@ struct Target {
     name: String,
 }
 
-/// Builds a program and returns it.
-fn build(arguments: &[&str], name: &str) -> Result<PathBuf> {
+/// Builds the tests and the command, as the tests of the whole workspace do: after these, nothing is left to build.
+fn build() -> Result<[PathBuf; 2]> {
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(arguments).args(["--locked", "--message-format", "json"]).current_dir(crate::workspace());
+    // The command is built for the tests that run it.
+    cargo.args(["test", "--workspace", FEATURES, "--test", "devices", "--test", "command", "--no-run"]);
+    cargo.args(["--locked", "--message-format", "json"]).current_dir(crate::workspace());
     let messages = crate::expect_success(&mut cargo)?;
     let messages = String::from_utf8_lossy(&messages).into_owned();
-    let is_wanted = |message: &Message| message.target.as_ref().is_some_and(|target| target.name == name);
-    let mut programs = messages.lines().filter_map(|line| serde_json::from_str::<Message>(line).ok()).filter(is_wanted);
-    programs.find_map(|message| message.executable).with_context(|| format!("cargo built no {name}"))
+    let built: Vec<Message> = messages.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+    let program = |name: &str| {
+        let is_wanted = |message: &&Message| message.target.as_ref().is_some_and(|target| target.name == name);
+        let program = built.iter().filter(is_wanted).find_map(|message| message.executable.clone());
+        program.with_context(|| format!("cargo built no {name}"))
+    };
+    Ok([program("devices")?, program("fingervision")?])
 }

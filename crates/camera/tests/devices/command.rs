@@ -54,10 +54,30 @@ fn interrupt(mut child: Child, after: Duration) -> (Option<i32>, String, String)
     (child.wait().unwrap().code(), out, errors)
 }
 
+/// Records what the camera sends: every picture is in the file, and the file can be tracked.
+fn expect_recorded(film: &[Vec<u8>]) {
+    let (camera, file) = (format!("camera:{NAME}"), "/tmp/recorded.mcap");
+    let ended = command(&["record", &camera, file, "--seconds", "4", "--frames-only"]).output().unwrap();
+    let said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
+    assert!(ended.status.success(), "{said}");
+    let bytes = fs::read(file).unwrap();
+    for (number, picture) in film.iter().enumerate() {
+        let is_there = bytes.windows(picture.len()).any(|part| part == picture);
+        assert!(is_there, "picture {number} is not in the file: {said}");
+    }
+    let mut track = Command::new(std::env::var_os("FINGERVISION").unwrap());
+    let ended = track.args(["track", file, "--out", "/tmp/of-recording", "--frames", "0..16"]).output().unwrap();
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    let table = fs::read_to_string("/tmp/of-recording/readings.csv").unwrap();
+    assert!(table.lines().count() > 4 && !table.contains("lost"), "{table}");
+}
+
 #[test]
 #[ignore = "needs the cameras of cargo xtask camera-test"]
-fn a_camera_is_tracked_to_a_folder() {
-    let _producer = Producer::start(node(NAME), SIZE, 5, film());
+fn a_camera_is_recorded_bit_for_bit_and_tracked_to_a_folder() {
+    let film = film();
+    let _producer = Producer::start(node(NAME), SIZE, 5, film.clone());
+    expect_recorded(&film);
     let folder = "/tmp/tracked";
     let tracking = command(&["track", &format!("camera:{NAME}"), "--out", folder]).spawn().unwrap();
     let (code, out, errors) = interrupt(tracking, 3 * WAIT);

@@ -41,7 +41,7 @@ pub(super) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let fields = live::fields(&profile);
     let film = PressFilm::new(first, Some(more), &Options::default())?;
     let sensor = Sensor::open("demo", profile, Input::source(Box::new(film), Pace::Recorded), fields)?;
-    let show = live::Show { page: Some(args.page), opens_browser: !args.no_browser, record: None };
+    let show = live::Show { page: Some(args.page), opens_browser: !args.no_browser, ..live::Show::default() };
     let ended = live::run_sensors(vec![sensor], &show, args.output, out);
     solver.stop();
     ended

@@ -2,6 +2,7 @@
 
 mod actions;
 mod browser;
+mod foxglove;
 pub(crate) mod sensors;
 pub(crate) mod status;
 
@@ -44,6 +45,12 @@ pub(crate) struct Args {
     /// Record all sensors from the start, as `fingervision record` does
     #[arg(long, value_name = "FILE.mcap")]
     record: Option<PathBuf>,
+    /// Serve the sensors to Foxglove at this port of this machine, without a number at 8765
+    ///
+    /// Only in programs that were built with `--features foxglove`.
+    #[arg(long, value_name = "PORT", num_args = 0..=1, require_equals = true, default_missing_value = "8765")]
+    #[arg(value_parser = foxglove::port)]
+    foxglove: Option<u16>,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -64,6 +71,8 @@ pub(crate) struct Show {
     pub(crate) page: Option<PageArgs>,
     pub(crate) opens_browser: bool,
     pub(crate) record: Option<PathBuf>,
+    /// The port of the server for Foxglove.
+    pub(crate) foxglove: Option<u16>,
 }
 
 #[derive(Debug, Serialize)]
@@ -77,7 +86,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     }
     let sensors = args.sensors.open(Pace::Recorded, args.output)?;
     let page = (!args.no_page).then_some(args.page);
-    let show = Show { page, opens_browser: args.open, record: args.record.clone() };
+    let show = Show { page, opens_browser: args.open, record: args.record.clone(), foxglove: args.foxglove };
     run_sensors(sensors, &show, args.output, out)
 }
 
@@ -103,7 +112,14 @@ pub(crate) fn run_sensors(
             output.note("no browser was found; open this address in one");
         }
     }
-    let sensors = status::show(running.handles(), &messages, actions.as_ref(), output);
+    let sensors = {
+        // Ends after the block, with its thread.
+        let foxglove = show.foxglove.map(|port| foxglove::start(port, &running)).transpose()?;
+        if let Some(server) = &foxglove {
+            output.note(&format!("Foxglove: open the connection {}", server.url()));
+        }
+        status::show(running.handles(), &messages, actions.as_ref(), output)
+    };
     if let Some(page) = page {
         page.stop();
     }

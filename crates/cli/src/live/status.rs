@@ -30,8 +30,11 @@ struct Shown {
 pub(crate) struct SensorSummary {
     pub(crate) sensor: String,
     source: String,
+    /// Frames that arrived.
+    frames: u64,
     readings: u64,
-    frames_per_second: f64,
+    /// Rate of the readings; absent with fewer than two.
+    frames_per_second: Option<f64>,
     dropped_by_camera: u64,
     dropped_before_tracking: u64,
     damaged: u64,
@@ -92,17 +95,22 @@ fn take(message: Message, shown: &mut [Shown], handles: &[SensorHandle], line: &
 
 /// One line on all sensors.
 fn text(shown: &mut [Shown], handles: &[SensorHandle], beside: Option<String>) -> String {
-    let parts = shown.iter_mut().zip(handles).map(|(shown, handle)| format!("{}: {}", handle.name(), shown.text()));
+    let parts =
+        shown.iter_mut().zip(handles).map(|(shown, handle)| format!("{}: {}", handle.name(), shown.text(handle)));
     parts.chain(beside).collect::<Vec<_>>().join(" | ")
 }
 
 impl Shown {
-    fn text(&mut self) -> String {
+    fn text(&mut self, handle: &SensorHandle) -> String {
+        if !handle.is_tracked() {
+            return format!("{} frames", handle.counts().captured);
+        }
         let Some(last) = self.last else { return "waiting".into() };
         let latency_ms = self.latencies_ms.iter().copied().fold(0.0, f64::max);
         self.latencies_ms.clear();
         // Writing to a String cannot fail.
-        let mut text = format!("{:.0} frames/s, {latency_ms:.0} ms", self.frames_per_second());
+        let rate = self.frames_per_second().unwrap_or_default();
+        let mut text = format!("{rate:.0} frames/s, {latency_ms:.0} ms");
         if let Some(depth) = last.max_depth_mm {
             let _ = write!(text, ", {depth:.2} mm");
         }
@@ -115,9 +123,9 @@ impl Shown {
         text
     }
 
-    fn frames_per_second(&self) -> f64 {
-        let Some([first_s, last_s]) = self.times_s.filter(|[first_s, last_s]| last_s > first_s) else { return 0.0 };
-        (self.health.readings().saturating_sub(1)) as f64 / (last_s - first_s)
+    fn frames_per_second(&self) -> Option<f64> {
+        let [first_s, last_s] = self.times_s.filter(|[first_s, last_s]| last_s > first_s)?;
+        Some((self.health.readings().saturating_sub(1)) as f64 / (last_s - first_s))
     }
 
     fn summary(&self, handle: &SensorHandle) -> SensorSummary {
@@ -125,6 +133,7 @@ impl Shown {
         SensorSummary {
             sensor: handle.name().into(),
             source: handle.description().into(),
+            frames: counts.captured,
             readings: self.health.readings(),
             frames_per_second: self.frames_per_second(),
             dropped_by_camera: counts.camera.dropped,
@@ -137,8 +146,11 @@ impl Shown {
 
 impl fmt::Display for SensorSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { sensor, readings, frames_per_second, .. } = self;
-        write!(f, "{sensor}: {readings} readings, {frames_per_second:.1} a second")?;
+        let Self { sensor, readings, .. } = self;
+        write!(f, "{sensor}: {readings} readings")?;
+        if let Some(rate) = self.frames_per_second {
+            write!(f, ", {rate:.1} a second")?;
+        }
         let (camera, tracking) = (self.dropped_by_camera, self.dropped_before_tracking);
         if camera + tracking > 0 {
             write!(f, "; dropped {camera} by the camera, {tracking} because tracking was busy")?;

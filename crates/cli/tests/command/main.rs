@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test helpers may panic, like tests")]
 
+mod bad_recording;
 mod calibrate_camera;
 mod calibrate_depth;
 mod calibrate_gel;
@@ -9,6 +10,7 @@ mod calibrate_guide;
 mod damage;
 mod elastic;
 mod evaluate;
+mod foxglove;
 mod live;
 mod output;
 mod part;
@@ -24,5 +26,6 @@ mod skipped;
 mod threads;
 mod track;
 mod usage;
+mod video;
 mod workbench;
 mod written;

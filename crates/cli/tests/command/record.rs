@@ -42,8 +42,11 @@ fn a_part_is_recorded_by_the_files_own_time() {
     let bench = Workbench::new();
     bench.press(9);
     // 30 frames per second: frames 0 to 4 are before 0.15 s.
-    let ended = bench.run("record press part.mcap --seconds 0.15 --frames-only").expect_done();
-    assert!(ended.out.contains("part.mcap: 5 frames, 0 readings, 0.1 s"), "{}", ended.out);
+    let ended = bench.run("record press part.mcap --seconds 0.15 --frames-only --json").expect_done();
+    let result: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
+    assert_eq!((&result["frames"], &result["readings"]), (&5.into(), &0.into()), "{result}");
+    let sensor = &result["sensors"][0];
+    assert_eq!((&sensor["readings"], sensor["frames_per_second"].is_null()), (&0.into(), true), "{result}");
     bench.run("track part.mcap --out run").expect_done();
     assert_eq!(bench.column("sequence").len(), 5);
 }
@@ -119,7 +122,7 @@ fn exports_that_are_not_possible_are_refused() {
     bench.run("track press --out run").expect_done();
     bench.run("export run --out run.avi").expect_failure("has no camera images", "--overlay");
     bench.run("export press --out x.npz").expect_failure("press is not a run", "`fingervision track`");
-    bench.run("export run --out x.xyz").expect_failure("x.xyz names no format", ".npz, .csv, .zarr or .avi");
+    bench.run("export run --out x.xyz").expect_failure("x.xyz names no format", ".npz, .csv, .zarr, .avi or .mp4");
     bench.run("export run --out x.csv").expect_done();
     bench.run("export run --out x.csv").expect_failure("x.csv exists already", "--overwrite");
     bench.run("export run --out x.csv --overwrite").expect_done();

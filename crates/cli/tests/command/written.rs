@@ -53,7 +53,7 @@ fn an_overlay_without_a_folder_is_refused_before_the_previous_run_is_replaced() 
 fn an_overlay_of_another_kind_is_refused_with_the_command_that_makes_it() {
     let bench = Workbench::new();
     bench.press(2);
-    let ended = bench.run("track press --out run --overlay a.mp4");
+    let ended = bench.run("track press --out run --overlay a.mkv");
     assert_eq!(ended.code, Some(2), "{ended:?}");
     assert!(ended.errors.contains("ffmpeg -i a.avi -c:v libx264 -pix_fmt yuv420p a.mp4"), "{}", ended.errors);
 }

@@ -54,6 +54,15 @@ fn the_map_moves_and_the_surface_turns() {
 }
 
 #[test]
+fn exposure_and_focus_are_below_the_image() {
+    let Some((mut browser, _bench)) = opened(&[]) else { return };
+    let shown = "document.querySelector('.panel.camera .bar').textContent";
+    browser.wait_until(&format!(
+        "/^mean level [1-9]\\d* of 255, \\d+\\.\\d % saturated, focus \\d+ % of the best$/.test({shown})"
+    ));
+}
+
+#[test]
 fn keys_record_and_a_refusal_is_shown() {
     let Some((mut browser, bench)) = opened(&[]) else { return };
     browser.press("r");

@@ -50,6 +50,29 @@ fn the_same_frames_give_the_same_bits_as_offline() {
 }
 
 #[test]
+fn a_sensor_without_tracking_has_every_frame_and_no_readings() {
+    // A thousand times faster than any tracker: none is dropped, as nothing tracks.
+    let sensor = sensor("finger", Film::of(40, 1e6), Pace::Recorded).without_tracking();
+    assert!(!sensor.handle().is_tracked());
+    let pipeline = Pipeline::prepare(vec![sensor]);
+    let subscription = pipeline.subscribe(Interest { frames: true, fields_every: Some(Duration::ZERO), capacity: 100 });
+    let running = pipeline.start().unwrap();
+    let messages = until_the_end(&subscription);
+    let numbers: Vec<u64> = messages
+        .iter()
+        .filter_map(|message| match message {
+            Message::Frame { frame, .. } => Some(frame.sequence),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(numbers, (0..40).collect::<Vec<_>>());
+    assert!(!messages.iter().any(|message| matches!(message, Message::Reading { .. } | Message::Fields { .. })));
+    let counts = running.handles()[0].counts();
+    assert_eq!((counts.captured, counts.tracked, counts.dropped), (40, 0, 0));
+    assert!(running.handles()[0].is_ended());
+}
+
+#[test]
 fn frames_that_come_too_fast_are_dropped_counted_and_flagged() {
     // A thousand times faster than any tracker.
     let pipeline = Pipeline::prepare(vec![sensor("finger", Film::of(40, 1e6), Pace::Recorded)]);

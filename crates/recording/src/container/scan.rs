@@ -23,6 +23,8 @@ pub(crate) struct Contents {
     /// Number and name of every schema.
     pub(crate) schemas: Vec<(u16, String)>,
     pub(crate) channels: Vec<Channel>,
+    /// Every complete chunk, in the order of the file.
+    pub(crate) chunks: Vec<Chunk>,
     pub(crate) attachments: Vec<Attachment>,
     pub(crate) metadata: Vec<(String, Vec<(String, String)>)>,
     /// The file has its end: it was closed.
@@ -40,6 +42,15 @@ pub(crate) struct Channel {
     pub(crate) schema: u16,
     pub(crate) topic: String,
     pub(crate) messages: Vec<Place>,
+}
+
+/// Where the records of a chunk are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Chunk {
+    pub(crate) offset: u64,
+    pub(crate) len: u64,
+    /// CRC-32 of the records; 0: not known.
+    pub(crate) crc32: u32,
 }
 
 /// The position of a message's data.
@@ -191,7 +202,12 @@ impl<R: Read + Seek> Scan<R> {
         } else if !name.is_empty() {
             self.contents.compression = Some(String::from_utf8_lossy(&name).into_owned());
         } else {
-            let records_end = self.at.saturating_add(u64::from_le_bytes(records_len)).min(end);
+            let (offset, len) = (self.at, u64::from_le_bytes(records_len));
+            if is_whole && len <= end - offset {
+                let [.., a, b, c, d] = fixed;
+                self.contents.chunks.push(Chunk { offset, len, crc32: u32::from_le_bytes([a, b, c, d]) });
+            }
+            let records_end = offset.saturating_add(len).min(end);
             while self.step(records_end)? {}
         }
         if !is_whole {

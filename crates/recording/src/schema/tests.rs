@@ -149,8 +149,23 @@ fn our_messages_have_the_fields_of_their_schemas() {
         force_y_n: Some(0.0),
         force_z_n: Some(0.0),
         torque_z_nmm: Some(0.0),
+        damaged_part: 1.0,
+        mean_level: 1.0,
+        saturated_part: 1.0,
+        sharpness: 1.0,
     };
     expect_fields(&super::READING, &reading);
+    let truth = message::Truth {
+        timestamp,
+        sequence: 1,
+        capture_time_s: 1.0,
+        depth_mm: 1.0,
+        force_x_n: 1.0,
+        force_y_n: 1.0,
+        force_z_n: 1.0,
+        torque_z_nmm: 1.0,
+    };
+    expect_fields(&super::TRUTH, &truth);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::path::Path;
 use fingervision_image::{Frame, Image, Pixels};
 use fingervision_pipeline::{Input, Pace, Pipeline, Sensor};
 use fingervision_recording::{Clock, RecorderOptions, RecorderThread, Recording, RecordingError, RecordingSource};
-use fingervision_source::{Source, SourceError};
+use fingervision_source::{FrameTruth, Source, SourceError};
 use fingervision_touch::{Fields, Profile};
 
 const SIZE: usize = 96;
@@ -25,6 +25,10 @@ fn frame(number: u64) -> Frame {
     Frame { sequence, capture_time_s: sequence as f64 / 90.0, pixels: Pixels::Grey8(Image::from_fn(SIZE, SIZE, value)) }
 }
 
+fn truth(number: u64) -> FrameTruth {
+    FrameTruth { depth_mm: number as f64, force_n: [0.0, 0.0, 0.5 * number as f64], torque_nmm: 0.0 }
+}
+
 impl Source for Film {
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
         self.next += 1;
@@ -37,6 +41,14 @@ impl Source for Film {
 
     fn size(&self) -> (usize, usize) {
         (SIZE, SIZE)
+    }
+
+    fn truth(&self) -> Option<FrameTruth> {
+        Some(truth(self.next - 1))
+    }
+
+    fn scene_toml(&self) -> Option<String> {
+        Some("name = \"film\"".into())
     }
 
     fn description(&self) -> String {
@@ -71,6 +83,9 @@ fn every_frame_and_reading_of_a_lossless_pipeline_is_in_the_file() {
         }
         assert!(source.next_frame().unwrap().is_none());
         assert_eq!(recording.readings(sensor).unwrap().len() as u64, frames);
+        let truths: Vec<_> = recording.truths(sensor).unwrap().iter().map(|recorded| recorded.truth).collect();
+        assert_eq!(truths, (0..frames).map(truth).collect::<Vec<_>>());
+        assert_eq!(recording.scene_toml(sensor), Some("name = \"film\""));
     }
 }
 

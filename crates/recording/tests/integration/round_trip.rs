@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use fingervision_recording::{Recording, RecordingError, RecordingSource};
-use fingervision_source::{EncodedFrame, Source, SourceError};
+use fingervision_recording::{Recording, RecordingError, RecordingSource, RecordingWriter};
+use fingervision_source::{EncodedFrame, FrameTruth, Source, SourceError};
 
 use crate::written;
 
@@ -123,6 +123,53 @@ fn a_damaged_frame_is_an_error_and_the_next_one_follows() {
         }
     }
     assert_eq!(numbers, [1000, 1001, 1004]);
+}
+
+#[test]
+fn a_reading_of_a_chunk_whose_sum_is_wrong_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = written::bytes(400);
+    let sound = Recording::open(&file(folder.path(), &whole)).unwrap().readings(1).unwrap();
+    assert_eq!(sound.len(), 400);
+    // A byte of the time of reading 5, which only readings have: the file stays readable, the chunk's sum is wrong.
+    let mut bytes = whole.clone();
+    let time = 0.5_f64.to_le_bytes();
+    let at = bytes.windows(8).position(|window| window == time).unwrap();
+    bytes[at] ^= 1;
+    let recording = Recording::open(&file(folder.path(), &bytes)).unwrap();
+    let left = recording.readings(1).unwrap();
+    assert!((1..400).contains(&left.len()), "{} readings", left.len());
+    // Those that are left are right, and the frames of the damaged chunk have sums of their own.
+    assert_eq!(left, sound[sound.len() - left.len()..]);
+    assert_eq!(frames(&recording, 0), frames(&Recording::open(&file(folder.path(), &whole)).unwrap(), 0));
+}
+
+#[test]
+fn the_truth_of_a_simulation_comes_back_and_is_part_of_the_source() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.mcap");
+    let mut writer = RecordingWriter::create(&path, &[written::sensor("left"), written::sensor("right")]).unwrap();
+    writer.write_scene(0, "name = \"letter\"").unwrap();
+    let truth = |number: u64| {
+        let depth_mm = 0.1 * number as f64;
+        FrameTruth { depth_mm, force_n: [0.0, -depth_mm, 1.0 / 3.0], torque_nmm: -depth_mm }
+    };
+    for number in 0..5 {
+        let (frame, captured_s) = (written::frame(0, number), 50.0 + 0.1 * number as f64);
+        writer.write_frame(0, &frame, captured_s).unwrap();
+        writer.write_truth(0, (frame.sequence, frame.capture_time_s), &truth(number), captured_s).unwrap();
+    }
+    writer.finish().unwrap();
+    let recording = Recording::open(&path).unwrap();
+    let truths = recording.truths(0).unwrap();
+    assert_eq!(truths.iter().map(|recorded| recorded.truth).collect::<Vec<_>>(), (0..5).map(truth).collect::<Vec<_>>());
+    assert_eq!(truths.iter().map(|recorded| recorded.sequence).collect::<Vec<_>>(), [1000, 1001, 1002, 1004, 1005]);
+    assert_eq!((recording.scene_toml(0), recording.scene_toml(1)), (Some("name = \"letter\""), None));
+    assert!(recording.truths(1).unwrap().is_empty());
+    let mut source = RecordingSource::open(recording, 0).unwrap();
+    source.next_frame().unwrap();
+    source.next_frame().unwrap();
+    assert_eq!((source.truth(), source.scene_toml().as_deref()), (Some(truth(1)), Some("name = \"letter\"")));
 }
 
 #[test]

@@ -6,14 +6,12 @@ use fingervision_image::{Frame, Image, Rect};
 use fingervision_plot::page::{BACKGROUND, BODY, GAP, HEADING, MARGIN, WARNING_INK};
 use fingervision_plot::{Anchor, Area, Canvas, Outline, Panel, Rgb, Style, number};
 use fingervision_touch::{Flag, Reading};
-use image::ExtendedColorType;
-use image::codecs::jpeg::JpegEncoder;
 
 use super::course::Course;
 use super::panels::draw_heat_up_to;
 use super::preview::PreviewOptions;
 use super::strongest::{Strength, Strongest};
-use crate::avi::AviWriter;
+use crate::video::Video;
 use crate::{Sink, SinkError};
 
 /// Largest size of a panel, px; small fields are enlarged, up to this factor.
@@ -25,24 +23,24 @@ const LEAST_WIDTH: f32 = 420.0;
 const TOP: f32 = 92.0;
 const LEGEND_HEIGHT: f32 = 104.0;
 const PLOT_HEIGHT: f32 = 216.0;
-/// JPEG quality, 0 to 100.
-const QUALITY: u8 = 90;
 
-/// Draws every reading and appends it to a motion JPEG video in AVI, in constant memory.
+/// Draws every reading and appends it to a video, in constant memory.
 ///
 /// Left, the camera image with the outline of the contact at the current positions of its points; right, depth, or what
 /// [`Preview`](super::Preview) shows instead, at the positions at rest. The colours end at a round number that only
-/// grows. Below, flow, depth and force up to this frame. All frames are shown for the same time, the mean between them.
+/// grows. Below, flow, depth and force up to this frame.
+///
+/// The ending of the file's name says what the video is. `.mp4`, with the feature `mp4`: H.264, whose pictures have their own
+/// times. Otherwise: motion JPEG in AVI, whose pictures are all shown for the same time, the mean between them.
 #[derive(Debug)]
 pub struct Overlay {
-    to: AviWriter,
+    to: Video,
     region: Option<Rect>,
     course: Course,
     shown: Strongest,
     colour: Image<Rgb>,
     layout: Layout,
     limit: f32,
-    jpeg: Vec<u8>,
 }
 
 /// The layout of a frame.
@@ -61,10 +59,10 @@ impl Overlay {
     ///
     /// # Errors
     ///
-    /// [`SinkError::Write`] if the file cannot be written.
+    /// [`SinkError::Write`] if the file cannot be written, [`SinkError::NotBuilt`] for MP4 without the feature.
     pub fn create(path: &Path, size: (usize, usize), options: PreviewOptions) -> Result<Self, SinkError> {
         let layout = Layout::of(size);
-        let to = AviWriter::create(path, (layout.width as usize, layout.height as usize))?;
+        let to = Video::create(path, (layout.width as usize, layout.height as usize))?;
         Ok(Self {
             to,
             region: options.region,
@@ -73,7 +71,6 @@ impl Overlay {
             colour: Image::filled(0, 0, [0; 3]),
             layout,
             limit: 0.0,
-            jpeg: Vec::new(),
         })
     }
 
@@ -160,13 +157,9 @@ impl Sink for Overlay {
             frame.pixels.levels(region.x + x, region.y + y).map(|level| level.clamp(0.0, 255.0) as u8)
         });
         let picture = self.draw();
-        self.jpeg.clear();
-        let (width, height) = picture.size();
-        JpegEncoder::new_with_quality(&mut self.jpeg, QUALITY)
-            .encode(picture.values().as_flattened(), width as u32, height as u32, ExtendedColorType::Rgb8)
-            .map_err(|error| SinkError::writing(Path::new("a frame of the overlay"))(std::io::Error::other(error)))?;
         let spans = self.course.frames().saturating_sub(1).max(1) as f64;
-        self.to.write(&self.jpeg, (reading.capture_time_s - self.course.start_s()) / spans)
+        let time_s = reading.capture_time_s - self.course.start_s();
+        self.to.write(&picture, time_s, time_s / spans)
     }
 }
 

@@ -62,6 +62,20 @@ fn too_much_and_too_little_light_are_flagged_as_long_as_they_last() {
 }
 
 #[test]
+fn level_saturation_and_sharpness_of_every_image_are_measured() {
+    let mut stage = Stage::new(None);
+    let image = stage.render(&Motion::STILL);
+    let mut numbers = |factor| {
+        stage.show(brightened(&image, factor));
+        stage.tracker.reading().numbers
+    };
+    let (bright, half, clipped) = (numbers(1.0), numbers(0.5), numbers(2.5));
+    assert!((half.mean_level / bright.mean_level - 0.5).abs() < 0.01, "{half:?} {bright:?}");
+    assert!((half.sharpness / bright.sharpness - 1.0).abs() < 0.02, "{half:?} {bright:?}");
+    assert!(half.saturated_part <= 0.0 && clipped.saturated_part > 0.3, "{half:?} {clipped:?}");
+}
+
+#[test]
 fn a_first_image_without_light_is_flagged() {
     let mut stage = Stage::new(None);
     let black = Image::from_fn(SIZE.0, SIZE.1, |x, y| [((x * 7 + y * 13) % 5) as u8; 3]);

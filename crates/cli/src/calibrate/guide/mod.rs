@@ -62,7 +62,7 @@ pub(crate) struct GuideArgs {
     youngs_modulus_mpa: Option<f64>,
     /// Take the recordings with this camera when you press Enter: camera:ID; without a value the only camera
     ///
-    /// A page shows the camera's image, and the terminal its exposure and focus.
+    /// A page shows the camera's image; page and terminal show its exposure and focus.
     #[arg(long, value_name = "CAMERA", num_args = 0..=1, default_missing_value = "camera")]
     camera: Option<PathBuf>,
     #[command(flatten)]
