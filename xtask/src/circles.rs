@@ -18,6 +18,7 @@ pub(crate) fn run(out: &mut impl Write) -> Result<()> {
     let crates = crate::workspace().join("crates");
     let mut folders: Vec<PathBuf> =
         fs::read_dir(&crates)?.map(|entry| Ok(entry?.path())).collect::<Result<_, std::io::Error>>()?;
+    folders.push(crate::workspace().join("python"));
     folders.sort();
     let mut faults = Vec::new();
     for folder in folders {

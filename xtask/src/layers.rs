@@ -9,7 +9,7 @@ use std::io::Write;
 use std::process::Command;
 
 /// The dependencies that a crate of the workspace may have, without the prefix `fingervision-`.
-const LAYERS: [(&str, &[&str]); 23] = [
+const LAYERS: [(&str, &[&str]); 24] = [
     // Stands apart: only tests use it.
     ("fuzz", &[]),
     ("image", &[]),
@@ -59,6 +59,8 @@ const LAYERS: [(&str, &[&str]); 23] = [
             "evaluate",
         ],
     ),
+    // The package for Python: arrays in, arrays out, and the command.
+    ("python", &["image", "flow", "gel", "touch", "source", "camera", "recording", "sink", "simulation", "cli"]),
     ("xtask", &["evaluate", "gel"]),
 ];
 
@@ -68,7 +70,7 @@ const FOR_TESTS: [(Option<&str>, &str); 4] =
     [(None, "gel"), (None, "fuzz"), (Some("fingervision"), "calibrate"), (Some("recording"), "camera")];
 
 /// Heavy dependencies and the only crates that may name them outside tests.
-const HEAVY: [(&str, &[&str]); 29] = [
+const HEAVY: [(&str, &[&str]); 31] = [
     ("axum", &["page"]),
     ("base64", &["evaluate"]),
     ("clap", &["cli", "xtask"]),
@@ -81,10 +83,12 @@ const HEAVY: [(&str, &[&str]); 29] = [
     ("miniz_oxide", &["gel", "sink"]),
     ("moq-v4l", &["camera"]),
     ("nalgebra", &["calibrate", "evaluate"]),
+    ("numpy", &["python"]),
     ("pdf-writer", &["gel"]),
     ("png", &["gel"]),
     ("prost", &["recording"]),
     ("prost-types", &["recording"]),
+    ("pyo3", &["python"]),
     ("rayon", &["elastic", "evaluate", "cli"]),
     ("realfft", &["fourier"]),
     ("rust_h264", &["source"]),

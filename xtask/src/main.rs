@@ -1,5 +1,5 @@
 //! Checks and measurements of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask circles`,
-//! `cargo xtask check`, `cargo xtask camera-test`.
+//! `cargo xtask check`, `cargo xtask camera-test`, `cargo xtask python`.
 
 mod accuracy;
 #[cfg(unix)]
@@ -8,10 +8,12 @@ mod check;
 mod circles;
 mod layers;
 mod lengths;
+mod python;
 
+use anyhow::{Context, Result, ensure};
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 
 /// The command's features that are off by default, as an argument of cargo: checks and tests use them.
 const FEATURES: &str = "--features=fingervision-cli/foxglove,fingervision-cli/mp4";
@@ -37,6 +39,8 @@ enum Name {
     /// Test cameras on a real kernel in an emulator.
     #[cfg(unix)]
     CameraTest(camera_test::Args),
+    /// Build the Python wheel and test it in a fresh environment.
+    Python(python::Args),
 }
 
 fn main() -> ExitCode {
@@ -47,6 +51,7 @@ fn main() -> ExitCode {
         Name::Check => check::run(&mut std::io::stdout().lock()),
         #[cfg(unix)]
         Name::CameraTest(args) => camera_test::run(&args, &mut std::io::stdout().lock()),
+        Name::Python(args) => python::run(&args, &mut std::io::stdout().lock()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -61,4 +66,17 @@ fn main() -> ExitCode {
 fn workspace() -> PathBuf {
     let xtask = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     xtask.parent().map(PathBuf::from).unwrap_or(xtask)
+}
+
+/// The folder of everything that is built.
+fn target_folder() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from)
+}
+
+/// Runs a program to its end and returns its output.
+fn expect_success(command: &mut Command) -> Result<Vec<u8>> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let output = command.output().with_context(|| format!("{name} cannot be run"))?;
+    ensure!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr).trim());
+    Ok(output.stdout)
 }

@@ -2,7 +2,6 @@
 
 use std::fmt;
 use std::io::{self, ErrorKind, Write};
-use std::process::ExitCode;
 
 use fingervision_calibrate::ProfileFileError;
 use fingervision_calibrate::camera::BoardError;
@@ -42,12 +41,12 @@ impl Failure {
     }
 
     /// Writes the error and its hint: a line each, or one JSON object in a line. Returns the exit code.
-    pub(crate) fn report(&self, wording: Wording, errors: &mut impl Write) -> ExitCode {
-        let Self::Stated { message, hint } = self else { return ExitCode::SUCCESS };
+    pub(crate) fn report(&self, wording: Wording, errors: &mut impl Write) -> u8 {
+        let Self::Stated { message, hint } = self else { return 0 };
         let exit_code = interrupt::exit_code().unwrap_or(1);
         // If standard error cannot be written, nobody can be informed.
         let _ = wording.error(message, hint.as_deref(), exit_code, errors);
-        ExitCode::from(exit_code)
+        exit_code
     }
 }
 

@@ -21,7 +21,8 @@ const SENSOR: &str = "?sensor=";
 
 /// A place from which frames are read.
 #[derive(Debug, PartialEq)]
-pub(crate) enum Place {
+#[non_exhaustive]
+pub enum Place {
     /// A camera, by its id, serial number or name; absent: the one that the profile names, or else the only one.
     Camera(Option<String>),
     /// A simulated scene.
@@ -38,7 +39,7 @@ impl Place {
     /// # Errors
     ///
     /// As [`SimulatedLocation::of`].
-    pub(crate) fn of(location: &Path) -> Result<Self, SourceError> {
+    pub fn of(location: &Path) -> Result<Self, SourceError> {
         if let Some(scene) = SimulatedLocation::of(location)? {
             return Ok(Self::Simulated(scene));
         }

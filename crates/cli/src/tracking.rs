@@ -324,7 +324,8 @@ impl Run {
 
 /// The fields that the tracker computes; absent: depth if the profile is calibrated for it, and density where depth is
 /// not elastic.
-pub(crate) fn fields_to_compute(asked: Option<&[Field]>, method: DepthMethod) -> Fields {
+#[must_use]
+pub fn fields_to_compute(asked: Option<&[Field]>, method: DepthMethod) -> Fields {
     let is_asked = |field| asked.is_some_and(|fields| fields.contains(&field));
     let by_default = asked.is_none();
     Fields {

@@ -56,6 +56,19 @@ impl Reading {
         }
     }
 
+    /// Whether both have the same fields of the same sizes.
+    pub(crate) fn has_the_fields_of(&self, other: &Self) -> bool {
+        let traction = |reading: &Self| reading.traction.as_ref().map(|grid| (grid.columns, grid.rows));
+        let floats = |reading: &Self| {
+            [&reading.density, &reading.depth, &reading.depth_deviation].map(|field| size_of_field(field.as_ref()))
+        };
+        self.flow.size() == other.flow.size()
+            && floats(self) == floats(other)
+            && size_of_field(self.contact.as_ref()) == size_of_field(other.contact.as_ref())
+            && self.displacement.is_some() == other.displacement.is_some()
+            && traction(self) == traction(other)
+    }
+
     /// Takes over all values of `other`; allocates nothing if both are readings of the same tracker.
     pub fn copy_from(&mut self, other: &Self) {
         self.numbers = other.numbers;
@@ -86,6 +99,10 @@ impl Deref for Reading {
     fn deref(&self) -> &ReadingNumbers {
         &self.numbers
     }
+}
+
+fn size_of_field<T>(field: Option<&Image<T>>) -> Option<(usize, usize)> {
+    field.map(Image::size)
 }
 
 fn copy_image<T: Clone>(to: &mut Option<Image<T>>, from: Option<&Image<T>>) {

@@ -115,6 +115,19 @@ impl Tracker {
         &self.reading
     }
 
+    /// Takes the last reading out of the tracker, for a program that keeps it, without copying its fields.
+    ///
+    /// `spare` is a reading of this tracker that was taken before and is not needed any more: its memory is used for the
+    /// next frame. Without it, or if its fields or their sizes are others, memory is allocated. Until the next frame,
+    /// [`Tracker::reading`] is of no use.
+    pub fn take_reading(&mut self, spare: Option<Reading>) -> Reading {
+        let spare = spare.filter(|spare| spare.has_the_fields_of(&self.reading));
+        let spare = spare.unwrap_or_else(|| self.reading.clone());
+        let taken = std::mem::replace(&mut self.reading, spare);
+        self.reading.numbers.dropped_frames = taken.dropped_frames;
+        taken
+    }
+
     /// Where the time of the last frame went; all 0 before the first.
     #[must_use]
     pub fn stage_times(&self) -> StageTimes {

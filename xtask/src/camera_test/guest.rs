@@ -8,8 +8,8 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 
-use super::expect_success;
 use super::packages::Packages;
+use crate::expect_success;
 
 /// The first program of the guest.
 const INIT: &str = include_str!("init.sh");

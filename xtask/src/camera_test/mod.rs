@@ -12,7 +12,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::Command;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, bail};
 use serde::Deserialize;
 
 use crate::FEATURES;
@@ -30,7 +30,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
-    let folder = target_folder().join("camera-test");
+    let folder = crate::target_folder().join("camera-test");
     fs::create_dir_all(&folder)?;
     let packages = match Packages::get(&folder, out) {
         Ok(packages) => packages,
@@ -55,19 +55,6 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     bail!("the device tests failed; the console is in {}\n{}", folder.join("console.log").display(), shown.join("\n"))
 }
 
-/// The folder of everything that is built.
-fn target_folder() -> PathBuf {
-    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| crate::workspace().join("target"), PathBuf::from)
-}
-
-/// Runs a program to its end.
-fn expect_success(command: &mut Command) -> Result<Vec<u8>> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    let output = command.output().with_context(|| format!("{name} cannot be run"))?;
-    ensure!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr).trim());
-    Ok(output.stdout)
-}
-
 #[derive(Debug, Deserialize)]
 struct Message {
     executable: Option<PathBuf>,
@@ -85,7 +72,7 @@ fn build() -> Result<[PathBuf; 2]> {
     // The command is built for the tests that run it.
     cargo.args(["test", "--workspace", FEATURES, "--test", "devices", "--test", "command", "--no-run"]);
     cargo.args(["--locked", "--message-format", "json"]).current_dir(crate::workspace());
-    let messages = expect_success(&mut cargo)?;
+    let messages = crate::expect_success(&mut cargo)?;
     let messages = String::from_utf8_lossy(&messages).into_owned();
     let built: Vec<Message> = messages.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
     let program = |name: &str| {

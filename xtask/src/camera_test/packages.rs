@@ -7,7 +7,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail, ensure};
 
-use super::expect_success;
+use crate::expect_success;
 
 /// What is needed beside the kernel: the emulator with its firmware, and the guest's shell.
 const PACKAGES: [&str; 5] = ["qemu-system-x86", "qemu-system-data", "seabios", "busybox-static", "v4l2loopback-dkms"];

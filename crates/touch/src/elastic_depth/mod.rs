@@ -57,7 +57,7 @@ pub const MOST_UNEXPLAINED: f64 = THRESHOLDS.most_unexplained;
 
 /// Termination of the solver for tractions in exact mode.
 const EXACT: Limits = Limits { tolerance: 1e-3, most_iterations: 30 };
-/// The same in live mode, from the tractions of the previous frame: one step where contact moves slowly.
+/// The same in live mode.
 const LIVE: Limits = Limits { tolerance: 0.03, most_iterations: 8 };
 
 /// The gel's surface as square cells, row by row, its centre in the grid's middle.

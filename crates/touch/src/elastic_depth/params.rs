@@ -25,7 +25,8 @@ pub enum ElasticMode {
     /// tractions are solved to their tolerance.
     #[default]
     Exact,
-    /// The network is evaluated once, tractions take a fixed number of steps from those of the previous frame.
+    /// The network is evaluated for one orientation, tractions are solved to 3 % in at most eight steps from those of the
+    /// previous frame.
     Live,
 }
 

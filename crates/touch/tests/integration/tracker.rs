@@ -76,6 +76,34 @@ fn a_press_and_its_release_are_followed() {
 }
 
 #[test]
+fn readings_that_are_taken_out_are_those_that_stay() {
+    let (mut stage, profile) = (Stage::new(1), calibrated());
+    let frames: Vec<Frame> = (0..6).map(|step| stage.frame(&stage.bump(f64::from(step)), Light::EVEN)).collect();
+    let (mut keeping, mut giving) = (tracker(&profile), tracker(&profile));
+    let (mut spare, mut allocations) = (None, 0);
+    for frame in &frames {
+        let kept = keeping.track(frame).unwrap();
+        let mut taken = None;
+        let measured = allocation_counter::measure(|| {
+            giving.track(frame).unwrap();
+            taken = Some(giving.take_reading(spare.take()));
+        });
+        allocations = measured.count_total;
+        let taken = taken.unwrap();
+        assert_eq!(taken.flow.u.values(), kept.flow.u.values());
+        assert_eq!(taken.depth.as_ref().unwrap().values(), kept.depth.as_ref().unwrap().values());
+        assert_eq!(taken.valid.values(), kept.valid.values());
+        assert_eq!((taken.sequence, taken.max_depth_mm, taken.flags), (kept.sequence, kept.max_depth_mm, kept.flags));
+        spare = Some(taken);
+    }
+    assert_eq!(allocations, 0, "the last frame");
+    // The memory of another tracker's reading is of no use if its size differs.
+    giving.take_reading(Some(Reading::new(8, 8)));
+    let next = stage.frame(&stage.bump(2.0), Light::EVEN);
+    assert_eq!(giving.track(&next).unwrap().flow.u.values(), keeping.track(&next).unwrap().flow.u.values());
+}
+
+#[test]
 fn a_frame_allocates_nothing_once_the_references_stand() {
     let (mut stage, mut tracker) = (Stage::new(1), tracker(&calibrated()));
     let frames: Vec<Frame> = (0..30)

@@ -4,6 +4,8 @@
 //! if possible, a `hint:`, 2 wrong usage, 130 ended by Ctrl-C and 143 by SIGTERM. A reader that closes the pipe early
 //! is not an error. With `--json` every message is a JSON object on its own line, `{"error", "hint", "exit_code"}` or
 //! `{"note"}`.
+//!
+//! [`run`] is the whole program, for those who start it from another language.
 
 mod bench;
 mod calibrate;
@@ -40,14 +42,14 @@ mod tracking;
 mod truth;
 mod whole_number;
 
-use std::env;
 use std::ffi::OsString;
 use std::io::{self, Write};
-use std::process::ExitCode;
 
 use clap::{ArgAction, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::{Failure, Wording};
+pub use place::Place;
+pub use tracking::fields_to_compute;
 
 /// The exit code of wrong usage.
 const WRONG_USAGE: u8 = 2;
@@ -114,20 +116,24 @@ impl Command {
     }
 }
 
-fn main() -> ExitCode {
-    let arguments: Vec<OsString> = env::args_os().collect();
+/// Runs the program and returns its exit code. The first argument is the program's name.
+///
+/// Takes over signals, prints to standard output and standard error, and ends the process itself after a signal, after
+/// wrong usage, and after `--help`.
+#[must_use]
+pub fn run(arguments: &[OsString]) -> u8 {
     let is_json = arguments.iter().take_while(|argument| *argument != "--").any(|argument| argument == "--json");
     let wording = if is_json { Wording::Json } else { Wording::Text };
-    let cli = match parse(&arguments) {
+    let cli = match parse(arguments) {
         Ok(cli) => cli,
         Err(error) if is_json && error.use_stderr() => return wrong_usage(&error),
         Err(error) => error.exit(),
     };
     let done = watch_for_signals(wording)
-        .and_then(|()| expect_text(wording, &arguments))
+        .and_then(|()| expect_text(wording, arguments))
         .and_then(|()| cli.threads.apply())
         .and_then(|()| cli.command.run(&mut io::stdout().lock()));
-    done.map_or_else(|failure| failure.report(wording, &mut io::stderr().lock()), |()| ExitCode::SUCCESS)
+    done.map_or_else(|failure| failure.report(wording, &mut io::stderr().lock()), |()| 0)
 }
 
 fn parse(arguments: &[OsString]) -> Result<Cli, clap::Error> {
@@ -160,14 +166,14 @@ fn watch_for_signals(wording: Wording) -> Result<(), Failure> {
 }
 
 /// Wrong usage, for a program: clap's first line, and the rest of its message as the hint.
-fn wrong_usage(error: &clap::Error) -> ExitCode {
+fn wrong_usage(error: &clap::Error) -> u8 {
     let text = error.to_string();
     let (message, rest) = text.split_once('\n').unwrap_or((&text, ""));
     let hint = rest.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
     let message = message.trim_start_matches("error: ");
     // Without standard error there is no one to inform.
     let _ = Wording::Json.error(message, Some(&hint), WRONG_USAGE, &mut io::stderr().lock());
-    ExitCode::from(WRONG_USAGE)
+    WRONG_USAGE
 }
 
 /// JSON contains only text: refuses, before any work, names that could not be written in the result.

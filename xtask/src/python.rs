@@ -1,0 +1,161 @@
+//! `cargo xtask python`: builds the Python wheel and tests it in a fresh environment.
+//!
+//! Everything is installed in the target folder: `tools` has what builds the wheel, `fresh` is made anew each time and
+//! has the wheel and what tests it. Where Python or its packages cannot be had, the tests are skipped, and a line says
+//! why.
+
+use std::env;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+
+/// The oldest Python that the wheel is for.
+const OLDEST: &str = "3.10";
+/// What a released wheel may have, bytes.
+const LARGEST_WHEEL: u64 = 15_000_000;
+const MATURIN: &str = "maturin>=1.9,<2";
+/// The examples that need a library of their own, which `--with` installs.
+const WITH_LIBRARIES: [(&str, &str); 3] =
+    [("dataset.py", "ray"), ("rerun_stream.py", "rerun"), ("torch_loop.py", "torch")];
+const TESTERS: [&str; 4] = ["pytest>=8", "mypy>=1.14", "pyright[nodejs]>=1.1.390", "matplotlib>=3.8"];
+
+/// Options of the tests.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Fail instead of skipping the tests where Python or packages are missing.
+    #[arg(long)]
+    required: bool,
+    /// Test a wheel of the development profile, which has assertions and is slower.
+    #[arg(long)]
+    dev: bool,
+    /// Install this package too, for an example: `ray`, `rerun-sdk` or `torch`; may be repeated.
+    #[arg(long, value_name = "PACKAGE")]
+    with: Vec<String>,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
+    let folder = crate::target_folder().join("python");
+    fs::create_dir_all(&folder)?;
+    let (tools, fresh) = match environments(&folder, &args.with) {
+        Ok(environments) => environments,
+        Err(why) if !args.required => {
+            writeln!(out, "python: skipped, {why:#}")?;
+            return Ok(());
+        }
+        Err(why) => return Err(why),
+    };
+    let wheel = build(&tools, &folder.join("wheels"), if args.dev { &["--profile", "dev"] } else { &["--release"] })?;
+    report(&wheel, !args.dev, out)?;
+    install(&fresh, &[&wheel.display().to_string()])?;
+    test(&fresh, out)
+}
+
+/// The interpreters of `tools` and `fresh`.
+fn environments(folder: &Path, with: &[String]) -> Result<(PathBuf, PathBuf)> {
+    let python = python()?;
+    let fresh = folder.join("fresh");
+    if fresh.exists() {
+        fs::remove_dir_all(&fresh)?;
+    }
+    let testers: Vec<&str> = TESTERS.into_iter().chain(with.iter().map(String::as_str)).collect();
+    Ok((environment(&python, &folder.join("tools"), &[MATURIN])?, environment(&python, &fresh, &testers)?))
+}
+
+/// The interpreter: `FINGERVISION_PYTHON`, or `python3`.
+fn python() -> Result<PathBuf> {
+    let python = PathBuf::from(env::var_os("FINGERVISION_PYTHON").unwrap_or_else(|| "python3".into()));
+    let code = "import sys; print('%d.%d' % sys.version_info[:2]); sys.exit(sys.version_info < (3, 10))";
+    let output = Command::new(&python).args(["-c", code]).output();
+    let output = output.with_context(|| format!("{} cannot be run", python.display()))?;
+    let version = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+    ensure!(output.status.success(), "{} is Python {version}, and {OLDEST} is needed", python.display());
+    Ok(python)
+}
+
+/// The interpreter of an environment with these packages, made if there is none.
+fn environment(python: &Path, folder: &Path, packages: &[&str]) -> Result<PathBuf> {
+    let own = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    if !own.is_file() {
+        crate::expect_success(Command::new(python).args(["-m", "venv"]).arg(folder))?;
+    }
+    install(&own, packages)?;
+    Ok(own)
+}
+
+fn install(python: &Path, packages: &[&str]) -> Result<()> {
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    crate::expect_success(Command::new(python).args(install).args(packages)).map(|_| ())
+}
+
+/// Builds a wheel into a folder that has no other one.
+fn build(tools: &Path, wheels: &Path, options: &[&str]) -> Result<PathBuf> {
+    if wheels.exists() {
+        fs::remove_dir_all(wheels)?;
+    }
+    let mut maturin = Command::new(tools);
+    maturin.args(["-m", "maturin", "build", "--locked", "--out"]).arg(wheels).args(options);
+    crate::expect_success(maturin.current_dir(crate::workspace().join("python")))?;
+    let mut found = fs::read_dir(wheels)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
+    found.pop().with_context(|| format!("maturin built no wheel in {}", wheels.display()))
+}
+
+/// Prints the size of a wheel; a released one may not be too large.
+fn report(wheel: &Path, is_released: bool, out: &mut impl Write) -> Result<()> {
+    let bytes = fs::metadata(wheel)?.len();
+    let name = wheel.file_name().unwrap_or_default().display();
+    writeln!(out, "python: {name}, {:.1} MB", bytes as f64 / 1e6)?;
+    ensure!(!is_released || bytes <= LARGEST_WHEEL, "{name} has {bytes} bytes, and {LARGEST_WHEEL} are allowed");
+    Ok(())
+}
+
+/// Compares the stubs with the module, checks all types, and runs the tests and the examples.
+fn test(python: &Path, out: &mut impl Write) -> Result<()> {
+    let interpreter = python.display().to_string();
+    let examples = typed_examples(python, out)?;
+    let pyright = ["-m", "pyright", "--pythonpath", &interpreter, "package", "tests", "stub_docs.py"];
+    let pyright: Vec<&str> = pyright.into_iter().chain(examples.iter().map(String::as_str)).collect();
+    let chores: [(&str, &[&str]); 4] = [
+        ("documentation of the stubs", &["stub_docs.py", "--check"]),
+        ("stubtest", &["-m", "mypy.stubtest", "fingervision._native", "--concise"]),
+        ("pyright", &pyright),
+        ("pytest", &["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider"]),
+    ];
+    for (name, arguments) in chores {
+        let mut chore = Command::new(python);
+        chore.args(arguments).env("PYTHONDONTWRITEBYTECODE", "1").current_dir(crate::workspace().join("python"));
+        let status = chore.status().with_context(|| format!("{name} cannot be run"))?;
+        ensure!(status.success(), "{name} found faults");
+        writeln!(out, "{name}: clean")?;
+    }
+    Ok(())
+}
+
+/// The examples whose types can be checked: those whose library is installed.
+fn typed_examples(python: &Path, out: &mut impl Write) -> Result<Vec<String>> {
+    let mut examples = Vec::new();
+    for entry in fs::read_dir(crate::workspace().join("python/examples"))? {
+        let path = entry?.path();
+        if path.extension().is_none_or(|extension| extension != "py") {
+            continue;
+        }
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let needed = WITH_LIBRARIES.iter().find(|(example, _)| *example == name);
+        if let Some((_, library)) = needed
+            && !is_installed(python, library)?
+        {
+            writeln!(out, "pyright: {name} is skipped, {library} is not installed")?;
+        } else {
+            examples.push(format!("examples/{name}"));
+        }
+    }
+    examples.sort();
+    Ok(examples)
+}
+
+fn is_installed(python: &Path, library: &str) -> Result<bool> {
+    let code = "import importlib.util, sys; sys.exit(importlib.util.find_spec(sys.argv[1]) is None)";
+    Ok(Command::new(python).args(["-c", code, library]).status()?.success())
+}
