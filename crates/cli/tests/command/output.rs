@@ -104,8 +104,11 @@ fn the_bench_tracks_simulated_cameras_at_their_rate() {
     for stage in ["decode", "flow", "elastic"] {
         assert!(report["stages_ms"][stage]["p50"].as_f64().unwrap() > 0.0, "{stage}: {report}");
     }
-    bench.run("bench --sensors 2 --frames 30").expect_failure("cannot be used with", "");
-    bench.run("bench --rate 30").expect_failure("--sensors", "");
+    for (usage, error) in [("--sensors 2 --frames 30", "cannot be used with"), ("--rate 30", "--sensors <N>|--find")] {
+        let ended = bench.run(&format!("bench {usage}"));
+        assert_eq!(ended.code, Some(2), "{ended:?}");
+        assert!(ended.errors.contains(error), "{ended:?}");
+    }
     bench.run("bench --sensors 1 --recording absent").expect_failure("absent", "");
     bench.run("bench --sensors 1 --recording camera:left").expect_failure("is a camera", "record it first");
 }
