@@ -151,6 +151,8 @@ pub(crate) fn open(
     py.detach(|| {
         let (profile, source, first_is_colour) = opened(&source, frames_per_second, given, &set)?;
         let (remarks, description, frame_count) = (source.remarks(), source.description(), source.frame_count());
+        let mut profile = profile;
+        profile.flow.colour &= source.has_full_colour();
         let mut tracking = Tracking::new(profile.clone(), requested);
         let size = profile.region(source.size()).or_raise()?;
         if let Some(is_colour) = first_is_colour {

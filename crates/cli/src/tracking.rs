@@ -69,7 +69,7 @@ impl Run {
         let region = self.profile.region(source.size())?;
         let mut skipped = Skipped::default();
         let first = self.reference(source, &mut skipped)?;
-        let mut tracker = self.tracker(&first, source.size())?;
+        let mut tracker = self.tracker(first.pixels.is_colour() && source.has_full_colour(), source.size())?;
         let fields = self.fields_to_keep(tracker.reading());
         let traction = tracker.reading().traction.as_ref();
         let record = run_record(&source.description(), &fields, &self.profile, traction, self.part)?;
@@ -132,10 +132,10 @@ impl Run {
         Err(Part::without_reference(wanted, skipped.last_read()))
     }
 
-    fn tracker(&self, first: &Frame, frame_size: (usize, usize)) -> Result<Tracker, Failure> {
+    fn tracker(&self, is_colour: bool, frame_size: (usize, usize)) -> Result<Tracker, Failure> {
         let (by_default, fields) =
             (self.fields.is_none(), fields_to_compute(self.fields.as_deref(), self.profile.depth_method()));
-        let tracker = Tracker::new(&self.profile, frame_size, first.pixels.is_colour(), fields)?;
+        let tracker = Tracker::new(&self.profile, frame_size, is_colour, fields)?;
         let absent = self.fields.iter().flatten().find(|field| !field.is_in(tracker.reading()));
         if let Some(field) = absent {
             return Err(self.cannot_be_had(*field));

@@ -30,6 +30,8 @@ pub struct RecordingSource {
     decoder: Option<CameraFrameDecoder>,
     encoded: EncodedFrame,
     is_ended: bool,
+    /// That of the first frame.
+    has_full_colour: bool,
 }
 
 impl RecordingSource {
@@ -58,7 +60,7 @@ impl RecordingSource {
         let pixels = decoder.decode(&encoded.bytes).map_err(|reason| damaged(encoded.sequence, reason))?;
         let sequences = [encoded.sequence, last_sequence.max(encoded.sequence)];
         let (format, decoder) = (FrameFormat::from(&pixels), Some(decoder));
-        let (next, is_ended) = (0, false);
+        let (next, is_ended, has_full_colour) = (0, false, encoded.layout.coding.has_full_colour());
         Ok(Self {
             recording,
             sensor,
@@ -73,6 +75,7 @@ impl RecordingSource {
             decoder,
             encoded,
             is_ended,
+            has_full_colour,
         })
     }
 
@@ -157,6 +160,10 @@ impl Source for RecordingSource {
 
     fn size(&self) -> (usize, usize) {
         (self.format.width, self.format.height)
+    }
+
+    fn has_full_colour(&self) -> bool {
+        self.has_full_colour
     }
 
     fn description(&self) -> String {

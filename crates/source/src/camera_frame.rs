@@ -35,6 +35,15 @@ pub enum CameraCoding {
     Rgb16,
 }
 
+impl CameraCoding {
+    /// Whether colour is stored for every pixel. Cameras send motion JPEG and YUYV with colour at half the resolution, and
+    /// JPEG stores colour coarsely; flow is then computed from grey.
+    #[must_use]
+    pub fn has_full_colour(self) -> bool {
+        !matches!(self, Self::MotionJpeg | Self::Yuyv { .. })
+    }
+}
+
 /// The layout of a camera's frames, as agreed on with its driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CameraLayout {

@@ -46,6 +46,14 @@ pub trait Source: Send {
     /// Columns and rows of every frame, px.
     fn size(&self) -> (usize, usize);
 
+    /// Whether colour is stored at the resolution of the frames. Where it is not, as in motion JPEG and YUYV of cameras,
+    /// flow from colour has several times the error of flow from grey, and [`CameraCoding::has_full_colour`] is false.
+    ///
+    /// [`CameraCoding::has_full_colour`]: crate::CameraCoding::has_full_colour
+    fn has_full_colour(&self) -> bool {
+        true
+    }
+
     /// One line for logs and reports: where the frames come from and what they are.
     fn description(&self) -> String;
 
