@@ -149,9 +149,8 @@ pub(crate) fn open(
     let requested = fields::requested(fields)?;
     let (given, set) = (given(profile)?, assignments(set)?);
     py.detach(|| {
-        let (profile, source, first_is_colour) = opened(&source, frames_per_second, given, &set)?;
+        let (mut profile, source, first_is_colour) = opened(&source, frames_per_second, given, &set)?;
         let (remarks, description, frame_count) = (source.remarks(), source.description(), source.frame_count());
-        let mut profile = profile;
         profile.flow.colour &= source.has_full_colour();
         let mut tracking = Tracking::new(profile.clone(), requested);
         let size = profile.region(source.size()).or_raise()?;

@@ -19,7 +19,7 @@ use crate::{Message, Snapshot, host_time_s};
 /// Snapshots that may be in use at the same time.
 const MOST_SNAPSHOTS: usize = 4;
 
-/// What is needed to track a sensor's frames. Dropping it tells all subscribers that the sensor has ended.
+/// Tracks the frames of one sensor. When it is dropped, all subscribers get [`Message::End`].
 pub(crate) struct Track {
     index: usize,
     /// Absent if frames are not tracked; then none comes.

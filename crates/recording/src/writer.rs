@@ -114,7 +114,7 @@ impl<W: Write> RecordingWriter<W> {
     ///
     /// # Panics
     ///
-    /// If there is no sensor of this index, as in the other functions.
+    /// If there is no sensor of this index.
     pub fn write_scene(&mut self, sensor: usize, scene_toml: &str) -> Result<(), RecordingError> {
         let (name, time_ns) = (format!("{}/{SCENE_NAME}", self.prefixes[sensor]), self.sensors[sensor].last_ns());
         let done = self.to.attachment(&name, "application/toml", time_ns, scene_toml.as_bytes());
@@ -130,7 +130,7 @@ impl<W: Write> RecordingWriter<W> {
     ///
     /// # Panics
     ///
-    /// If there is no sensor of this index, as in the other functions.
+    /// If there is no sensor of this index.
     pub fn write_frame(&mut self, sensor: usize, frame: &EncodedFrame, captured_s: f64) -> Result<(), RecordingError> {
         let done = self.sensors[sensor].frame(frame, captured_s, &mut self.encoder, &mut self.to);
         self.end(done)

@@ -19,7 +19,7 @@ pub struct SimulatedFrame<'a> {
     pub torque_z_nmm: f64,
 }
 
-/// The truth of a solved frame in numbers; absent if there is no such frame.
+/// The truth of a solved frame in numbers, or `None` if there is no frame of this number.
 pub(crate) fn frame_truth(simulation: &Simulation, index: usize) -> Option<FrameTruth> {
     let (pose, state) = (simulation.poses().get(index)?, simulation.states().get(index)?);
     Some(FrameTruth { depth_mm: pose.depth_mm, force_n: state.force_n, torque_nmm: state.torque_nmm[2] })

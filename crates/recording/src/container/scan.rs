@@ -118,7 +118,7 @@ impl<R: Read + Seek> Scan<R> {
         self.contents.fault.get_or_insert_with(|| format!("{what} near byte {at}"));
     }
 
-    /// Reads one record that ends before `limit`; false if there is no complete one.
+    /// Reads one record that ends before `limit`. Returns false if no complete record does.
     fn step(&mut self, limit: u64) -> io::Result<bool> {
         let mut prefix = [0; PREFIX_LEN as usize];
         if limit.saturating_sub(self.at) < PREFIX_LEN || !self.fill(&mut prefix)? {

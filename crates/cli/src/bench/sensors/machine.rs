@@ -1,4 +1,4 @@
-//! Memory and processor time of this process; absent where the system does not tell.
+//! Memory and processor time of this process. A value is absent if the system does not provide it.
 
 use std::fs;
 
