@@ -75,7 +75,7 @@ impl Actions for LiveActions {
         if let Some(recorder) = self.lock().as_ref() {
             return Ok(Some(recorder.path().to_owned()));
         }
-        let name = jiff::Zoned::now().strftime("recording-%Y%m%d-%H%M%S.mcap").to_string();
+        let name = chrono::Local::now().format("recording-%Y%m%d-%H%M%S.mcap").to_string();
         let path = PathBuf::from(name);
         if path.exists() {
             return Err(format!("{} exists already: try again in a second", path.display()));
