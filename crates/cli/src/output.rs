@@ -1,6 +1,6 @@
 //! The output of a command, as text or JSON.
 
-use std::io::{self, Write};
+use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::time::Duration;
 
@@ -37,6 +37,13 @@ impl OutputArgs {
         if !self.quiet {
             // If standard error cannot be written, nobody can be informed.
             let _ = self.wording().note(text, &mut io::stderr());
+        }
+    }
+
+    /// Prints a note on work that takes long, where no bar shows it.
+    pub(crate) fn note_without_terminal(self, text: &str) {
+        if !io::stderr().is_terminal() {
+            self.note(text);
         }
     }
 

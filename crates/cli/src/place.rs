@@ -92,9 +92,15 @@ pub(crate) fn solve(
     options: Options,
     output: OutputArgs,
 ) -> Result<Box<dyn Source>, Failure> {
-    let bar = output.progress("solving", Some(location.scene()?.motion.frames as u64));
-    let mut progress = |frames: usize| {
-        bar.set_position(frames as u64);
+    let frames = location.scene()?.motion.frames as u64;
+    let bar = output.progress("solving", Some(frames));
+    let mut is_begun = false;
+    let mut progress = |solved: usize| {
+        // Not called if the solution is in the cache.
+        if !std::mem::replace(&mut is_begun, true) {
+            output.note_without_terminal(&format!("solving {frames} frames of sim:{}", location.scene_name()));
+        }
+        bar.set_position(solved as u64);
         ControlFlow::Continue(())
     };
     let source = location.open(&options, &PressCache::standard(), &mut progress)?;

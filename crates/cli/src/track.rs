@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::builder::PossibleValue;
 use fingervision_camera::CameraSource;
 use fingervision_simulation::{open, simulated_profile};
-use fingervision_sink::{Field, Precision};
+use fingervision_sink::{Field, Precision, RunFolder};
 use fingervision_source::{Options, Source};
 use fingervision_touch::Profile;
 
@@ -132,6 +132,8 @@ impl clap::ValueEnum for FieldName {
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let part = args.part.part()?;
     keep_recording(args)?;
+    // Before a simulated press is solved.
+    RunFolder::check(&args.out, args.overwrite)?;
     let (profile, mut source) = sensor(args, part)?;
     let fields: Option<Vec<Field>> = args.fields.as_ref().map(|fields| fields.iter().map(|field| field.0).collect());
     let to_compute = fields_to_compute(fields.as_deref(), profile.depth_method());

@@ -8,10 +8,11 @@ import { fieldsOf } from './wire.js';
 const MOST_EVENTS = 50;
 const $ = id => document.getElementById(id);
 
-let views = [], chosen = null, pausedAt = null, isConnected = false, isRecording = false, signature = '', version = '';
+let views = [], chosen = null, pausedAt = null, isConnected = false, isRecording = false, signature = '', version = '', denial = '';
 
 const connection = new Connection({
-  opened() { isConnected = true; },
+  opened() { isConnected = true; denial = ''; },
+  denied(text) { if (denial !== text) tell(text); denial = text; },
   lost() { isConnected = false; },
   hello(hello) { take(hello); },
   readings(rows) { if (pausedAt === null) for (const row of rows) views[row.sensor]?.takeRow(row); },
@@ -105,8 +106,9 @@ matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => view
 window.addEventListener('resize', () => views.forEach(view => { view.isDirty = true; view.surface.isDirty = true; }));
 
 function state(now) {
-  if (!isConnected) return ['old', 'Connection lost'];
+  if (!isConnected) return ['old', denial ? 'Refused' : 'Connection lost'];
   if (pausedAt !== null) return ['past', 'Paused'];
+  if (views.length && views.every(view => view.counts?.is_ended)) return ['old', 'Ended'];
   const ages = views.filter(view => view.rows.length).map(view => now - view.rows.at(-1).captured_s);
   if (ages.length === 0) return ['wait', 'Waiting for readings'];
   return Math.max(...ages) > 1 ? ['old', 'Values are old'] : ['live', 'Live'];

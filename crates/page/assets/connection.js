@@ -4,7 +4,7 @@ const PING_EVERY_MS = 1000;
 const RETRY_MS = 700;
 
 export class Connection {
-  /** `on` has a function for each kind of message, and `opened` and `lost`. */
+  /** `on` has a function for each kind of message, and `opened`, `lost` and `denied`. */
   constructor(on) {
     this.on = on;
     this.offset = 0; // host's clock minus ours, s
@@ -19,7 +19,13 @@ export class Connection {
     this.socket.binaryType = 'arraybuffer';
     this.socket.onopen = () => { this.roundTrip = Infinity; this.send({ ping: performance.now() / 1000 }); this.on.opened(); };
     this.socket.onmessage = event => this.take(event.data);
-    this.socket.onclose = () => { this.on.lost(); setTimeout(() => this.open(), RETRY_MS); };
+    this.socket.onclose = () => { this.on.lost(); this.askWhy(); setTimeout(() => this.open(), RETRY_MS); };
+  }
+
+  /** Asks why the connection was refused, if it was. */
+  async askWhy() {
+    const answer = await fetch(`access${location.search}`).catch(() => null);
+    if (answer?.status === 403) this.on.denied(await answer.text());
   }
 
   send(request) {

@@ -5,7 +5,7 @@
 //! on a loopback address only names of this machine are accepted.
 
 use std::fmt::Write;
-use std::net::SocketAddr;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, UdpSocket};
 
 use crate::PageError;
 
@@ -53,12 +53,27 @@ impl Access {
 
     /// The address to open in a browser.
     pub(crate) fn url(&self) -> String {
-        let mut url = format!("http://{}/", self.address);
+        let mut url = format!("http://{}/", SocketAddr::new(self.reachable_ip(), self.address.port()));
         if let Some(token) = &self.token {
             // Writing to a String cannot fail.
             let _ = write!(url, "?token={token}");
         }
         url
+    }
+
+    /// The address under which other machines find this one, if the server listens at all addresses.
+    fn reachable_ip(&self) -> IpAddr {
+        let ip = self.address.ip();
+        if !ip.is_unspecified() {
+            return ip;
+        }
+        // Connecting a UDP socket sends nothing; the system chooses the interface that leads there. The address is one of
+        // those reserved for documentation (RFC 5737).
+        let route = UdpSocket::bind((ip, 0)).and_then(|socket| {
+            socket.connect((Ipv4Addr::new(192, 0, 2, 1), 9))?;
+            socket.local_addr()
+        });
+        route.map_or(IpAddr::V4(Ipv4Addr::LOCALHOST), |local| local.ip())
     }
 
     /// Checks the headers and the token of a request that shows data or changes something.
@@ -138,6 +153,7 @@ mod tests {
     #[test]
     fn other_machines_need_the_token() {
         let access = Access::new("0.0.0.0:8090".parse().unwrap()).unwrap();
+        assert!(!access.url().contains("0.0.0.0"), "a browser cannot open this address: {}", access.url());
         let token = access.url().split_once("?token=").unwrap().1.to_owned();
         assert_eq!(token.len(), 2 * TOKEN_BYTES);
         assert_ne!(access.url(), Access::new("0.0.0.0:8090".parse().unwrap()).unwrap().url());

@@ -55,6 +55,21 @@ impl Page {
         Ok(page)
     }
 
+    /// Whether the page could be served now, before work that takes long.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::start`].
+    pub fn check(options: PageOptions) -> Result<(), PageError> {
+        listen(options).map(drop)
+    }
+
+    /// The number of browsers in which the page is open.
+    #[must_use]
+    pub fn open_count(&self) -> usize {
+        self.shared.open_count()
+    }
+
     /// The address to open in a browser.
     #[must_use]
     pub fn url(&self) -> String {

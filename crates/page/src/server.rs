@@ -68,7 +68,11 @@ impl Serving {
     /// Serves until `ended` is received; open connections are then closed.
     pub(crate) fn run(self, ended: oneshot::Receiver<()>) {
         let Self { runtime, listener, shared } = self;
-        let router = Router::new().route("/ws", get(open_socket)).fallback(get(file)).with_state(shared);
+        let router = Router::new()
+            .route("/ws", get(open_socket))
+            .route("/access", get(access))
+            .fallback(get(file))
+            .with_state(shared);
         runtime.block_on(async {
             tokio::select! {
                 // Only an error of the system ends the server early; pages then show that it cannot be reached.
@@ -104,6 +108,15 @@ async fn file(State(shared): State<Arc<Shared>>, headers: HeaderMap, uri: Uri) -
         (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     ];
     (headers, asset.bytes).into_response()
+}
+
+/// Tells a page why its connection is refused: a browser does not show it the answer to a WebSocket's request.
+async fn access(State(shared): State<Arc<Shared>>, headers: HeaderMap, uri: Uri) -> Response {
+    let (host, origin) = (header_of(&headers, header::HOST), header_of(&headers, header::ORIGIN));
+    match shared.access.check(host, origin, token_of(&uri)) {
+        Ok(()) => StatusCode::NO_CONTENT.into_response(),
+        Err(refusal) => (StatusCode::FORBIDDEN, refusal.sentence()).into_response(),
+    }
 }
 
 async fn open_socket(

@@ -44,7 +44,11 @@ impl Shared {
     }
 
     pub(crate) fn has_pages(&self) -> bool {
-        self.pages.load(Ordering::Acquire) > 0
+        self.open_count() > 0
+    }
+
+    pub(crate) fn open_count(&self) -> usize {
+        self.pages.load(Ordering::Acquire)
     }
 
     pub(crate) fn send_text(&self, text: Utf8Bytes) {

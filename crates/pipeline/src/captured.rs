@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fingervision_source::{EncodedFrame, FrameTruth};
 
 /// A frame on its way to the tracker.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 #[expect(clippy::struct_field_names, reason = "the time has this name in messages and files")]
 pub(crate) struct Captured {
     pub(crate) frame: Arc<EncodedFrame>,

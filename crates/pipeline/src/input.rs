@@ -17,6 +17,9 @@ const PERIODS: f64 = 20.0;
 const LEAST_PATIENCE: Duration = Duration::from_secs(1);
 const MOST_PATIENCE: Duration = Duration::from_secs(10);
 
+/// A longer gap between frames is not waited for, s.
+const LONGEST_GAP_S: f64 = 2.0;
+
 /// How fast the frames of a file or a simulation are delivered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pace {
@@ -48,7 +51,7 @@ impl Input {
     /// A file, a folder or a simulation.
     #[must_use]
     pub fn source(source: Box<dyn Source>, pace: Pace) -> Self {
-        Self { kind: Kind::Source(Box::new(Player { source, start: None, waiting: None })), pace }
+        Self { kind: Kind::Source(Box::new(Player { source, start: None, last_s: None, waiting: None })), pace }
     }
 
     /// Encoded frames in memory. Those that arrive while tracking is busy are dropped.
@@ -141,11 +144,22 @@ struct Player {
     source: Box<dyn Source>,
     /// When the first frame was delivered, and its recorded time.
     start: Option<(Instant, f64)>,
+    /// The recorded time of the last frame.
+    last_s: Option<f64>,
     /// A frame that is not due yet.
     waiting: Option<Frame>,
 }
 
 impl Player {
+    /// Delivers what follows a long gap as if there were none: after the reference of a recording that began later, or a
+    /// camera that was unplugged.
+    fn skip_gap(&mut self, time_s: f64) {
+        let gap_s = time_s - self.last_s.replace(time_s).unwrap_or(time_s);
+        if let Some((_, first_s)) = self.start.as_mut().filter(|_| gap_s > LONGEST_GAP_S) {
+            *first_s += gap_s;
+        }
+    }
+
     fn next(&mut self, pace: Pace, wait: Duration, into: &mut EncodedFrame) -> Next {
         let frame = match self.waiting.take().map_or_else(|| self.source.next_frame(), |frame| Ok(Some(frame))) {
             Ok(Some(frame)) => frame,
@@ -153,6 +167,7 @@ impl Player {
             Err(error) if self.source.resume() => return Next::Event(error.to_string()),
             Err(error) => return Next::End(Some(error.into())),
         };
+        self.skip_gap(frame.capture_time_s);
         let (start, first_s) = *self.start.get_or_insert((Instant::now(), frame.capture_time_s));
         if pace == Pace::Recorded {
             let due = Duration::try_from_secs_f64(frame.capture_time_s - first_s).unwrap_or_default();

@@ -177,6 +177,13 @@ impl SensorHandle {
         self.shared.counts()
     }
 
+    /// The frame to which displacement, depth and force are relative, and when it was captured, s of
+    /// [`host_time_s`](crate::host_time_s); absent before the first reading.
+    #[must_use]
+    pub fn reference(&self) -> Option<(Arc<EncodedFrame>, f64)> {
+        self.shared.reference().map(|Captured { frame, captured_s, .. }| (frame, captured_s))
+    }
+
     /// Makes the next frame the new reference: from there on displacement, depth and force are relative to it.
     pub fn rezero(&self) {
         self.shared.ask_rezero();

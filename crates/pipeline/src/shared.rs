@@ -5,6 +5,8 @@ use std::sync::{Mutex, PoisonError};
 
 use fingervision_camera::Counts;
 
+use crate::captured::Captured;
+
 /// Counts of a sensor's frames so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -25,6 +27,7 @@ pub struct SensorCounts {
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
     counts: Mutex<SensorCounts>,
+    reference: Mutex<Option<Captured>>,
     is_rezero_asked: AtomicBool,
     is_ended: AtomicBool,
 }
@@ -36,6 +39,14 @@ impl Shared {
 
     pub(crate) fn count(&self, change: impl FnOnce(&mut SensorCounts)) {
         change(&mut self.counts.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    pub(crate) fn reference(&self) -> Option<Captured> {
+        self.reference.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    pub(crate) fn set_reference(&self, captured: &Captured) {
+        *self.reference.lock().unwrap_or_else(PoisonError::into_inner) = Some(captured.clone());
     }
 
     pub(crate) fn ask_rezero(&self) {

@@ -36,6 +36,8 @@ pub(crate) struct Track {
     snapshots: Pool<Snapshot>,
     /// A new reference was requested, and no frame has been tracked since.
     is_rezeroing: bool,
+    /// A frame was tracked, so there is a reference.
+    has_reference: bool,
 }
 
 impl Track {
@@ -49,7 +51,21 @@ impl Track {
     ) -> Self {
         let (layout, snapshots) = (first.frame.layout, Pool::new(MOST_SNAPSHOTS));
         let first = tracker.is_some().then_some(first);
-        Self { index, tracker, decoder, layout, handle, first, frame, hub, queue, snapshots, is_rezeroing: false }
+        let (is_rezeroing, has_reference) = (false, false);
+        Self {
+            index,
+            tracker,
+            decoder,
+            layout,
+            handle,
+            first,
+            frame,
+            hub,
+            queue,
+            snapshots,
+            is_rezeroing,
+            has_reference,
+        }
     }
 
     /// Tracks the oldest frame, if there is one.
@@ -60,7 +76,7 @@ impl Track {
         let waiting_ms = 1e3 * (host_time_s() - captured.captured_s);
         match self.track(&captured.frame, waiting_ms) {
             Ok((numbers, times)) => {
-                self.note_reference(&numbers);
+                self.note_reference(&numbers, &captured);
                 self.publish(numbers, &captured, times);
             }
             Err(reason) => {
@@ -90,9 +106,13 @@ impl Track {
         Ok((numbers, FrameTimes { waiting_ms, decode_ms, stages: tracker.stage_times() }))
     }
 
-    /// Logs a new reference, before the first reading that is relative to it.
-    fn note_reference(&mut self, numbers: &ReadingNumbers) {
+    /// Keeps and logs a new reference, before the first reading that is relative to it.
+    fn note_reference(&mut self, numbers: &ReadingNumbers, captured: &Captured) {
         let (is_asked, sequence) = (std::mem::take(&mut self.is_rezeroing), numbers.sequence);
+        let is_new = is_asked || numbers.flags.has(Flag::NewReference);
+        if is_new || !std::mem::replace(&mut self.has_reference, true) {
+            self.handle.shared.set_reference(captured);
+        }
         if is_asked {
             self.event(format!("re-zeroed at frame {sequence}"));
         } else if numbers.flags.has(Flag::NewReference) {

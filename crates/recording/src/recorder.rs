@@ -8,6 +8,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use fingervision_pipeline::{Interest, Message, SensorHandle, Subscription, host_time_s};
+use fingervision_source::EncodedFrame;
 
 use crate::{Clock, RecordedSensor, RecordingError, RecordingWriter};
 
@@ -113,7 +114,9 @@ impl RecorderThread {
         }
         let shared = Arc::new(Shared { progress: Mutex::default(), is_stopped: AtomicBool::new(false), options });
         let times = vec![Times::default(); sensors.len()];
-        let recorder = Recorder { path: path.to_owned(), writer, subscription, times, shared: Arc::clone(&shared) };
+        let (path_of_thread, handles) = (path.to_owned(), handles.to_vec());
+        let recorder =
+            Recorder { path: path_of_thread, writer, subscription, handles, times, shared: Arc::clone(&shared) };
         let thread = thread::Builder::new().name("recorder".into()).spawn(move || recorder.run());
         let thread = thread.map_err(|error| RecordingError::Thread { path: path.to_owned(), error })?;
         Ok(Self { path: path.to_owned(), shared, thread: Some(thread) })
@@ -175,6 +178,7 @@ struct Recorder {
     path: PathBuf,
     writer: RecordingWriter,
     subscription: Subscription,
+    handles: Vec<SensorHandle>,
     times: Vec<Times>,
     shared: Arc<Shared>,
 }
@@ -226,7 +230,9 @@ impl Recorder {
                     times.is_complete = true;
                     return Ok(());
                 }
-                times.first_s.get_or_insert(time_s);
+                if times.first_s.replace(times.first_s.unwrap_or(time_s)).is_none() {
+                    write_reference(writer, *sensor, &self.handles[*sensor], frame, *captured_s)?;
+                }
                 times.last_s = time_s;
                 writer.write_frame(*sensor, frame, *captured_s)?;
                 shared.lock().frames += 1;
@@ -281,6 +287,26 @@ impl Times {
     fn duration_s(&self) -> f64 {
         self.first_s.map_or(0.0, |first_s| self.last_s - first_s)
     }
+}
+
+/// Writes the reference, if it is older than the first frame of the recording: readings are relative to it, and tracking the
+/// recording begins with its first frame. Its message has the time of the first frame, because displays show the time
+/// from the first message on; it contains its own number and time.
+fn write_reference(
+    writer: &mut RecordingWriter,
+    sensor: usize,
+    handle: &SensorHandle,
+    first: &EncodedFrame,
+    first_captured_s: f64,
+) -> Result<(), RecordingError> {
+    let Some((reference, captured_s)) = handle.reference().filter(|(frame, _)| frame.sequence < first.sequence) else {
+        return Ok(());
+    };
+    writer.write_reference(sensor, &reference, captured_s, (first.capture_time_s, first_captured_s))?;
+    let (sequence, age_s) = (reference.sequence, first_captured_s - captured_s);
+    let text =
+        format!("the first frame is the reference, frame {sequence}, captured {age_s:.1} s before the recording");
+    writer.write_event(sensor, &text, first_captured_s)
 }
 
 fn time_s(clock: Clock, captured_s: f64, capture_time_s: f64) -> f64 {

@@ -108,6 +108,10 @@ impl SensorMessages {
         to: &mut impl MessageSink,
     ) -> io::Result<()> {
         let time_ns = self.time_ns(frame_times(frame, captured_s));
+        self.picture_at(time_ns, frame, to)
+    }
+
+    fn picture_at(&mut self, time_ns: u64, frame: &EncodedFrame, to: &mut impl MessageSink) -> io::Result<()> {
         if frame.layout.coding == CameraCoding::MotionJpeg {
             let stamp = self.stamp(Topic::Image, time_ns);
             if to.wants(stamp.channel) {
@@ -135,8 +139,20 @@ impl SensorMessages {
         encoder: &mut Encoder,
         to: &mut impl MessageSink,
     ) -> io::Result<()> {
-        let (image, time_ns) = (self.images, self.time_ns(frame_times(frame, captured_s)));
-        self.picture(frame, captured_s, to)?;
+        self.frame_at(frame_times(frame, captured_s), frame, captured_s, encoder, to)
+    }
+
+    /// As [`Self::frame`], with other times of the message than those of the frame in it.
+    pub(crate) fn frame_at(
+        &mut self,
+        times: Times,
+        frame: &EncodedFrame,
+        captured_s: f64,
+        encoder: &mut Encoder,
+        to: &mut impl MessageSink,
+    ) -> io::Result<()> {
+        let (image, time_ns) = (self.images, self.time_ns(times));
+        self.picture_at(time_ns, frame, to)?;
         let stamp = self.stamp(Topic::Frame, time_ns);
         if frame.layout.coding == CameraCoding::MotionJpeg {
             self.take_frame(frame, captured_s, time_ns, Storage::Image);

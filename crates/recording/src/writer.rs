@@ -136,6 +136,28 @@ impl<W: Write> RecordingWriter<W> {
         self.end(done)
     }
 
+    /// Adds an earlier frame, captured at `captured_s`, to which the readings that follow are relative. Its message has
+    /// other times, on the source's clock and of [`host_time_s`]: those of the frame that follows.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::write_frame`].
+    ///
+    /// # Panics
+    ///
+    /// As [`Self::write_frame`].
+    pub fn write_reference(
+        &mut self,
+        sensor: usize,
+        frame: &EncodedFrame,
+        captured_s: f64,
+        (next_time_s, next_captured_s): (f64, f64),
+    ) -> Result<(), RecordingError> {
+        let times = Times { captured_s: next_captured_s, capture_time_s: next_time_s };
+        let done = self.sensors[sensor].frame_at(times, frame, captured_s, &mut self.encoder, &mut self.to);
+        self.end(done)
+    }
+
     /// Adds what a simulation knows of the frame with this number and this time of the source.
     ///
     /// # Errors

@@ -43,6 +43,23 @@ impl FolderLock {
 }
 
 impl FolderKind {
+    /// Refuses what [`claim`](Self::claim) would refuse because of the folder's content; changes nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`SinkError::Previous`], [`SinkError::FolderNotEmpty`] or, if there is a file of this name, [`SinkError::Write`].
+    pub fn check(&self, path: &Path, overwrite: bool) -> Result<(), SinkError> {
+        let mut entries = match fs::read_dir(path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+            entries => entries.map_err(SinkError::writing(path))?,
+        };
+        match (entries.next().is_none(), path.join(self.marker).exists()) {
+            (false, false) => Err(SinkError::FolderNotEmpty { path: path.to_path_buf(), noun: self.noun }),
+            (false, true) if !overwrite => Err(SinkError::Previous { path: path.to_path_buf(), noun: self.noun }),
+            _ => Ok(()),
+        }
+    }
+
     /// Creates the folder, locks it and makes sure that it is empty, or clears it of the files of an earlier command.
     ///
     /// # Errors
@@ -53,14 +70,10 @@ impl FolderKind {
     pub fn claim(&self, path: &Path, overwrite: bool) -> Result<FolderLock, SinkError> {
         fs::create_dir_all(path).map_err(SinkError::writing(path))?;
         let lock = FolderLock::take(path)?;
-        let is_empty = fs::read_dir(path).map_err(SinkError::writing(path))?.next().is_none();
-        let is_ours = path.join(self.marker).exists();
-        match (is_empty, is_ours) {
-            (true, _) => Ok(lock),
-            (false, false) => Err(SinkError::FolderNotEmpty { path: path.to_path_buf(), noun: self.noun }),
-            (false, true) if overwrite => self.empty(path).map(|()| lock),
-            (false, true) => Err(SinkError::Previous { path: path.to_path_buf(), noun: self.noun }),
-        }
+        self.check(path, overwrite)?;
+        // An empty folder has none of these files.
+        self.empty(path)?;
+        Ok(lock)
     }
 
     /// Removes the files of an earlier command, the marker last.

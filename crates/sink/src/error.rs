@@ -90,7 +90,7 @@ impl SinkError {
             Self::Previous { .. } => Some("choose a new folder or pass --overwrite"),
             Self::Busy { .. } => Some("wait until the other command ends, or choose another folder"),
             Self::FolderNotEmpty { .. } => Some("choose a new or an empty folder"),
-            Self::Write { error, .. } => Some(hint_for(error.kind())),
+            Self::Write { path, error } => Some(hint_for(error.kind(), path)),
             Self::Read { .. } => Some("check that the run is complete and readable"),
             Self::NotARun { .. } => Some("give a folder of `fingervision track`"),
             Self::SizeMismatch { .. } => Some("start a new run for every size of image"),
@@ -108,11 +108,16 @@ impl SinkError {
     }
 }
 
-fn hint_for(kind: ErrorKind) -> &'static str {
+/// Formats of files that can be read while they grow.
+const GROWING: [&str; 3] = ["npy", "csv", "avi"];
+
+fn hint_for(kind: ErrorKind, path: &Path) -> &'static str {
+    let grows = path.extension().is_some_and(|ending| GROWING.iter().any(|growing| ending == *growing));
     match kind {
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded if grows => {
             "free some space or choose a folder on another disk; what was written so far can be read"
         }
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "free some space or choose a folder on another disk",
         ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem => "choose a writable folder",
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "there is a file of that name: choose another folder",
         ErrorKind::NotFound => "make the folder first",

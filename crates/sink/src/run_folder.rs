@@ -79,6 +79,16 @@ impl RunFolder {
         Ok(Self { path: path.to_path_buf(), frames: 0, fields, table, lock })
     }
 
+    /// Refuses a folder that [`create`](Self::create) would refuse because of its content; changes nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`SinkError::Previous`] or [`SinkError::FolderNotEmpty`] if the folder is taken, [`SinkError::Write`] if there is a
+    /// file of this name.
+    pub fn check(path: &Path, overwrite: bool) -> Result<(), SinkError> {
+        RUN.check(path, overwrite)
+    }
+
     /// The folder.
     #[must_use]
     pub fn path(&self) -> &Path {

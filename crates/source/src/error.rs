@@ -5,8 +5,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// The supported formats, for hints.
-const READ: &str = "folders of PNG, JPEG, TIFF or BMP images and videos are read: H.264 in MP4 or MOV, motion JPEG in AVI, MP4 \
-                    or MOV";
+const READ: &str = "folders of PNG, JPEG, TIFF or BMP images, videos (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV) and \
+                    recordings (MCAP) are read, and camera:ID and sim:SCENE";
 
 /// Why a source cannot be opened or read further.
 #[derive(Debug, thiserror::Error)]

@@ -28,6 +28,9 @@ pub(crate) struct Args {
     /// The folder to write, as with --headless; without it ./fingervision-demo, where an earlier demo is replaced
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace an earlier demo in the folder of --out
+    #[arg(long, requires = "out")]
+    overwrite: bool,
     /// Print the address of the page, but do not open a browser
     #[arg(long, conflicts_with_all = ["headless", "out"])]
     no_browser: bool,

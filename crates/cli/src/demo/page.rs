@@ -29,6 +29,7 @@ const MORE: [(&str, &[(&str, &str)]); 6] = [
 ];
 
 pub(super) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    args.page.check()?;
     let bar = args.output.progress("solving the first press", Some(Scene::find(SCENE)?.motion.frames as u64));
     let first = solve(&scene(SCENE, &[])?, &mut |frames| {
         bar.set_position(frames as u64);

@@ -10,12 +10,14 @@ use std::io::Write;
 use std::net::IpAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use fingervision_page::{Actions, Page, PageOptions};
 use fingervision_pipeline::{Interest, Pace, Pipeline, Running, Sensor, Subscription};
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
 use crate::recording_file::refuse_other_names;
 pub(crate) use actions::LiveActions;
@@ -25,6 +27,10 @@ use status::SensorSummary;
 
 /// Messages that may wait for the page.
 const PAGE_MESSAGES: usize = 512;
+/// How often the number of open pages is looked up after the end of the sources.
+const POLL: Duration = Duration::from_millis(100);
+/// A page that stays closed for this time is not being loaded again.
+const RELOAD: Duration = Duration::from_secs(3);
 
 /// Track sensors live, and show depth, contact and force on a web page
 ///
@@ -84,8 +90,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     if let Some(file) = &args.record {
         refuse_other_names(file, false)?;
     }
-    let sensors = args.sensors.open(Pace::Recorded, args.output)?;
     let page = (!args.no_page).then_some(args.page);
+    page.map_or(Ok(()), PageArgs::check)?;
+    let sensors = args.sensors.open(Pace::Recorded, args.output)?;
     let show = Show { page, opens_browser: args.open, record: args.record.clone(), foxglove: args.foxglove };
     run_sensors(sensors, &show, args.output, out)
 }
@@ -121,6 +128,7 @@ pub(crate) fn run_sensors(
         status::show(running.handles(), &messages, actions.as_ref(), output)
     };
     if let Some(page) = page {
+        keep_open(&page, output);
         page.stop();
     }
     running.stop();
@@ -131,7 +139,32 @@ pub(crate) fn run_sensors(
     output.result(out, &LiveSummary { sensors }, &text)
 }
 
+/// Lets the user look at the last values: waits until no browser shows the page, or Ctrl-C.
+fn keep_open(page: &Page, output: OutputArgs) {
+    let interrupt = Interrupt::listen();
+    if page.open_count() == 0 || interrupt.is_asked() {
+        return;
+    }
+    output.note("the sources have ended; close the page, or press Ctrl-C, to end the command");
+    let mut closed = Duration::ZERO;
+    // A page that is loaded again is closed for a moment.
+    while closed < RELOAD && !interrupt.is_asked() {
+        std::thread::sleep(POLL);
+        closed = if page.open_count() == 0 { closed + POLL } else { Duration::ZERO };
+    }
+}
+
 impl PageArgs {
+    fn options(self) -> PageOptions {
+        let default = PageOptions::default();
+        PageOptions { address: self.bind.unwrap_or(default.address), port: self.port }
+    }
+
+    /// Refuses an address at which no page can be served, before work that takes long.
+    pub(crate) fn check(self) -> Result<(), Failure> {
+        Ok(Page::check(self.options())?)
+    }
+
     /// Serves the page of running sensors.
     pub(crate) fn start(
         self,
@@ -139,8 +172,6 @@ impl PageArgs {
         messages: Subscription,
         actions: Arc<dyn Actions>,
     ) -> Result<Page, Failure> {
-        let default = PageOptions::default();
-        let options = PageOptions { address: self.bind.unwrap_or(default.address), port: self.port };
-        Ok(Page::start(options, running.handles(), messages, actions)?)
+        Ok(Page::start(self.options(), running.handles(), messages, actions)?)
     }
 }

@@ -190,6 +190,21 @@ fn a_full_disk_ends_the_run_with_the_frames_before_it() {
 }
 
 #[test]
+fn an_export_to_a_full_disk_leaves_no_file() {
+    let bench = Workbench::new();
+    bench.press(6);
+    bench.run("track press --out run").expect_done();
+    let path = bench.folder("disk");
+    let Some(_disk) = SmallDisk::mount(&path, "512k") else {
+        println!("skipped: this machine does not let the test mount a small disk");
+        return;
+    };
+    let ended = bench.run("export run --out disk/run.npz").expect_failure("No space left", "free some space");
+    assert_eq!(ended.errors.lines().count(), 2, "the error and its hint: {ended:?}");
+    assert!(!path.join("run.npz").exists());
+}
+
+#[test]
 fn a_disk_that_takes_no_frame_promises_nothing() {
     let bench = Workbench::new();
     bench.press(3);

@@ -48,6 +48,9 @@ fn other_hosts_and_sites_are_refused() {
     ];
     let foreign = ask(&bench, "/ws", &upgrade);
     assert!(foreign.starts_with("HTTP/1.1 403"), "{foreign}");
+    let why = ask(&bench, "/access", &upgrade);
+    assert!(why.starts_with("HTTP/1.1 403") && why.contains("other web sites are refused"), "{why}");
+    assert!(ask(&bench, "/access", &[("Host", &host)]).starts_with("HTTP/1.1 204"));
 }
 
 #[test]

@@ -105,6 +105,41 @@ fn a_recording_ends_at_its_time_with_the_readings_of_all_its_frames() {
 }
 
 #[test]
+fn a_recording_that_begins_later_starts_with_the_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.mcap");
+    let running = Pipeline::prepare(vec![sensor("left", u64::MAX)]).start().unwrap();
+    let handle = running.handles()[0].clone();
+    let wait_until = |is_due: &dyn Fn() -> bool| {
+        while !is_due() {
+            std::thread::yield_now();
+        }
+    };
+    wait_until(&|| handle.counts().tracked > 5);
+    let record = || {
+        let subscription = running.subscriptions().subscribe(RecorderThread::interest());
+        let recorder =
+            RecorderThread::start(&path, running.handles(), subscription, RecorderOptions::default()).unwrap();
+        wait_until(&|| recorder.progress().frames >= 3);
+        assert_eq!(recorder.stop().error, None);
+        let recording = Recording::open(&path).unwrap();
+        let mut source = RecordingSource::open(recording.clone(), 0).unwrap();
+        let [first, second] = [0, 1].map(|_| source.next_frame().unwrap().unwrap());
+        let event = recording.events(0).unwrap().into_iter().next().unwrap();
+        (first, second.sequence, event)
+    };
+    let (reference, second, event) = record();
+    assert_eq!(reference, frame(0), "bit by bit, with its own number and time");
+    assert!(second > 5, "{second}");
+    assert!(event.contains("the first frame is the reference, frame 0, captured "), "{event}");
+    handle.rezero();
+    wait_until(&|| handle.reference().unwrap().0.sequence > 0);
+    let reference = record().0.sequence;
+    assert_eq!(reference, handle.reference().unwrap().0.sequence);
+    running.stop();
+}
+
+#[test]
 fn a_recorder_that_is_stopped_closes_its_file_while_sensors_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.mcap");

@@ -1,8 +1,8 @@
 //! One file for `NumPy`: the arrays of a run, the columns of its table, and its `run.toml`, without compression, in the
 //! format of `numpy.savez`.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use zip::write::SimpleFileOptions;
@@ -19,11 +19,22 @@ const ALIGNMENT: usize = 64;
 ///
 /// # Errors
 ///
-/// [`SinkError::Write`] if the file cannot be written, [`SinkError::Read`] if the run cannot be read.
+/// [`SinkError::Write`] if the file cannot be written, [`SinkError::Read`] if the run cannot be read. There is no file then,
+/// because without its end it could not be read.
 pub fn write_npz(run: &RunArrays, path: &Path) -> Result<(), SinkError> {
+    let file = File::create(path).map_err(SinkError::writing(path))?;
+    let is_file = file.metadata().is_ok_and(|about| about.is_file());
+    let written = write_archive(run, path, file);
+    if written.is_err() && is_file {
+        // What cannot be removed stays: the error that is reported is the one that matters.
+        let _ = fs::remove_file(path);
+    }
+    written
+}
+
+fn write_archive(run: &RunArrays, path: &Path, file: File) -> Result<(), SinkError> {
     let writing = || SinkError::writing(path);
-    let file = File::create(path).map_err(writing())?;
-    let mut zip = ZipWriter::new(BufWriter::new(file));
+    let mut zip = ZipWriter::new(Archive { file: BufWriter::new(file), has_failed: false, place: 0, len: 0 });
     for array in &run.arrays {
         let mut values = array.values()?;
         begin(&mut zip, array.name, &array.descr, &array.shape).map_err(writing())?;
@@ -35,15 +46,61 @@ pub fn write_npz(run: &RunArrays, path: &Path) -> Result<(), SinkError> {
     }
     let record = zip.start_file("run.toml", options()).map_err(io::Error::from);
     record.and_then(|()| zip.write_all(run.record.as_bytes())).map_err(writing())?;
-    let mut file = zip.finish().map_err(io::Error::from).map_err(writing())?;
-    file.flush().and_then(|()| file.get_ref().sync_all()).map_err(writing())
+    let mut archive = zip.finish().map_err(io::Error::from).map_err(writing())?;
+    archive.file.flush().and_then(|()| archive.file.get_ref().sync_all()).map_err(writing())
+}
+
+/// A file that after its first error seems to take everything: a [`ZipWriter`] writes once more when it is dropped, and would
+/// print that error, too.
+struct Archive {
+    file: BufWriter<File>,
+    has_failed: bool,
+    /// Where the next byte comes, and the length so far; also after an error.
+    place: u64,
+    len: u64,
+}
+
+impl Archive {
+    fn note<T>(&mut self, done: io::Result<T>) -> io::Result<T> {
+        self.has_failed |= done.is_err();
+        done
+    }
+}
+
+impl Write for Archive {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let done = if self.has_failed { Ok(bytes.len()) } else { self.file.write(bytes) };
+        let count = self.note(done)?;
+        self.place += count as u64;
+        self.len = self.len.max(self.place);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let done = if self.has_failed { Ok(()) } else { self.file.flush() };
+        self.note(done)
+    }
+}
+
+impl Seek for Archive {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let place = match to {
+            SeekFrom::Start(place) => Some(place),
+            SeekFrom::Current(by) => self.place.checked_add_signed(by),
+            SeekFrom::End(by) => self.len.checked_add_signed(by),
+        };
+        let place = place.ok_or(io::ErrorKind::InvalidInput)?;
+        let done = if self.has_failed { Ok(place) } else { self.file.seek(SeekFrom::Start(place)) };
+        self.place = self.note(done)?;
+        Ok(self.place)
+    }
 }
 
 fn options() -> SimpleFileOptions {
     SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true)
 }
 
-fn begin(zip: &mut ZipWriter<BufWriter<File>>, name: &str, descr: &str, shape: &[u64]) -> io::Result<()> {
+fn begin(zip: &mut ZipWriter<Archive>, name: &str, descr: &str, shape: &[u64]) -> io::Result<()> {
     zip.start_file(format!("{name}.npy"), options())?;
     zip.write_all(&header(descr, shape))
 }

@@ -2,6 +2,7 @@
 //! again.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
@@ -48,13 +49,13 @@ impl Key {
 }
 
 /// Name, size and time of the last change, s and ns, of every file in a folder.
-fn files(folder: &Path) -> Vec<(PathBuf, u64, u64, u32)> {
+fn files(folder: &Path) -> Vec<(OsString, u64, u64, u32)> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let mut files: Vec<_> = entries
         .filter_map(|entry| {
             let about = fs::metadata(entry.path()).ok().filter(fs::Metadata::is_file)?;
             let changed = about.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok())?;
-            Some((entry.path(), about.len(), changed.as_secs(), changed.subsec_nanos()))
+            Some((entry.file_name(), about.len(), changed.as_secs(), changed.subsec_nanos()))
         })
         .collect();
     files.sort();
