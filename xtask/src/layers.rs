@@ -77,7 +77,7 @@ const HEAVY: [(&str, &[&str]); 31] = [
     ("image", &["source", "plot", "sink", "evaluate"]),
     ("image-webp", &["recording"]),
     ("indicatif", &["cli"]),
-    ("jiff", &["cli"]),
+    ("chrono", &["cli"]),
     ("jpeg-encoder", &["page", "cli"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel", "sink"]),
