@@ -24,6 +24,7 @@ mod pattern;
 mod place;
 mod profile;
 mod profile_args;
+mod reader;
 mod record;
 mod recording_file;
 mod report_folder;

@@ -14,6 +14,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
 use crate::part::Part;
+use crate::reader::{Next, Reader};
 use crate::run_record::run_record;
 use crate::skipped::Skipped;
 use crate::summary::{Summary, Tally};
@@ -247,8 +248,24 @@ impl Run {
         tracker: &mut Tracker,
         sinks: &mut Sinks,
     ) -> Result<(), Failure> {
-        let interrupt = Interrupt::listen();
         let count = self.part.tracked(source.frame_count());
+        let mut skipped = std::mem::take(&mut sinks.skipped);
+        let (skips, part, output) = (self.skips_bad_frames, self.part, self.output);
+        let reader = Reader { source, skipped: &mut skipped, skips, part, output };
+        let ended = reader.read(|next_frame| self.take(first, next_frame, count, tracker, sinks));
+        sinks.skipped = skipped;
+        ended
+    }
+
+    fn take(
+        &self,
+        first: Frame,
+        next_frame: &mut Next<'_>,
+        count: Option<u64>,
+        tracker: &mut Tracker,
+        sinks: &mut Sinks,
+    ) -> Result<(), Failure> {
+        let interrupt = Interrupt::listen();
         let progress = self.output.progress("tracking", count);
         let mut next = Some(first);
         while let Some(frame) = next {
@@ -260,7 +277,7 @@ impl Run {
             if self.part.is_behind(frame.sequence + 1) {
                 break;
             }
-            let following = sinks.skipped.next_frame(source, self.skips_bad_frames, self.output)?;
+            let following = next_frame()?;
             // Skipped frames may extend beyond the part.
             next = following.filter(|frame| !self.part.is_behind(frame.sequence));
         }
