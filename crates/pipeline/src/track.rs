@@ -36,8 +36,6 @@ pub(crate) struct Track {
     snapshots: Pool<Snapshot>,
     /// A new reference was requested, and no frame has been tracked since.
     is_rezeroing: bool,
-    /// A frame was tracked, so there is a reference.
-    has_reference: bool,
 }
 
 impl Track {
@@ -51,21 +49,7 @@ impl Track {
     ) -> Self {
         let (layout, snapshots) = (first.frame.layout, Pool::new(MOST_SNAPSHOTS));
         let first = tracker.is_some().then_some(first);
-        let (is_rezeroing, has_reference) = (false, false);
-        Self {
-            index,
-            tracker,
-            decoder,
-            layout,
-            handle,
-            first,
-            frame,
-            hub,
-            queue,
-            snapshots,
-            is_rezeroing,
-            has_reference,
-        }
+        Self { index, tracker, decoder, layout, handle, first, frame, hub, queue, snapshots, is_rezeroing: false }
     }
 
     /// Tracks the oldest frame, if there is one.
@@ -76,7 +60,8 @@ impl Track {
         let waiting_ms = 1e3 * (host_time_s() - captured.captured_s);
         match self.track(&captured.frame, waiting_ms) {
             Ok((numbers, times)) => {
-                self.note_reference(&numbers, &captured);
+                self.keep_reference(&captured);
+                self.note_reference(&numbers);
                 self.publish(numbers, &captured, times);
             }
             Err(reason) => {
@@ -106,13 +91,17 @@ impl Track {
         Ok((numbers, FrameTimes { waiting_ms, decode_ms, stages: tracker.stage_times() }))
     }
 
-    /// Keeps and logs a new reference, before the first reading that is relative to it.
-    fn note_reference(&mut self, numbers: &ReadingNumbers, captured: &Captured) {
-        let (is_asked, sequence) = (std::mem::take(&mut self.is_rezeroing), numbers.sequence);
-        let is_new = is_asked || numbers.flags.has(Flag::NewReference);
-        if is_new || !std::mem::replace(&mut self.has_reference, true) {
+    /// Keeps the frame that was tracked last for recordings that begin later, if it is the reference now.
+    fn keep_reference(&self, captured: &Captured) {
+        let reference = self.tracker.as_ref().and_then(Tracker::reference_sequence);
+        if reference == Some(captured.frame.sequence) {
             self.handle.shared.set_reference(captured);
         }
+    }
+
+    /// Logs a new reference, before the first reading that is relative to it.
+    fn note_reference(&mut self, numbers: &ReadingNumbers) {
+        let (is_asked, sequence) = (std::mem::take(&mut self.is_rezeroing), numbers.sequence);
         if is_asked {
             self.event(format!("re-zeroed at frame {sequence}"));
         } else if numbers.flags.has(Flag::NewReference) {

@@ -33,6 +33,8 @@ pub struct Tracker {
     previous: Option<(u64, f64)>,
     /// The reference that the last reading is relative to.
     zero_id: Option<u64>,
+    /// The reference of the readings that follow: its number, and that of its frame.
+    reference: Option<(u64, u64)>,
     reading: Reading,
     times: StageTimes,
 }
@@ -90,6 +92,7 @@ impl Tracker {
             rezero_after_s: profile.references.rezero_after_s,
             previous: None,
             zero_id: None,
+            reference: None,
             reading,
             times: StageTimes::default(),
             density,
@@ -126,6 +129,13 @@ impl Tracker {
         let taken = std::mem::replace(&mut self.reading, spare);
         self.reading.numbers.dropped_frames = taken.dropped_frames;
         taken
+    }
+
+    /// The number of the frame that the next reading will be relative to, unless its own frame becomes the reference; absent
+    /// before the first frame.
+    #[must_use]
+    pub fn reference_sequence(&self) -> Option<u64> {
+        self.reference.map(|(_, sequence)| sequence)
     }
 
     /// Where the time of the last frame went; all 0 before the first.
@@ -167,6 +177,9 @@ impl Tracker {
             self.rezero();
         }
         let matched = self.references.track(&mut self.estimator, &self.picture, &mut self.estimate);
+        if let Some(id) = self.references.first_id().filter(|&id| self.reference.is_none_or(|(known, _)| known != id)) {
+            self.reference = Some((id, frame.sequence));
+        }
         self.times.flow_ms = watch.lap_ms();
         let (levels, sharpness) = (self.picture.levels(), self.picture.sharpness());
         let mut flags = self.flags(dropped, sharpness);

@@ -76,6 +76,11 @@ impl Anchored {
         self.has_first.then_some(&self.first)
     }
 
+    /// The number of the first reference.
+    pub(crate) fn first_id(&self) -> Option<u64> {
+        self.has_first.then_some(self.first_id)
+    }
+
     /// Whether the reference seems to show a pressed gel.
     pub(crate) fn is_pressed_at_start(&self) -> bool {
         self.start_up.is_pressed()

@@ -101,6 +101,16 @@ impl References {
         }
     }
 
+    /// The number of the first reference, if there is one yet. After a frame that replaced it, this is the new one's, though the
+    /// frame itself was matched with the old one ([`Matched::zero_id`]).
+    pub(crate) fn first_id(&self) -> Option<u64> {
+        match self {
+            Self::Anchored(references) => references.first_id(),
+            Self::Stack(references) => references.first_id(),
+            Self::Single(references) => references.is_prepared.then_some(references.id),
+        }
+    }
+
     /// Whether the reference seems to show a pressed gel.
     pub(crate) fn is_pressed_at_start(&self) -> bool {
         matches!(self, Self::Anchored(references) if references.is_pressed_at_start())

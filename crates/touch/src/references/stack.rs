@@ -137,6 +137,11 @@ impl Stack {
     pub(crate) fn first(&self) -> Option<&Reference> {
         self.layers.first().map(|layer| &layer.reference)
     }
+
+    /// The number of the first reference.
+    pub(crate) fn first_id(&self) -> Option<u64> {
+        self.layers.first().map(|layer| layer.id)
+    }
 }
 
 /// Largest `|current(x + flow(x)) − reference(x)|` over the pixels for which `x + flow(x)` is in the image.

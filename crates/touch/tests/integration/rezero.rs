@@ -49,6 +49,7 @@ fn a_tracker_with_a_new_reference_is_as_good_as_new() {
         for frame in &frames[..NEW] {
             assert!(!old.track(frame).unwrap().flags.has(Flag::NewReference), "{policy:?}");
         }
+        assert_eq!(old.reference_sequence(), Some(frames[0].sequence), "{policy:?}");
         old.rezero();
         for (step, frame) in frames[NEW..].iter().enumerate() {
             let (again, anew) = (old.track(frame).unwrap(), fresh.track(frame).unwrap());
@@ -58,6 +59,7 @@ fn a_tracker_with_a_new_reference_is_as_good_as_new() {
                 expected.raise(Flag::NewReference);
             }
             assert_eq!(again.flags, expected, "{policy:?}, {step} frames after the new reference");
+            assert_eq!(old.reference_sequence(), Some(frames[NEW].sequence), "{policy:?}");
         }
     }
 }

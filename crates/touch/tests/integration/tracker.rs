@@ -168,9 +168,14 @@ fn a_start_under_pressure_is_flagged_and_its_rest_becomes_the_reference() {
         let flags = tracker.track(&frame).unwrap().flags;
         assert_eq!(flags.has(Flag::PressedAtStart), step > 0, "frame {step}: {flags}");
     }
+    let mut first_relative = None;
     for _ in 0..8 {
-        tracker.track(&stage.frame(&Motion::STILL, Light::EVEN)).unwrap();
+        let reading = tracker.track(&stage.frame(&Motion::STILL, Light::EVEN)).unwrap();
+        if reading.flags.has(Flag::NewReference) {
+            first_relative = Some(reading.sequence);
+        }
     }
+    assert_eq!(first_relative, tracker.reference_sequence().map(|reference| reference + 1), "the frame before it");
     let reading = tracker.track(&stage.frame(&Motion::STILL, Light::EVEN)).unwrap();
     assert!(!reading.flags.has(Flag::PressedAtStart), "{}", reading.flags);
     assert!(reading.reference_id > 0);
