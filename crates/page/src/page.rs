@@ -64,10 +64,10 @@ impl Page {
         listen(options).map(drop)
     }
 
-    /// The number of browsers in which the page is open.
+    /// Whether a browser shows the page.
     #[must_use]
-    pub fn open_count(&self) -> usize {
-        self.shared.open_count()
+    pub fn is_open(&self) -> bool {
+        self.shared.has_pages()
     }
 
     /// The address to open in a browser.

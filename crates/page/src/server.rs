@@ -110,13 +110,16 @@ async fn file(State(shared): State<Arc<Shared>>, headers: HeaderMap, uri: Uri) -
     (headers, asset.bytes).into_response()
 }
 
+/// Why a request for data is refused, if it is.
+fn refusal(shared: &Shared, headers: &HeaderMap, uri: &Uri) -> Option<Response> {
+    let (host, origin) = (header_of(headers, header::HOST), header_of(headers, header::ORIGIN));
+    let refusal = shared.access.check(host, origin, token_of(uri)).err()?;
+    Some((StatusCode::FORBIDDEN, refusal.sentence()).into_response())
+}
+
 /// Tells a page why its connection is refused: a browser does not show it the answer to a WebSocket's request.
 async fn access(State(shared): State<Arc<Shared>>, headers: HeaderMap, uri: Uri) -> Response {
-    let (host, origin) = (header_of(&headers, header::HOST), header_of(&headers, header::ORIGIN));
-    match shared.access.check(host, origin, token_of(&uri)) {
-        Ok(()) => StatusCode::NO_CONTENT.into_response(),
-        Err(refusal) => (StatusCode::FORBIDDEN, refusal.sentence()).into_response(),
-    }
+    refusal(&shared, &headers, &uri).unwrap_or_else(|| StatusCode::NO_CONTENT.into_response())
 }
 
 async fn open_socket(
@@ -125,11 +128,9 @@ async fn open_socket(
     uri: Uri,
     upgrade: WebSocketUpgrade,
 ) -> Response {
-    let (host, origin) = (header_of(&headers, header::HOST), header_of(&headers, header::ORIGIN));
-    match shared.access.check(host, origin, token_of(&uri)) {
-        Ok(()) => upgrade.max_message_size(LONGEST_REQUEST).on_upgrade(|socket| talk(socket, shared)),
-        Err(refusal) => (StatusCode::FORBIDDEN, refusal.sentence()).into_response(),
-    }
+    refusal(&shared, &headers, &uri).unwrap_or_else(|| {
+        upgrade.max_message_size(LONGEST_REQUEST).on_upgrade(|socket| talk(socket, shared)).into_response()
+    })
 }
 
 /// Serves one open page to its end.

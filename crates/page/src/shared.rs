@@ -44,11 +44,7 @@ impl Shared {
     }
 
     pub(crate) fn has_pages(&self) -> bool {
-        self.open_count() > 0
-    }
-
-    pub(crate) fn open_count(&self) -> usize {
-        self.pages.load(Ordering::Acquire)
+        self.pages.load(Ordering::Acquire) > 0
     }
 
     pub(crate) fn send_text(&self, text: Utf8Bytes) {

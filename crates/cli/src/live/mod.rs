@@ -27,7 +27,7 @@ use status::SensorSummary;
 
 /// Messages that may wait for the page.
 const PAGE_MESSAGES: usize = 512;
-/// How often the number of open pages is looked up after the end of the sources.
+/// Interval at which it is tested, after the end of the sources, whether a browser shows the page.
 const POLL: Duration = Duration::from_millis(100);
 /// A page that stays closed for this time is not being loaded again.
 const RELOAD: Duration = Duration::from_secs(3);
@@ -142,7 +142,7 @@ pub(crate) fn run_sensors(
 /// Lets the user look at the last values: waits until no browser shows the page, or Ctrl-C.
 fn keep_open(page: &Page, output: OutputArgs) {
     let interrupt = Interrupt::listen();
-    if page.open_count() == 0 || interrupt.is_asked() {
+    if !page.is_open() || interrupt.is_asked() {
         return;
     }
     output.note("the sources have ended; close the page, or press Ctrl-C, to end the command");
@@ -150,7 +150,7 @@ fn keep_open(page: &Page, output: OutputArgs) {
     // A page that is loaded again is closed for a moment.
     while closed < RELOAD && !interrupt.is_asked() {
         std::thread::sleep(POLL);
-        closed = if page.open_count() == 0 { closed + POLL } else { Duration::ZERO };
+        closed = if page.is_open() { Duration::ZERO } else { closed + POLL };
     }
 }
 
