@@ -47,7 +47,6 @@ struct Sinks {
     preview: Preview,
     overlay: Option<Overlay>,
     tally: Tally,
-    skipped: Skipped,
     part: Part,
 }
 
@@ -87,17 +86,19 @@ impl Run {
             preview: Preview::new(pictures),
             overlay: self.overlay.as_deref().map(|path| Overlay::create(path, options.size, pictures)).transpose()?,
             tally: Tally::default(),
-            skipped,
             part: self.part,
         };
-        let ended = self.stream(source, first, &mut tracker, &mut sinks);
+        let (skips, part, output) = (self.skips_bad_frames, self.part, self.output);
+        let count = part.tracked(source.frame_count());
+        let reader = Reader { source, skipped: &mut skipped, skips, part, output };
+        let ended = reader.read(|next_frame| self.stream(first, next_frame, count, &mut tracker, &mut sinks));
         if sinks.tally.frames == 0
             && let Err(failure) = ended
         {
             self.discard(sinks);
             return Err(failure);
         }
-        Ok(self.finish(sinks, &tracker, begin, ended))
+        Ok(self.finish(sinks, skipped, &tracker, begin, ended))
     }
 
     /// Refuses to replace a file without --overwrite, and a folder that does not exist and is not the run's own.
@@ -243,22 +244,6 @@ impl Run {
     /// Takes frame after frame; returns why it ended early.
     fn stream(
         &self,
-        source: &mut dyn Source,
-        first: Frame,
-        tracker: &mut Tracker,
-        sinks: &mut Sinks,
-    ) -> Result<(), Failure> {
-        let count = self.part.tracked(source.frame_count());
-        let mut skipped = std::mem::take(&mut sinks.skipped);
-        let (skips, part, output) = (self.skips_bad_frames, self.part, self.output);
-        let reader = Reader { source, skipped: &mut skipped, skips, part, output };
-        let ended = reader.read(|next_frame| self.take(first, next_frame, count, tracker, sinks));
-        sinks.skipped = skipped;
-        ended
-    }
-
-    fn take(
-        &self,
         first: Frame,
         next_frame: &mut Next<'_>,
         count: Option<u64>,
@@ -312,11 +297,12 @@ impl Run {
     fn finish(
         &self,
         sinks: Sinks,
+        skipped: Skipped,
         tracker: &Tracker,
         begin: Instant,
         ended: Result<(), Failure>,
     ) -> (Summary, Option<Failure>) {
-        let Sinks { folder, preview, overlay, mut tally, skipped, .. } = sinks;
+        let Sinks { folder, preview, overlay, mut tally, .. } = sinks;
         tally.finish();
         let overlaid = overlay.map_or(Ok(()), Overlay::finish);
         let path = self.folder.join("preview.png");

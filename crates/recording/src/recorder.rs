@@ -114,9 +114,9 @@ impl RecorderThread {
         }
         let shared = Arc::new(Shared { progress: Mutex::default(), is_stopped: AtomicBool::new(false), options });
         let times = vec![Times::default(); sensors.len()];
-        let (path_of_thread, handles) = (path.to_owned(), handles.to_vec());
+        let handles = handles.to_vec();
         let recorder =
-            Recorder { path: path_of_thread, writer, subscription, handles, times, shared: Arc::clone(&shared) };
+            Recorder { path: path.to_owned(), writer, subscription, handles, times, shared: Arc::clone(&shared) };
         let thread = thread::Builder::new().name("recorder".into()).spawn(move || recorder.run());
         let thread = thread.map_err(|error| RecordingError::Thread { path: path.to_owned(), error })?;
         Ok(Self { path: path.to_owned(), shared, thread: Some(thread) })
@@ -230,7 +230,8 @@ impl Recorder {
                     times.is_complete = true;
                     return Ok(());
                 }
-                if times.first_s.replace(times.first_s.unwrap_or(time_s)).is_none() {
+                if times.first_s.is_none() {
+                    times.first_s = Some(time_s);
                     write_reference(writer, *sensor, &self.handles[*sensor], frame, *captured_s)?;
                 }
                 times.last_s = time_s;

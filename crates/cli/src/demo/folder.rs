@@ -51,7 +51,7 @@ fn simulate(args: &Args, folder: &Path) -> Result<(SimulationSummary, Option<Fai
     let simulation = SimulationRun {
         cache: PressCache::standard(),
         has_images: true,
-        overwrite: args.out.is_none() || args.overwrite,
+        overwrite: args.overwrites(),
         output: args.output,
         interrupt: Interrupt::listen(),
     };
@@ -65,7 +65,7 @@ fn track(args: &Args, sensor: &Path, folder: &Path) -> Result<(Summary, Option<F
         precision: Precision::default(),
         overlay: None,
         folder: folder.to_owned(),
-        overwrite: args.out.is_none() || args.overwrite,
+        overwrite: args.overwrites(),
         part: Part::default(),
         skips_bad_frames: false,
         output: args.output,

@@ -40,6 +40,13 @@ pub(crate) struct Args {
     output: OutputArgs,
 }
 
+impl Args {
+    /// Whether an earlier demo in the folder is replaced.
+    fn overwrites(&self) -> bool {
+        self.overwrite || self.out.is_none()
+    }
+}
+
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let is_folder = args.headless || args.out.is_some();
     if is_folder { folder::run(args, out) } else { page::run(args, out) }
