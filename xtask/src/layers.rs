@@ -73,11 +73,11 @@ const FOR_TESTS: [(Option<&str>, &str); 4] =
 const HEAVY: [(&str, &[&str]); 31] = [
     ("axum", &["page"]),
     ("base64", &["evaluate"]),
+    ("chrono", &["cli"]),
     ("clap", &["cli", "xtask"]),
     ("image", &["source", "plot", "sink", "evaluate"]),
     ("image-webp", &["recording"]),
     ("indicatif", &["cli"]),
-    ("chrono", &["cli"]),
     ("jpeg-encoder", &["page", "cli"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel", "sink"]),
