@@ -30,6 +30,9 @@ pub(crate) struct Args {
     /// The format; without it the ending of the name decides
     #[arg(long, value_enum)]
     format: Option<Format>,
+    /// Write a LeRobot data set, format v3.0, into a new folder; only in the command of the Python package
+    #[arg(long, conflicts_with = "format")]
+    lerobot: bool,
     #[command(flatten)]
     profile: ProfileArgs,
     /// Replace the file, or the folder if it is a Zarr group
@@ -66,6 +69,10 @@ struct ExportSummary {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
+    if args.lerobot {
+        let hint = "pip install 'fingervision[lerobot]', and use the command `fingervision` of that package";
+        return Err(Failure::new("this program does not write LeRobot data sets", hint));
+    }
     let format = args.format()?;
     args.clear_destination(format)?;
     let frames = match Place::of(&args.source)? {

@@ -2,7 +2,10 @@
 //!
 //! Everything is installed in the target folder: `tools` has what builds the wheel, `fresh` is made anew each time and
 //! has the wheel and what tests it. Where Python or its packages cannot be had, the tests are skipped, and a line says
-//! why.
+//! why. With `--wheels` the wheels for other computers are built and checked, too.
+
+mod emulation;
+mod wheels;
 
 use std::env;
 use std::fs;
@@ -31,6 +34,9 @@ pub(crate) struct Args {
     /// Test a wheel of the development profile, which has assertions and is slower.
     #[arg(long)]
     dev: bool,
+    /// Build the wheels for other computers: x86-64 and aarch64, Linux with glibc 2.17 or later.
+    #[arg(long, conflicts_with = "dev")]
+    wheels: bool,
     /// Install this package too, for an example: `ray`, `rerun-sdk` or `torch`; may be repeated.
     #[arg(long, value_name = "PACKAGE")]
     with: Vec<String>,
@@ -47,8 +53,14 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         }
         Err(why) => return Err(why),
     };
-    let wheel = build(&tools, &folder.join("wheels"), if args.dev { &["--profile", "dev"] } else { &["--release"] })?;
-    report(&wheel, !args.dev, out)?;
+    let wheel = if args.wheels {
+        wheels::build(&tools, &folder, out)?
+    } else {
+        let options: &[&str] = if args.dev { &["--profile", "dev"] } else { &["--release"] };
+        let wheel = build(&tools, &folder.join("wheels"), options)?;
+        report(&wheel, !args.dev, out)?;
+        wheel
+    };
     install(&fresh, &[&wheel.display().to_string()])?;
     test(&fresh, out)
 }
@@ -96,6 +108,10 @@ fn build(tools: &Path, wheels: &Path, options: &[&str]) -> Result<PathBuf> {
         fs::remove_dir_all(wheels)?;
     }
     let mut maturin = Command::new(tools);
+    // Zig is a package beside maturin, which looks for it with the first interpreter of the path.
+    let path = env::var_os("PATH").unwrap_or_default();
+    let beside = tools.parent().map(Path::to_path_buf).into_iter().chain(env::split_paths(&path));
+    maturin.env("PATH", env::join_paths(beside)?);
     maturin.args(["-m", "maturin", "build", "--locked", "--out"]).arg(wheels).args(options);
     crate::expect_success(maturin.current_dir(crate::workspace().join("python")))?;
     let mut found = fs::read_dir(wheels)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
