@@ -80,7 +80,7 @@ def _recording(text: str, path: Path, tracking: Tracking) -> Episode:
 
 def _of_reading(reading: fingervision.Reading, *, images: bool) -> Values:
     values: Values = {
-        "capture_time": np.array([reading.capture_time_s], np.float64),
+        "capture_time_ns": _nanoseconds(reading.capture_time_s),
         "sequence": np.array([reading.sequence], np.int64),
         "flags": np.array([name in reading.flags for name in fingervision.FLAGS]),
         "valid": reading.valid,
@@ -102,6 +102,11 @@ def _colour(image: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
     if image.dtype != np.uint8:
         raise ArgumentError(f"the images have {image.dtype}, LeRobot needs uint8: export without images")
     return image if image.ndim == 3 else np.repeat(image[..., np.newaxis], 3, axis=2)
+
+
+def _nanoseconds(time_s: float) -> npt.NDArray[np.int64]:
+    """A whole number, because LeRobot reads every other number in single precision."""
+    return np.array([round(time_s * 1e9)], np.int64)
 
 
 def _run(path: Path, fields: Sequence[str] | None) -> Episode:
@@ -131,7 +136,7 @@ def _run(path: Path, fields: Sequence[str] | None) -> Episode:
 def _of_row(row: dict[str, str]) -> Values:
     flags = row["flags"].split("+")
     values: Values = {
-        "capture_time": np.array([float(row["capture_time_s"])]),
+        "capture_time_ns": _nanoseconds(float(row["capture_time_s"])),
         "sequence": np.array([int(row["sequence"])], np.int64),
         "flags": np.array([name in flags for name in fingervision.FLAGS]),
     }

@@ -47,7 +47,7 @@ def export_lerobot(
 
     ``recordings`` are folders of ``fingervision track`` or recordings ``FILE.mcap``, which are tracked with ``profile``,
     ``fields`` and ``set`` as by ``fingervision.open``. Every frame is kept, at its native rate. ``timestamp`` is the index
-    divided by the rate, as LeRobot requires; the time of capture is the feature ``PREFIX.capture_time``, s. Fields are
+    divided by the rate, as LeRobot requires; the time of capture is the feature ``PREFIX.capture_time_ns``. Fields are
     arrays ``PREFIX.depth``, ``PREFIX.flow`` and so on, without loss, in the units of ``fingervision.Reading``. Camera
     images of recordings are the feature ``PREFIX.image``, without loss, unless ``images`` is false. ``task`` describes
     what is done. ``frames_per_second`` is the rate, by default that of the first recording, rounded.
