@@ -1,0 +1,102 @@
+"""LeRobot data sets: what is exported is read back, from the files and, where it is installed, with LeRobot itself."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import fingervision
+from conftest import Press
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+pytest.importorskip("pyarrow")
+PREFIX = "observation.touch."
+
+
+@pytest.fixture(scope="module")
+def file(press: Press, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The press as a recording."""
+    path = tmp_path_factory.mktemp("recording") / "press.mcap"
+    fingervision.command("record", press.frames, path, "--profile", press.profile)
+    return path
+
+
+@pytest.fixture(scope="module")
+def data_set(file: Path) -> Path:
+    """The recording twice: two episodes."""
+    folder = file.parent / "set"
+    result = fingervision.command("export", file, file, "--lerobot", "--out", folder, "--task", "press")
+    assert result == {"folder": str(folder), "episodes": 2, "frames": 14, "frames_per_second": 30}
+    return folder
+
+
+def columns(folder: Path, episode: int) -> dict[str, list[Any]]:
+    """The columns of an episode's file."""
+    parquet: Any = importlib.import_module("pyarrow.parquet")
+    return parquet.read_table(folder / f"data/chunk-000/file-{episode:03}.parquet").to_pydict()
+
+
+def test_every_array_is_kept(file: Path, data_set: Path) -> None:
+    found = columns(data_set, 1)
+    readings = list(fingervision.open(file))
+    for name in (*readings[0].fields, "valid", "force"):
+        expected = np.stack([getattr(reading, name) for reading in readings])
+        assert np.array(found[PREFIX + name], expected.dtype).tobytes() == expected.tobytes(), name
+    expected_ns = [round(reading.capture_time_s * 1e9) for reading in readings]
+    assert found[PREFIX + "capture_time_ns"] == expected_ns
+    assert found["timestamp"] == np.float32(np.arange(7) / 30).tolist()
+    assert found["index"] == list(range(7, 14))
+    assert found["frame_index"] == list(range(7))
+
+
+def test_a_run_has_the_same_arrays(press: Press, tmp_path: Path) -> None:
+    result = fingervision.command("export", press.run, "--lerobot", "--out", tmp_path / "set")
+    assert result["frames"] == 7
+    found = columns(tmp_path / "set", 0)
+    for name in ("flow", "depth", "contact", "traction"):
+        expected = np.load(press.run / f"{name}.npy")
+        assert np.array(found[PREFIX + name], expected.dtype).tobytes() == expected.tobytes(), name
+
+
+def test_the_statistics_are_those_of_the_values(file: Path, data_set: Path) -> None:
+    statistics = json.loads((data_set / "meta/stats.json").read_text(encoding="utf-8"))
+    depth = np.stack([reading.depth for reading in fingervision.open(file)]).astype(np.float64)
+    found = statistics[PREFIX + "depth"]
+    assert found["mean"] == [[pytest.approx(depth.mean())]]
+    assert found["std"] == [[pytest.approx(depth.std())]]
+    assert found["max"] == [[pytest.approx(depth.max())]]
+    assert found["count"] == [14]
+
+
+def test_wrong_use_is_refused(press: Press, file: Path, data_set: Path, tmp_path: Path) -> None:
+    refused = [
+        ([file, "--out", data_set], "exists already"),
+        ([tmp_path / "none.mcap", "--out", tmp_path / "set"], "there is no"),
+        ([press.profile, "--out", tmp_path / "set"], "neither a run nor a recording"),
+        ([press.run, file, "--out", tmp_path / "set"], "other features"),
+        ([press.run, "--profile", press.profile, "--out", tmp_path / "set"], "tracked already"),
+    ]
+    for arguments, message in refused:
+        with pytest.raises(fingervision.CommandError, match=message):
+            fingervision.command("export", "--lerobot", *arguments)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_lerobot_reads_it(file: Path, data_set: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("HF_HOME", str(tmp_path))
+    monkeypatch.setenv("HF_HUB_OFFLINE", "1")
+    lerobot: Any = pytest.importorskip("lerobot.datasets.lerobot_dataset")
+    data = lerobot.LeRobotDataset("local/touch", root=data_set)
+    assert (len(data), data.num_episodes, data.fps) == (14, 2, 30)
+    for index, reading in enumerate(fingervision.open(file)):
+        item = data[7 + index]
+        assert item["task"] == "press"
+        assert item[PREFIX + "depth"].numpy().tobytes() == reading.depth.tobytes()
+        pixels = np.round(item[PREFIX + "image"].numpy().transpose(1, 2, 0) * 255).astype(np.uint8)
+        assert pixels.tobytes() == reading.image.tobytes()
