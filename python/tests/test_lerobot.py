@@ -98,5 +98,5 @@ def test_lerobot_reads_it(file: Path, data_set: Path, monkeypatch: pytest.Monkey
         item = data[7 + index]
         assert item["task"] == "press"
         assert item[PREFIX + "depth"].numpy().tobytes() == reading.depth.tobytes()
-        pixels = np.round(item[PREFIX + "image"].numpy().transpose(1, 2, 0) * 255).astype(np.uint8)
-        assert pixels.tobytes() == reading.image.tobytes()
+        image: np.ndarray[Any, np.dtype[np.float32]] = item[PREFIX + "image"].numpy().transpose(1, 2, 0)
+        assert np.round(image * 255).astype(np.uint8).tobytes() == reading.image.tobytes()

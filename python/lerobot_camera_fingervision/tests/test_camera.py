@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import queue
 from typing import Any
 
@@ -57,6 +58,8 @@ def connected(sent: queue.Queue[Any], reading: Any, **options: Any) -> Fingervis
 
 
 def test_lerobot_finds_the_type() -> None:
+    names = [distribution.metadata["Name"] for distribution in importlib.metadata.distributions()]
+    assert "lerobot_camera_fingervision" in names, "install the package: LeRobot looks for its distribution"
     register_third_party_plugins()
     kind = CameraConfig.get_choice_class("fingervision")
     made = make_cameras_from_configs({"finger": kind(source="camera:1", show="depth")})
