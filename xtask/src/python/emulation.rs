@@ -14,7 +14,7 @@ use crate::expect_success;
 pub(super) const PROCESSOR: &str = "aarch64";
 /// Tracks an image and fails if the flow is wrong.
 const FIRST_STEPS: &str = include_str!("first_steps.py");
-/// What the wheels of NumPy may ask of the emulated system, which has a newer glibc.
+/// What wheels may ask of the emulated system, which has a newer glibc.
 const PLATFORMS: [&str; 2] = ["manylinux2014_aarch64", "manylinux_2_28_aarch64"];
 /// Debian's packages for the emulated processor, in folders of their own.
 const APT: &str = r#"APT::Architecture "arm64";

@@ -23,8 +23,7 @@ const MATURIN: &str = "maturin>=1.9,<2";
 /// The examples that need a library of their own, which `--with` installs.
 const WITH_LIBRARIES: [(&str, &str); 3] =
     [("dataset.py", "ray"), ("rerun_stream.py", "rerun"), ("torch_loop.py", "torch")];
-const TESTERS: [&str; 5] =
-    ["pytest>=8", "mypy>=1.14", "pyright[nodejs]>=1.1.390", "matplotlib>=3.8", "pyarrow>=14"];
+const TESTERS: [&str; 5] = ["pytest>=8", "mypy>=1.14", "pyright[nodejs]>=1.1.390", "matplotlib>=3.8", "pyarrow>=14"];
 
 /// Options of the tests.
 #[derive(Debug, clap::Args)]
