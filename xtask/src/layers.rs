@@ -61,7 +61,7 @@ const LAYERS: [(&str, &[&str]); 24] = [
     ),
     // The package for Python: arrays in, arrays out, and the command.
     ("python", &["image", "flow", "gel", "touch", "source", "camera", "recording", "sink", "simulation", "cli"]),
-    ("xtask", &["evaluate", "gel"]),
+    ("xtask", &["evaluate", "gel", "flow", "image", "simulation", "source", "touch"]),
 ];
 
 /// Additional dependencies that are allowed in tests and examples: of any crate, simulated frames and mutated files; of
@@ -78,7 +78,7 @@ const HEAVY: [(&str, &[&str]); 31] = [
     ("image", &["source", "plot", "sink", "evaluate"]),
     ("image-webp", &["recording"]),
     ("indicatif", &["cli"]),
-    ("jpeg-encoder", &["page", "cli"]),
+    ("jpeg-encoder", &["page", "cli", "xtask"]),
     ("minijinja", &["evaluate"]),
     ("miniz_oxide", &["gel", "sink"]),
     ("moq-v4l", &["camera"]),

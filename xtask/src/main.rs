@@ -1,11 +1,12 @@
 //! Checks and measurements of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask circles`,
-//! `cargo xtask check`, `cargo xtask camera-test`, `cargo xtask python`.
+//! `cargo xtask check`, `cargo xtask camera-test`, `cargo xtask python`, `cargo xtask instructions`.
 
 mod accuracy;
 #[cfg(unix)]
 mod camera_test;
 mod check;
 mod circles;
+mod instructions;
 mod layers;
 mod lengths;
 mod python;
@@ -41,6 +42,8 @@ enum Name {
     CameraTest(camera_test::Args),
     /// Build the Python wheel and test it in a fresh environment.
     Python(python::Args),
+    /// Count the instructions of a frame and compare them with the record.
+    Instructions(instructions::Args),
 }
 
 fn main() -> ExitCode {
@@ -52,6 +55,7 @@ fn main() -> ExitCode {
         #[cfg(unix)]
         Name::CameraTest(args) => camera_test::run(&args, &mut std::io::stdout().lock()),
         Name::Python(args) => python::run(&args, &mut std::io::stdout().lock()),
+        Name::Instructions(args) => instructions::run(&args, &mut std::io::stdout().lock()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

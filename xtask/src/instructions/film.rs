@@ -1,0 +1,99 @@
+//! The frames whose processing is counted: a simulated press on a draft mesh.
+//!
+//! They are rendered once and written to a file, so that the counted program only reads them.
+
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+use fingervision_gel::{Keyframe, PressCache, Scene, Simulation, Truth};
+use fingervision_image::{Image, Pixels};
+use fingervision_simulation::simulated_profile;
+use fingervision_touch::Profile;
+use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+
+const WIDTH: usize = 640;
+const HEIGHT: usize = 480;
+/// Columns and rows of the frames, px.
+pub(super) const SIZE: (usize, usize) = (WIDTH, HEIGHT);
+/// The gel then fills the width of the image.
+const FOCAL_LENGTH_PX: f64 = 533.0;
+const JPEG_QUALITY: u8 = 85;
+
+/// Frames at rest after the reference, frame 0: first those that are not counted.
+pub(super) const REST_START: [usize; 1] = [1];
+pub(super) const REST: [usize; 2] = [2, 3];
+/// Pressed frames: first those that are not counted. From the third on, the ball moves by .1 mm a frame.
+pub(super) const PRESSED_START: [usize; 4] = [4, 5, 6, 7];
+pub(super) const PRESSED: [usize; 4] = [8, 9, 8, 7];
+const FRAMES: usize = 10;
+/// Depth of the ball, mm, after so many frames; in between it moves evenly.
+const COURSE: [(f64, f64); 3] = [(3.0, 0.0), (5.0, 1.2), (9.0, 1.6)];
+
+/// The frames, all in memory.
+pub(super) struct Film {
+    frames: Vec<Image<[u8; 3]>>,
+}
+
+/// The press.
+fn scene() -> Result<Scene> {
+    let mut scene = Scene::find("sphere")?;
+    scene.make_draft();
+    (scene.render.width, scene.render.height) = (WIDTH, HEIGHT);
+    scene.camera.focal_length_px = [FOCAL_LENGTH_PX; 2];
+    scene.motion.frames = FRAMES;
+    scene.motion.keyframes =
+        COURSE.map(|(at, depth_mm)| Keyframe { at, depth_mm: Some(depth_mm), ..Keyframe::default() }).into();
+    Ok(scene)
+}
+
+impl Film {
+    /// Solves the press and renders it; returns the truth of every frame, too.
+    pub(super) fn make() -> Result<(Self, Vec<Truth>)> {
+        let mut simulation = Simulation::new(&scene()?)?;
+        let solved = simulation.solve(&PressCache::OFF, &mut |_| ControlFlow::Continue(()))?.states.len();
+        ensure!(solved == FRAMES, "the press has {solved} frames, and {FRAMES} are needed");
+        let (mut frames, mut truths) = (Vec::new(), Vec::new());
+        for number in 0..FRAMES {
+            let Pixels::Rgb8(image) = simulation.frame(number)?.clone() else {
+                anyhow::bail!("the frames of the press are not in 8-bit colour")
+            };
+            frames.push(image);
+            truths.push(simulation.truth(number)?.clone());
+        }
+        Ok((Self { frames }, truths))
+    }
+
+    pub(super) fn write(&self, path: &Path) -> Result<()> {
+        let bytes: Vec<u8> = self.frames.iter().flat_map(|frame| frame.values().as_flattened()).copied().collect();
+        fs::write(path, bytes).with_context(|| format!("{} cannot be written", path.display()))
+    }
+
+    pub(super) fn read(path: &Path) -> Result<Self> {
+        let bytes = fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
+        let (pixels, rest) = bytes.as_chunks::<3>();
+        ensure!(rest.is_empty() && pixels.len() == FRAMES * WIDTH * HEIGHT, "{} is no film", path.display());
+        let frames = pixels.chunks_exact(WIDTH * HEIGHT).map(|frame| Image::from_vec(WIDTH, HEIGHT, frame.to_vec()));
+        Ok(Self { frames: frames.collect::<Result<_, _>>()? })
+    }
+
+    pub(super) fn frame(&self, number: usize) -> &Image<[u8; 3]> {
+        &self.frames[number]
+    }
+
+    /// The sensor that the film shows.
+    pub(super) fn profile() -> Result<Profile> {
+        Ok(simulated_profile(&scene()?))
+    }
+
+    /// A frame as JPEG with chroma halved across, as USB cameras send it.
+    pub(super) fn coded(&self, number: usize) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let mut encoder = Encoder::new(&mut bytes, JPEG_QUALITY);
+        encoder.set_sampling_factor(SamplingFactor::F_2_1);
+        let values = self.frame(number).values().as_flattened();
+        encoder.encode(values, WIDTH as u16, HEIGHT as u16, ColorType::Rgb)?;
+        Ok(bytes)
+    }
+}

@@ -1,0 +1,217 @@
+//! `cargo xtask instructions`: counts the instructions of a frame, and compares them with a committed record.
+//!
+//! Times on a shared machine differ by a quarter from run to run; instruction counts differ by less than one per cent.
+//! The frames are a simulated press with fixed noise ([`film`]). Each stage runs under valgrind ([`valgrind`]), which
+//! emulates AVX2 at most. The record has the error of each stage beside its count, because fewer instructions with a
+//! larger error are no progress.
+
+mod film;
+mod record;
+mod stage;
+mod valgrind;
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use anyhow::{Result, bail, ensure};
+use fearless_simd::Level;
+use fingervision_evaluate::{end_point_errors, mean, without_border};
+use fingervision_flow::FlowField;
+use fingervision_gel::Truth;
+use fingervision_image::{Image, Pixels};
+use fingervision_touch::Reading;
+
+use film::{Film, SIZE};
+use record::{Entry, Record};
+use stage::{Output, Run, Stage};
+use valgrind::{Counts, LINE_BYTES};
+
+/// Border that is left out of the error of the flow, px.
+const BORDER_PX: usize = 16;
+
+/// Options of the count.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Fail instead of skipping where valgrind or the record is missing, or the record is of another compiler.
+    #[arg(long)]
+    required: bool,
+    /// Write the record instead of comparing with it.
+    #[arg(long)]
+    update: bool,
+    /// Also record the bytes that move between the caches: takes three times as long.
+    #[arg(long, requires = "update")]
+    caches: bool,
+    /// Process the frames of this file; the counted program is started with it.
+    #[arg(long, hide = true, requires = "film")]
+    count: Option<Run>,
+    #[arg(long, hide = true)]
+    film: Option<PathBuf>,
+}
+
+pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
+    if let (Some(run), Some(film)) = (args.count, &args.film) {
+        return run.play(&Film::read(film)?, |_, _, _| {});
+    }
+    let valgrind = match valgrind::version() {
+        Ok(version) => version,
+        Err(why) if !args.required => {
+            writeln!(out, "instructions: skipped, {why:#}")?;
+            return Ok(());
+        }
+        Err(why) => return Err(why),
+    };
+    let (path, rustc) = (record_path(), rustc()?);
+    let record = if args.update { None } else { read_record(&path, &rustc, args.required, out)? };
+    if record.is_none() && !args.update {
+        return Ok(());
+    }
+    let start = Instant::now();
+    let stages = measure(args.caches)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let Some(record) = record else {
+        let instruction_set = instruction_set();
+        let (processor, size) = (processor(), SIZE.into());
+        for entry in &stages {
+            writeln!(out, "{entry}")?;
+        }
+        Record { instruction_set, processor, rustc, valgrind, size, stages }.write(&path)?;
+        writeln!(out, "instructions: wrote {}, counted in {seconds:.0} s", path.display())?;
+        return Ok(());
+    };
+    let comparison = record.compare(&stages);
+    for line in &comparison.lines {
+        writeln!(out, "{line}")?;
+    }
+    if !comparison.faults.is_empty() {
+        bail!("{}; if it is intended: cargo xtask instructions --update", comparison.faults.join("; "));
+    }
+    if comparison.fallen > 0 {
+        writeln!(out, "{} stages take less than recorded: cargo xtask instructions --update", comparison.fallen)?;
+    }
+    writeln!(out, "instructions: {} stages as recorded, counted in {seconds:.0} s", stages.len())?;
+    Ok(())
+}
+
+/// The record of this instruction set, or nothing and a line that says why.
+fn read_record(path: &Path, rustc: &str, is_required: bool, out: &mut impl Write) -> Result<Option<Record>> {
+    let fault = if path.is_file() {
+        let record = Record::read(path)?;
+        if record.rustc == rustc {
+            return Ok(Some(record));
+        }
+        format!("{} is of {}, and this is {rustc}", path.display(), record.rustc)
+    } else {
+        format!("{} does not exist", path.display())
+    };
+    ensure!(!is_required, "{fault}: cargo xtask instructions --update");
+    writeln!(out, "instructions: skipped, {fault}")?;
+    Ok(None)
+}
+
+/// Renders the film, then counts and evaluates every stage.
+fn measure(with_caches: bool) -> Result<Vec<Entry>> {
+    let (film, truths) = Film::make()?;
+    let folder = crate::target_folder().join("instructions");
+    fs::create_dir_all(&folder)?;
+    let path = folder.join(format!("{}.rgb", std::process::id()));
+    film.write(&path)?;
+    let counted = valgrind::count_all(&path, with_caches);
+    fs::remove_file(&path)?;
+    let counted = counted?;
+    let mut errors = Vec::new();
+    for run in Run::ALL {
+        run.play(&film, |stage, number, output| {
+            errors.push((stage, error(stage, output, film.frame(number), &truths[number])));
+        })?;
+    }
+    Ok(counted.into_iter().map(|(stage, counts)| entry(stage, counts, with_caches, &errors)).collect())
+}
+
+fn entry(stage: Stage, counts: Counts, with_caches: bool, errors: &[(Stage, f64)]) -> Entry {
+    let of_stage = errors.iter().filter(|(of, _)| *of == stage).map(|(_, error)| *error as f32);
+    // A reference has nothing to err in.
+    let error = (stage != Stage::Reference).then(|| mean(of_stage));
+    let bytes = |lines: u64| with_caches.then_some(lines * LINE_BYTES);
+    Entry {
+        stage,
+        instructions: counts.instructions,
+        first_cache_bytes: bytes(counts.first_misses),
+        second_cache_bytes: bytes(counts.second_misses),
+        error,
+        unit: error.map(|_| unit(stage).to_owned()),
+    }
+}
+
+fn unit(stage: Stage) -> &'static str {
+    match stage {
+        Stage::RestLive | Stage::RestExact | Stage::Live | Stage::Exact => "mm",
+        Stage::Jpeg => "levels",
+        _ => "px",
+    }
+}
+
+/// Mean error of a frame: of depth in contact, at rest everywhere; of the flow; of the decoded pixels.
+fn error(stage: Stage, output: Output, frame: &Image<[u8; 3]>, truth: &Truth) -> f64 {
+    match output {
+        Output::Reading(Reading { depth: Some(depth), .. }) if unit(stage) == "mm" => {
+            let touched = truth.contact.values();
+            let pairs = depth.values().iter().zip(truth.depth.values()).enumerate();
+            let is_at_rest = stage.base() == Some(Stage::Rest);
+            let counted = pairs.filter(|&(place, _)| is_at_rest || touched[place] == 1);
+            mean(counted.map(|(_, (is_mm, true_mm))| (is_mm - true_mm).abs()).filter(|error| error.is_finite()))
+        }
+        Output::Reading(reading) => {
+            let [u, v] = [0, 1].map(|part| Image::from_fn(SIZE.0, SIZE.1, |x, y| truth.flow.at(x, y)[part]));
+            let (truth, region) = (FlowField { u, v }, without_border(SIZE, BORDER_PX));
+            mean(end_point_errors(&reading.flow, &truth, region).filter(|error| error.is_finite()))
+        }
+        Output::Picture(Pixels::Rgb8(image)) => {
+            let pairs = image.values().as_flattened().iter().zip(frame.values().as_flattened());
+            mean(pairs.map(|(&is, &was)| f32::from(is.abs_diff(was))))
+        }
+        Output::Picture(_) => f64::NAN,
+    }
+}
+
+/// The record for the instruction set that valgrind offers.
+pub(crate) fn record_path() -> PathBuf {
+    let name = format!("{}.json", instruction_set().to_lowercase());
+    crate::workspace().join("benches/instructions").join(name)
+}
+
+/// The highest instruction set that both the processor and valgrind know.
+fn instruction_set() -> String {
+    let name = format!("{:?}", counted_level());
+    name.split(['(', ' ']).next().unwrap_or_default().replace('_', ".").to_uppercase()
+}
+
+#[cfg(target_arch = "x86_64")]
+fn counted_level() -> Level {
+    Level::new().as_avx2().map_or_else(Level::new, Level::Avx2)
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn counted_level() -> Level {
+    Level::new()
+}
+
+fn rustc() -> Result<String> {
+    let output = crate::expect_success(Command::new("rustc").arg("--version"))?;
+    Ok(String::from_utf8_lossy(&output).trim().to_owned())
+}
+
+/// The processor by name, family and model, where the system tells them.
+pub(crate) fn processor() -> String {
+    let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let value = |name: &str| {
+        let mut pairs = text.lines().filter_map(|line| line.split_once(':'));
+        pairs.find(|(key, _)| key.trim() == name).map(|(_, value)| value.trim().to_owned())
+    };
+    match (value("model name"), value("cpu family"), value("model")) {
+        (Some(name), Some(family), Some(model)) => format!("{name}, family {family}, model {model}"),
+        _ => std::env::consts::ARCH.to_owned(),
+    }
+}
