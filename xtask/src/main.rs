@@ -1,5 +1,6 @@
 //! Checks and measurements of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask circles`,
-//! `cargo xtask check`, `cargo xtask camera-test`, `cargo xtask python`, `cargo xtask instructions`.
+//! `cargo xtask check`, `cargo xtask camera-test`, `cargo xtask python`,
+//! `cargo xtask instructions`, `cargo xtask performance`.
 
 mod accuracy;
 #[cfg(unix)]
@@ -9,6 +10,7 @@ mod circles;
 mod instructions;
 mod layers;
 mod lengths;
+mod performance;
 mod python;
 
 use anyhow::{Context, Result, ensure};
@@ -44,6 +46,8 @@ enum Name {
     Python(python::Args),
     /// Count the instructions of a frame and compare them with the record.
     Instructions(instructions::Args),
+    /// Measure the tables of docs/performance.md.
+    Performance(performance::Args),
 }
 
 fn main() -> ExitCode {
@@ -56,6 +60,7 @@ fn main() -> ExitCode {
         Name::CameraTest(args) => camera_test::run(&args, &mut std::io::stdout().lock()),
         Name::Python(args) => python::run(&args, &mut std::io::stdout().lock()),
         Name::Instructions(args) => instructions::run(&args, &mut std::io::stdout().lock()),
+        Name::Performance(args) => performance::run(&args, &mut std::io::stdout().lock()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -25,8 +25,9 @@ use fingervision_image::{Image, Pixels};
 use fingervision_touch::Reading;
 
 use film::{Film, SIZE};
-use record::{Entry, Record};
-use stage::{Output, Run, Stage};
+pub(crate) use record::{Entry, Record, millions};
+pub(crate) use stage::Stage;
+use stage::{Output, Run};
 use valgrind::{Counts, LINE_BYTES};
 
 /// Border that is left out of the error of the flow, px.
@@ -184,7 +185,16 @@ pub(crate) fn record_path() -> PathBuf {
 
 /// The highest instruction set that both the processor and valgrind know.
 fn instruction_set() -> String {
-    let name = format!("{:?}", counted_level());
+    name_of(counted_level())
+}
+
+/// The highest instruction set of the processor that the kernels use.
+pub(crate) fn instruction_set_of_processor() -> String {
+    name_of(Level::new())
+}
+
+fn name_of(level: Level) -> String {
+    let name = format!("{level:?}");
     name.split(['(', ' ']).next().unwrap_or_default().replace('_', ".").to_uppercase()
 }
 

@@ -112,7 +112,13 @@ impl Record {
 
 /// The change as part of the value before.
 fn change(before: f64, now: f64) -> f64 {
-    if before > 0.0 { now / before - 1.0 } else if now > 0.0 { f64::INFINITY } else { 0.0 }
+    if before > 0.0 {
+        now / before - 1.0
+    } else if now > 0.0 {
+        f64::INFINITY
+    } else {
+        0.0
+    }
 }
 
 pub(crate) fn millions(count: u64) -> f64 {

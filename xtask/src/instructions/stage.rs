@@ -103,8 +103,7 @@ pub(super) enum Output<'a> {
 
 impl Run {
     /// The longest first.
-    pub(super) const ALL: [Self; 6] =
-        [Self::Exact, Self::Live, Self::Flow, Self::Density, Self::FlowGrey, Self::Jpeg];
+    pub(super) const ALL: [Self; 6] = [Self::Exact, Self::Live, Self::Flow, Self::Density, Self::FlowGrey, Self::Jpeg];
 
     /// The stages that it counts, in order, and the frames of each.
     pub(super) fn stages(self) -> &'static [(Stage, &'static [usize])] {

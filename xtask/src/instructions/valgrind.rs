@@ -55,7 +55,8 @@ pub(super) fn count_all(film: &Path, with_caches: bool) -> Result<Vec<(Stage, Co
         let found = whole.iter().find(|(counted, _)| *counted == stage).map(|(_, counts)| *counts);
         found.with_context(|| format!("stage {stage} was not counted"))
     };
-    let added = |stage: Stage| Ok((stage, stage.base().map_or_else(|| of(stage), |base| Ok(of(stage)?.minus(of(base)?)))?));
+    let added =
+        |stage: Stage| Ok((stage, stage.base().map_or_else(|| of(stage), |base| Ok(of(stage)?.minus(of(base)?)))?));
     Stage::ALL.into_iter().map(added).collect()
 }
 
@@ -102,7 +103,12 @@ impl Counts {
                 let counts: Vec<u64> = values.split_whitespace().map_while(|value| value.parse().ok()).collect();
                 // Events at the end that are 0 are left out.
                 let of = |name: &str| {
-                    events.iter().position(|event| *event == name).and_then(|place| counts.get(place)).copied().unwrap_or(0)
+                    events
+                        .iter()
+                        .position(|event| *event == name)
+                        .and_then(|place| counts.get(place))
+                        .copied()
+                        .unwrap_or(0)
                 };
                 parts.push(Self {
                     instructions: of("Ir"),
@@ -133,11 +139,7 @@ impl Counts {
     fn divided_by(self, parts: u64) -> Self {
         let Self { instructions, first_misses, second_misses } = self;
         let part = |count: u64| count / parts;
-        Self {
-            instructions: part(instructions),
-            first_misses: part(first_misses),
-            second_misses: part(second_misses),
-        }
+        Self { instructions: part(instructions), first_misses: part(first_misses), second_misses: part(second_misses) }
     }
 }
 
