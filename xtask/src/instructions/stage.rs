@@ -96,6 +96,7 @@ pub(super) enum Run {
 }
 
 /// What a frame gives.
+#[derive(Clone, Copy)]
 pub(super) enum Output<'a> {
     Reading(&'a Reading),
     Picture(&'a Pixels),

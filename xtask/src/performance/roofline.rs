@@ -26,14 +26,6 @@ pub(super) struct Limits {
     pub(super) memory_bytes_per_s: f64,
 }
 
-/// Least times, ms.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Least {
-    pub(super) instructions_ms: f64,
-    pub(super) caches_ms: f64,
-    pub(super) memory_ms: f64,
-}
-
 impl Limits {
     pub(super) fn measure() -> Self {
         let source = vec![1_u8; BLOCK_BYTES];
@@ -56,21 +48,11 @@ impl Limits {
         Self { clock_hz: operations / chain_s, memory_bytes_per_s: bytes / copy_s }
     }
 
-    /// Least times of so many instructions, bytes between the caches, and bytes behind the second cache.
-    pub(super) fn least(&self, instructions: u64, first_cache_bytes: u64, second_cache_bytes: u64) -> Least {
-        let cycles_ms = |cycles: f64| 1e3 * cycles / self.clock_hz;
-        Least {
-            instructions_ms: cycles_ms(instructions as f64 / PER_CYCLE),
-            caches_ms: cycles_ms(first_cache_bytes as f64 / CACHE_BYTES_PER_CYCLE),
-            memory_ms: 1e3 * second_cache_bytes as f64 / self.memory_bytes_per_s,
-        }
-    }
-}
-
-impl Least {
-    /// The largest, because the three overlap.
-    pub(super) fn all_ms(&self) -> f64 {
-        self.instructions_ms.max(self.caches_ms).max(self.memory_ms)
+    /// The least time of so many instructions, bytes between the caches, and bytes behind the second cache, ms: the largest
+    /// of three times, because the three overlap.
+    pub(super) fn least_ms(&self, instructions: u64, first_cache_bytes: u64, second_cache_bytes: u64) -> f64 {
+        let cycles = (instructions as f64 / PER_CYCLE).max(first_cache_bytes as f64 / CACHE_BYTES_PER_CYCLE);
+        1e3 * (cycles / self.clock_hz).max(second_cache_bytes as f64 / self.memory_bytes_per_s)
     }
 }
 
@@ -90,8 +72,13 @@ mod tests {
     #[test]
     fn the_slowest_of_the_three_is_the_limit() {
         let limits = Limits { clock_hz: 2e9, memory_bytes_per_s: 1e10 };
-        let least = limits.least(80_000_000, 64_000_000, 50_000_000);
-        assert_eq!(least, Least { instructions_ms: 10.0, caches_ms: 1.0, memory_ms: 5.0 });
-        assert!((least.all_ms() - 10.0).abs() < 1e-12);
+        for (counts, expected_ms) in [
+            ((80_000_000, 64_000_000, 50_000_000), 10.0),
+            ((8_000_000, 640_000_000, 50_000_000), 10.0),
+            ((8_000_000, 64_000_000, 50_000_000), 5.0),
+        ] {
+            let least_ms = limits.least_ms(counts.0, counts.1, counts.2);
+            assert!((least_ms - expected_ms).abs() < 1e-12, "{counts:?}: {least_ms} ms");
+        }
     }
 }

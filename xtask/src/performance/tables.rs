@@ -181,7 +181,7 @@ fn roofline(program: &Program) -> Result<String> {
         let Entry { instructions, first_cache_bytes, second_cache_bytes, .. } = entry(&record, stage)?;
         let bytes = first_cache_bytes.zip(*second_cache_bytes);
         let (first, second) = bytes.unwrap_or((0, 0));
-        let least = limits.least(*instructions, first, second);
+        let least = limits.least_ms(*instructions, first, second);
         let measured = stage_ms(stage, &single, &bench);
         let mib = |bytes: u64| format!("{:.1}", bytes as f64 / f64::from(1 << 20));
         rows.push(row([
@@ -189,9 +189,9 @@ fn roofline(program: &Program) -> Result<String> {
             &format!("{:.1}", millions(*instructions)),
             &bytes.map_or("–".into(), |_| mib(first)),
             &bytes.map_or("–".into(), |_| mib(second)),
-            &format!("{:.2}", least.all_ms()),
+            &format!("{:.2}", least),
             &measured.map_or("–".into(), |measured| format!("{measured:.2}")),
-            &measured.map_or("–".into(), |measured| format!("{:.1}", measured / least.all_ms())),
+            &measured.map_or("–".into(), |measured| format!("{:.1}", measured / least)),
         ]));
     }
     let heads = [
