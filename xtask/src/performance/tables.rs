@@ -189,7 +189,7 @@ fn roofline(program: &Program) -> Result<String> {
             &format!("{:.1}", millions(*instructions)),
             &bytes.map_or("–".into(), |_| mib(first)),
             &bytes.map_or("–".into(), |_| mib(second)),
-            &format!("{:.2}", least),
+            &format!("{least:.2}"),
             &measured.map_or("–".into(), |measured| format!("{measured:.2}")),
             &measured.map_or("–".into(), |measured| format!("{:.1}", measured / least)),
         ]));
