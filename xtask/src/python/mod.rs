@@ -31,7 +31,7 @@ pub(crate) struct Args {
     /// Fail instead of skipping the tests where Python or packages are missing.
     #[arg(long)]
     required: bool,
-    /// Test a wheel of the development profile, which has assertions and is slower.
+    /// Test a wheel of the development profile, which checks for overflow and is slower.
     #[arg(long)]
     dev: bool,
     /// Build the wheels for other computers: x86-64 and aarch64, Linux with glibc 2.17 or later.

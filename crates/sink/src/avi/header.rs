@@ -65,7 +65,7 @@ impl Header {
             list(*b"odml", &[extended]),
         ];
         let bytes = [b"AVI ".to_vec(), list(*b"hdrl", &hdrl)].concat();
-        debug_assert_eq!(bytes.len() + 8, HEADER_LEN, "the header's length is fixed");
+        assert_eq!(bytes.len() + 8, HEADER_LEN, "the header's length is fixed");
         bytes
     }
 

@@ -1,7 +1,7 @@
 //! The frame that a picture shows; of a whole run, the one with the largest mean flow.
 
 use fingervision_flow::FlowField;
-use fingervision_image::{Frame, Image, ImageError, Rect, grey_into};
+use fingervision_image::{Frame, Image, Rect, grey_into};
 use fingervision_plot::round_up;
 use fingervision_touch::{Flag, Reading, ReadingNumbers};
 
@@ -105,7 +105,7 @@ impl Strongest {
         if expected != actual {
             return Err(SinkError::SizeMismatch { field: "region of the camera image", expected, actual });
         }
-        grey_into(&frame.pixels, region, &mut self.grey).map_err(|error| outside(&error, region, frame))?;
+        grey_into(&frame.pixels, region, &mut self.grey).map_err(|_| outside(region, frame))?;
         self.numbers = reading.numbers;
         self.flow.copy_from(&reading.flow);
         self.valid.copy_from(&reading.valid);
@@ -168,8 +168,7 @@ fn typical(sizes: impl Iterator<Item = f32>, valid: &Image<u8>) -> f32 {
     *sizes.select_nth_unstable_by(place, f32::total_cmp).1
 }
 
-fn outside(error: &ImageError, region: Rect, frame: &Frame) -> SinkError {
-    debug_assert!(matches!(error, ImageError::RegionOutside { .. }), "{error}");
+fn outside(region: Rect, frame: &Frame) -> SinkError {
     let expected = (region.x + region.width, region.y + region.height);
     SinkError::SizeMismatch { field: "camera image", expected, actual: frame.pixels.size() }
 }

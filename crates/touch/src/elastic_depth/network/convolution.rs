@@ -55,7 +55,7 @@ impl Convolution {
 
     /// Applies the layer. `to` has a cell for every `stride`-th of `from`.
     pub(super) fn apply(&self, level: Level, from: &Plane, to: &mut Plane, then: Activation<'_>) {
-        debug_assert_eq!((from.channels, to.channels), (self.inputs, self.outputs), "channels of the layer");
+        assert_eq!((from.channels, to.channels), (self.inputs, self.outputs), "channels of the layer");
         dispatch!(level, simd => self.run(simd, from, to, then));
     }
 

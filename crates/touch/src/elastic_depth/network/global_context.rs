@@ -26,7 +26,7 @@ impl GlobalContext {
 
     /// Changes all cells.
     pub(super) fn apply(&mut self, plane: &mut Plane) {
-        debug_assert_eq!(plane.channels, self.bias.len(), "channels of the layer");
+        assert_eq!(plane.channels, self.bias.len(), "channels of the layer");
         self.mean.fill(0.0);
         for row in 0..plane.rows {
             for cell in plane.row(row).chunks_exact(plane.channels) {
