@@ -146,36 +146,49 @@ struct Player {
     start: Option<(Instant, f64)>,
     /// The recorded time of the last frame.
     last_s: Option<f64>,
-    /// A frame that is not due yet.
-    waiting: Option<Frame>,
+    /// A frame that is not due yet, and the recorded time since the one before, s.
+    waiting: Option<(Frame, f64)>,
 }
 
 impl Player {
-    /// Delivers what follows a long gap as if there were none: after the reference of a recording that began later, or a
-    /// camera that was unplugged.
-    fn skip_gap(&mut self, time_s: f64) {
+    /// Time since the last frame, as recorded, s. What follows a long gap is due as if there were none: after the reference
+    /// of a recording that began later, or a camera that was unplugged.
+    fn skip_gap(&mut self, time_s: f64) -> f64 {
         let gap_s = time_s - self.last_s.replace(time_s).unwrap_or(time_s);
-        if let Some((_, first_s)) = self.start.as_mut().filter(|_| gap_s > LONGEST_GAP_S) {
+        if gap_s <= LONGEST_GAP_S {
+            return gap_s;
+        }
+        if let Some((_, first_s)) = &mut self.start {
             *first_s += gap_s;
         }
+        0.0
     }
 
     fn next(&mut self, pace: Pace, wait: Duration, into: &mut EncodedFrame) -> Next {
-        let frame = match self.waiting.take().map_or_else(|| self.source.next_frame(), |frame| Ok(Some(frame))) {
-            Ok(Some(frame)) => frame,
-            Ok(None) => return Next::End(None),
-            Err(error) if self.source.resume() => return Next::Event(error.to_string()),
-            Err(error) => return Next::End(Some(error.into())),
+        let (frame, gap_s) = match self.waiting.take() {
+            Some(waiting) => waiting,
+            None => match self.source.next_frame() {
+                Ok(Some(frame)) => {
+                    let gap_s = self.skip_gap(frame.capture_time_s);
+                    (frame, gap_s)
+                }
+                Ok(None) => return Next::End(None),
+                Err(error) if self.source.resume() => return Next::Event(error.to_string()),
+                Err(error) => return Next::End(Some(error.into())),
+            },
         };
-        self.skip_gap(frame.capture_time_s);
         let (start, first_s) = *self.start.get_or_insert((Instant::now(), frame.capture_time_s));
         if pace == Pace::Recorded {
             let due = Duration::try_from_secs_f64(frame.capture_time_s - first_s).unwrap_or_default();
-            let left = due.saturating_sub(start.elapsed());
+            let (left, late) = (due.saturating_sub(start.elapsed()), start.elapsed().saturating_sub(due));
             std::thread::sleep(left.min(wait));
             if left > wait {
-                self.waiting = Some(frame);
+                self.waiting = Some((frame, gap_s));
                 return Next::Nothing;
+            }
+            // A source that was late, as one that renders, goes on at its rate: frames in a burst would be dropped.
+            if late.as_secs_f64() > gap_s {
+                self.start = Some((start + late, first_s));
             }
         }
         into.load(&frame);

@@ -73,6 +73,31 @@ fn a_sensor_without_tracking_has_every_frame_and_no_readings() {
 }
 
 #[test]
+fn a_source_that_was_late_goes_on_at_its_rate() {
+    const PERIOD_S: f64 = 0.02;
+    let (source, open) = Film::gated(Film::of(10, 1.0 / PERIOD_S), 3);
+    let input = Input::source(source, Pace::Recorded);
+    let sensor = Sensor::open("finger", Profile::default(), input, Fields::default()).unwrap().without_tracking();
+    let pipeline = Pipeline::prepare(vec![sensor]);
+    let subscription = pipeline.subscribe(Interest { frames: true, fields_every: None, capacity: 100 });
+    let running = pipeline.start().unwrap();
+    std::thread::sleep(Duration::from_secs_f64(20.0 * PERIOD_S));
+    open.send(()).unwrap();
+    let captured_s = until_the_end(&subscription).into_iter().filter_map(|message| match message {
+        Message::Frame { captured_s, .. } => Some(captured_s),
+        _ => None,
+    });
+    let captured_s: Vec<f64> = captured_s.collect();
+    running.stop();
+    assert_eq!(captured_s.len(), 10);
+    // A frame may be late by a period without moving those after it.
+    for (periods, at_s) in (0..).zip(&captured_s[3..]) {
+        let after_s = at_s - captured_s[3];
+        assert!(after_s > PERIOD_S * f64::from(periods - 1), "frame {} came after {after_s:.3} s", 3 + periods);
+    }
+}
+
+#[test]
 fn frames_that_come_too_fast_are_dropped_counted_and_flagged() {
     // A thousand times faster than any tracker.
     let pipeline = Pipeline::prepare(vec![sensor("finger", Film::of(40, 1e6), Pace::Recorded)]);
