@@ -62,6 +62,16 @@ impl FoxgloveServer {
         Ok(Self { server: Some(server), port, is_stopped, thread: Some(thread) })
     }
 
+    /// Whether the port could be served now, before work that takes long.
+    ///
+    /// # Errors
+    ///
+    /// [`FoxgloveServerError`] if the port is taken or the system refuses it.
+    pub fn check(port: u16) -> Result<(), FoxgloveServerError> {
+        let bound = std::net::TcpListener::bind((HOST, port));
+        bound.map(drop).map_err(|error| FoxgloveServerError::of(port, FoxgloveError::Bind(error)))
+    }
+
     /// The address to open in Foxglove.
     #[must_use]
     pub fn url(&self) -> String {

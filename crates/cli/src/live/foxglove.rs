@@ -31,15 +31,35 @@ pub(super) fn port(text: &str) -> Result<u16, String> {
     text.parse().map_err(|_| "a port is a whole number from 0 to 65535".into())
 }
 
+/// Refuses a port that could not be served now.
+#[cfg(feature = "foxglove")]
+pub(super) fn check(port: u16) -> Result<(), Failure> {
+    FoxgloveServer::check(port).map_err(|error| failure(&error))
+}
+
+#[cfg(not(feature = "foxglove"))]
+pub(super) fn check(_port: u16) -> Result<(), Failure> {
+    Err(absent())
+}
+
 /// Serves the sensors at a port of this machine until the server is dropped.
 #[cfg(feature = "foxglove")]
 pub(super) fn start(port: u16, running: &Running) -> Result<FoxgloveServer, Failure> {
     let messages = running.subscribe(FoxgloveServer::interest());
-    let server = FoxgloveServer::start(port, running.handles(), messages);
-    server.map_err(|error| Failure::new(error.to_string(), error.hint()))
+    FoxgloveServer::start(port, running.handles(), messages).map_err(|error| failure(&error))
 }
 
 #[cfg(not(feature = "foxglove"))]
 pub(super) fn start(_port: u16, _running: &Running) -> Result<FoxgloveServer, Failure> {
-    Err(Failure::new(ABSENT, "leave out --foxglove"))
+    Err(absent())
+}
+
+#[cfg(feature = "foxglove")]
+fn failure(error: &fingervision_foxglove::FoxgloveServerError) -> Failure {
+    Failure::new(error.to_string(), error.hint())
+}
+
+#[cfg(not(feature = "foxglove"))]
+fn absent() -> Failure {
+    Failure::new(ABSENT, "leave out --foxglove")
 }

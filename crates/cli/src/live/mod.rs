@@ -92,6 +92,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     }
     let page = (!args.no_page).then_some(args.page);
     page.map_or(Ok(()), PageArgs::check)?;
+    args.foxglove.map_or(Ok(()), foxglove::check)?;
     let sensors = args.sensors.open(Pace::Recorded, args.output)?;
     let show = Show { page, opens_browser: args.open, record: args.record.clone(), foxglove: args.foxglove };
     run_sensors(sensors, &show, args.output, out)

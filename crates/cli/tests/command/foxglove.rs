@@ -67,10 +67,10 @@ mod built_in {
     #[test]
     fn a_port_for_foxglove_that_is_taken_is_refused() {
         let bench = Workbench::new();
-        bench.press(3);
         let other = TcpListener::bind("127.0.0.1:0").unwrap();
         let port = other.local_addr().unwrap().port();
         bench
+            // Before the source is opened: there is none of this name.
             .run(&format!("live press --no-page --foxglove={port}"))
             .expect_failure(&format!("at port {port}: it is taken"), "--foxglove=8766");
         let ended = bench.run("live press --no-page --foxglove=70000");
