@@ -180,13 +180,15 @@ impl Player {
         let (start, first_s) = *self.start.get_or_insert((Instant::now(), frame.capture_time_s));
         if pace == Pace::Recorded {
             let due = Duration::try_from_secs_f64(frame.capture_time_s - first_s).unwrap_or_default();
-            let (left, late) = (due.saturating_sub(start.elapsed()), start.elapsed().saturating_sub(due));
+            let elapsed = start.elapsed();
+            let (left, late) = (due.saturating_sub(elapsed), elapsed.saturating_sub(due));
             std::thread::sleep(left.min(wait));
             if left > wait {
                 self.waiting = Some((frame, gap_s));
                 return Next::Nothing;
             }
-            // A source that was late, as one that renders, goes on at its rate: frames in a burst would be dropped.
+            // A source can be late because it renders its images. It then continues at its rate: if it caught up at once,
+            // the tracker would drop frames.
             if late.as_secs_f64() > gap_s {
                 self.start = Some((start + late, first_s));
             }

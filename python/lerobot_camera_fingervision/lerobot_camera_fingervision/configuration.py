@@ -1,4 +1,4 @@
-"""What LeRobot is told about a sensor."""
+"""The settings of a sensor that is used as a camera of LeRobot."""
 
 from __future__ import annotations
 

@@ -73,7 +73,11 @@ impl Film {
     pub(super) fn read(path: &Path) -> Result<Self> {
         let bytes = fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
         let (pixels, rest) = bytes.as_chunks::<3>();
-        ensure!(rest.is_empty() && pixels.len() == FRAMES * WIDTH * HEIGHT, "{} is no film", path.display());
+        ensure!(
+            rest.is_empty() && pixels.len() == FRAMES * WIDTH * HEIGHT,
+            "{} does not contain {FRAMES} frames",
+            path.display()
+        );
         let frames = pixels.chunks_exact(WIDTH * HEIGHT).map(|frame| Image::from_vec(WIDTH, HEIGHT, frame.to_vec()));
         Ok(Self { frames: frames.collect::<Result<_, _>>()? })
     }

@@ -213,7 +213,7 @@ fn rustc() -> Result<String> {
     Ok(String::from_utf8_lossy(&output).trim().to_owned())
 }
 
-/// The processor by name, family and model, where the system tells them.
+/// Name, family and model of the processor, if the system reports them.
 pub(crate) fn processor() -> String {
     let text = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let value = |name: &str| {

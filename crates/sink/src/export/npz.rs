@@ -20,7 +20,7 @@ const ALIGNMENT: usize = 64;
 /// # Errors
 ///
 /// [`SinkError::Write`] if the file cannot be written, [`SinkError::Read`] if the run cannot be read. After an
-/// error there is no file: an incomplete one could not be read.
+/// error the file is deleted, because an incomplete one cannot be read.
 pub fn write_npz(run: &RunArrays, path: &Path) -> Result<(), SinkError> {
     let file = File::create(path).map_err(SinkError::writing(path))?;
     let is_file = file.metadata().is_ok_and(|about| about.is_file());

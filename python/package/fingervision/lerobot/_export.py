@@ -61,7 +61,7 @@ def export_lerobot(
         raise ArgumentError(f"{target} exists already: choose a new name")
     listed = [recordings] if isinstance(recordings, (str, os.PathLike)) else list(recordings)
     if not listed:
-        raise ArgumentError("there is no recording to export: give at least one")
+        raise ArgumentError("no recording is given: name at least one")
     tracking = Tracking(profile, fields, images, set)
     episodes = [open_episode(recording, tracking) for recording in listed]
     rate = _common_rate(episodes) if frames_per_second is None else frames_per_second
