@@ -25,7 +25,7 @@ const WAITING_MESSAGES: usize = 256;
 pub struct RecorderProgress {
     /// Bytes in the file.
     pub bytes: u64,
-    /// Frames of all sensors.
+    /// Frames of all sensors, with the references that were captured before the recording began.
     pub frames: u64,
     /// Readings of all sensors.
     pub readings: u64,
@@ -232,7 +232,8 @@ impl Recorder {
                 }
                 if times.first_s.is_none() {
                     times.first_s = Some(time_s);
-                    write_reference(writer, *sensor, &self.handles[*sensor], frame, *captured_s)?;
+                    let is_written = write_reference(writer, *sensor, &self.handles[*sensor], frame, *captured_s)?;
+                    shared.lock().frames += u64::from(is_written);
                 }
                 times.last_s = time_s;
                 writer.write_frame(*sensor, frame, *captured_s)?;
@@ -292,22 +293,23 @@ impl Times {
 
 /// Writes the reference, if it is older than the first frame of the recording: readings are relative to it, and tracking the
 /// recording begins with its first frame. Its message has the time of the first frame, because displays show the time
-/// from the first message on; it contains its own number and time.
+/// from the first message on; it contains its own number and time. Returns whether it was written.
 fn write_reference(
     writer: &mut RecordingWriter,
     sensor: usize,
     handle: &SensorHandle,
     first: &EncodedFrame,
     first_captured_s: f64,
-) -> Result<(), RecordingError> {
+) -> Result<bool, RecordingError> {
     let Some((reference, captured_s)) = handle.reference().filter(|(frame, _)| frame.sequence < first.sequence) else {
-        return Ok(());
+        return Ok(false);
     };
     writer.write_reference(sensor, &reference, captured_s, (first.capture_time_s, first_captured_s))?;
     let (sequence, age_s) = (reference.sequence, first_captured_s - captured_s);
     let text =
         format!("the first frame is the reference, frame {sequence}, captured {age_s:.1} s before the recording");
-    writer.write_event(sensor, &text, first_captured_s)
+    writer.write_event(sensor, &text, first_captured_s)?;
+    Ok(true)
 }
 
 fn time_s(clock: Clock, captured_s: f64, capture_time_s: f64) -> f64 {

@@ -121,8 +121,10 @@ fn a_recording_that_begins_later_starts_with_the_reference() {
         let recorder =
             RecorderThread::start(&path, running.handles(), subscription, RecorderOptions::default()).unwrap();
         wait_until(&|| recorder.progress().frames >= 3);
-        assert_eq!(recorder.stop().error, None);
+        let progress = recorder.stop();
+        assert_eq!(progress.error, None);
         let recording = Recording::open(&path).unwrap();
+        assert_eq!(recording.sensors()[0].frames, progress.frames, "with the reference");
         let mut source = RecordingSource::open(recording.clone(), 0).unwrap();
         let [first, second] = [0, 1].map(|_| source.next_frame().unwrap().unwrap());
         let event = recording.events(0).unwrap().into_iter().next().unwrap();
