@@ -1,7 +1,7 @@
 //! Camera-based touch: from images of a gel with a dense random pattern to displacement, depth, contact and force.
 //!
 //! A [`Profile`] describes one sensor. A [`Tracker`] made from it takes [`Frame`]s and gives a [`Reading`] for each.
-//! Here the frames are those of a simulated press, whose sensor is known; [`open`] reads them from a folder or a video,
+//! Here the frames are those of a simulated press, whose sensor is known; [`open`] reads them from a folder or a video file,
 //! and your own program can make them from the images of a camera.
 //!
 #![cfg_attr(feature = "simulate", doc = "```")]
@@ -42,6 +42,7 @@
 //!
 //! - `simulate`, on by default: the simulated sensor ([`Scene`], [`Simulation`], [`SimulatedSource`]), which also lets
 //!   [`open`] take `sim:SCENE`. Without it the crate needs no finite elements of a press, no fonts and no meshes.
+//! - `video`, on by default: [`open`] reads video files, with a decoder of H.264.
 //!
 //! # Crates
 //!

@@ -4,13 +4,11 @@
 //! that is cut off must not be taken for a dark one.
 
 use crate::FrameFormat;
-use crate::fault::guarded;
+use crate::guarded::guarded;
 use crate::motion_jpeg::MotionJpeg;
 use crate::reuse;
-use crate::track::Colour;
-use crate::yuv::YuvToRgb;
+use crate::yuv::{Colour, Planes, YuvToRgb};
 use fingervision_image::{Image, Pixels};
-use rust_h264::decoder::{ChromaFormat, Frame};
 
 /// BT.601, by its number in ITU-T H.273: the matrix of USB cameras that name none.
 const BT_601: u16 = 6;
@@ -74,7 +72,7 @@ impl CameraLayout {
 /// Converts the bytes of a camera's frames into pixels; owns its scratch memory.
 pub struct CameraFrameDecoder {
     layout: CameraLayout,
-    yuv: Option<(YuvToRgb, Frame)>,
+    yuv: Option<(YuvToRgb, Unpacked)>,
     jpeg: MotionJpeg,
 }
 
@@ -86,7 +84,7 @@ impl CameraFrameDecoder {
         let yuv = match coding {
             CameraCoding::Yuyv { is_full_range } => {
                 YuvToRgb::new(width, height, Colour { matrix: BT_601, is_full_range })
-                    .map(|conversion| (conversion, planes(width, height)))
+                    .map(|conversion| (conversion, Unpacked::new(width, height)))
             }
             _ => None,
         };
@@ -120,9 +118,9 @@ impl CameraFrameDecoder {
         let rows = self.rows(bytes, used)?;
         let (width, size) = (self.layout.width, (self.layout.width, self.layout.height));
         match (&mut self.yuv, self.layout.coding) {
-            (Some((conversion, frame)), _) => {
-                unpack(rows, width, frame);
-                conversion.convert_into(frame, reuse::rgb8(pixels, size))?;
+            (Some((conversion, unpacked)), _) => {
+                unpacked.fill(rows, width);
+                conversion.convert_into(&unpacked.planes(), reuse::rgb8(pixels, size))?;
             }
             (None, CameraCoding::Grey16) => {
                 let values = rows.flat_map(|row| row.as_chunks().0.iter().map(|pair| u16::from_le_bytes(*pair)));
@@ -175,36 +173,41 @@ fn copy_rows<'a, T: Copy + 'a>(rows: impl Iterator<Item = &'a [T]>, width: usize
     to.chunks_mut(width.max(1)).zip(rows).for_each(|(to, row)| to.copy_from_slice(row));
 }
 
-/// Planes of 4:2:2 for frames of this size.
-fn planes(width: usize, height: usize) -> Frame {
-    let pairs = width.div_ceil(2);
-    let chroma = vec![0; pairs * height];
-    Frame {
-        width: 2 * pairs as u32, // an odd width has chroma for one column more
-        height: height as u32,
-        y: vec![0; width * height],
-        u: chroma.clone(),
-        v: chroma,
-        pic_order_cnt: 0,
-        chroma_format: ChromaFormat::Yuv422,
-        bit_depth: 8,
-    }
+/// Packed luma and chroma (4:2:2), separated into planes.
+struct Unpacked {
+    y: Vec<u8>,
+    u: Vec<u8>,
+    v: Vec<u8>,
+    chroma_size: [usize; 2],
 }
 
-/// Separates packed luma and chroma into planes. Of an odd width, the last luma is left out.
-fn unpack<'a>(rows: impl Iterator<Item = &'a [u8]>, width: usize, frame: &mut Frame) {
-    let pairs = width.div_ceil(2);
-    for (number, row) in rows.enumerate() {
-        let luma = &mut frame.y[number * width..][..width];
-        let (u, v) = (&mut frame.u[number * pairs..][..pairs], &mut frame.v[number * pairs..][..pairs]);
-        let chroma = u.iter_mut().zip(v);
-        for ((luma, chroma), &[y0, cb, y1, cr]) in luma.chunks_mut(2).zip(chroma).zip(row.as_chunks().0) {
-            (*chroma.0, *chroma.1) = (cb, cr);
-            luma[0] = y0;
-            if let Some(second) = luma.get_mut(1) {
-                *second = y1;
+impl Unpacked {
+    /// Planes for frames of this size; an odd width has chroma for one column more.
+    fn new(width: usize, height: usize) -> Self {
+        let pairs = width.div_ceil(2);
+        let chroma = vec![0; pairs * height];
+        Self { y: vec![0; width * height], u: chroma.clone(), v: chroma, chroma_size: [pairs, height] }
+    }
+
+    /// Takes the rows of a frame. Of an odd width, the last luma is left out.
+    fn fill<'a>(&mut self, rows: impl Iterator<Item = &'a [u8]>, width: usize) {
+        let pairs = self.chroma_size[0];
+        for (number, row) in rows.enumerate() {
+            let luma = &mut self.y[number * width..][..width];
+            let (u, v) = (&mut self.u[number * pairs..][..pairs], &mut self.v[number * pairs..][..pairs]);
+            let chroma = u.iter_mut().zip(v);
+            for ((luma, chroma), &[y0, cb, y1, cr]) in luma.chunks_mut(2).zip(chroma).zip(row.as_chunks().0) {
+                (*chroma.0, *chroma.1) = (cb, cr);
+                luma[0] = y0;
+                if let Some(second) = luma.get_mut(1) {
+                    *second = y1;
+                }
             }
         }
+    }
+
+    fn planes(&self) -> Planes<'_> {
+        Planes { y: &self.y, u: &self.u, v: &self.v, chroma_size: self.chroma_size, has_half_rows: false }
     }
 }
 

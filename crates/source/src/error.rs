@@ -5,6 +5,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// The supported formats, for hints.
+#[cfg(not(feature = "video"))]
+const READ: &str =
+    "folders of PNG, JPEG, TIFF or BMP images and recordings (MCAP) are read, and camera:ID and sim:SCENE";
+
+/// The supported formats, for hints.
+#[cfg(feature = "video")]
 const READ: &str = "folders of PNG, JPEG, TIFF or BMP images, videos (H.264 in MP4 or MOV, motion JPEG in AVI, MP4 or MOV) and \
                     recordings (MCAP) are read, and camera:ID and sim:SCENE";
 
@@ -170,6 +176,13 @@ impl SourceError {
         Self::NotRead { path: path.to_owned(), what, hint: conversion(path, "") }
     }
 
+    #[cfg(not(feature = "video"))]
+    pub(crate) fn video_left_out(path: &Path) -> Self {
+        let hint = "build with the feature `video`, or store the frames as images in a folder".into();
+        Self::NotRead { path: path.to_owned(), what: "a video".into(), hint }
+    }
+
+    #[cfg(feature = "video")]
     pub(crate) fn interlaced(path: &Path) -> Self {
         let what = "interlaced motion JPEG (two fields a frame)".into();
         Self::NotRead { path: path.to_owned(), what, hint: conversion(path, "-vf yadif ") }

@@ -9,6 +9,7 @@
 //!   sequence numbers.
 //! - A **video file**: H.264 in MP4 or MOV, and motion JPEG in AVI, MP4 or MOV. Frames come in the order in which they
 //!   are shown, at the presentation time that the file carries; a jump in time leaves a gap in their sequence numbers.
+//!   Feature `video`, on by default.
 //!
 //! Luma and chroma become RGB by the matrix and range that the video names; where it names none, by BT.601 in limited
 //! range. Bytes damaged within a compressed H.264 frame may go unnoticed: the format has no checksums.
@@ -21,19 +22,15 @@
 //! Not read: H.265, VP9, AV1, Matroska, `WebM`, 10-bit and 4:4:4 H.264, H.264 in AVI. The error says so, and its
 //! [hint](SourceError::hint) gives the command that converts the file.
 
-mod avi;
 mod camera_frame;
 mod compression;
-mod decoder;
 mod encoded_frame;
 mod error;
-mod fault;
 mod folder;
 mod format;
-mod h264;
+mod guarded;
 mod jpeg;
 mod motion_jpeg;
-mod mp4;
 mod natural;
 mod numbering;
 mod open;
@@ -42,7 +39,7 @@ mod regular;
 mod repetition;
 mod reuse;
 mod source;
-mod track;
+#[cfg(feature = "video")]
 mod video;
 mod yuv;
 

@@ -1,8 +1,7 @@
 //! Motion JPEG: a video whose frames are JPEG pictures.
 
-use crate::decoder::Decoder;
 use crate::jpeg::decode_jpeg_into;
-use fingervision_image::{Image, Pixels};
+use fingervision_image::Pixels;
 
 /// Motion JPEG: every sample is a picture of its own.
 #[derive(Debug, Default)]
@@ -19,17 +18,6 @@ impl MotionJpeg {
         } else {
             decode_jpeg_into(sample, pixels)
         }
-    }
-}
-
-impl Decoder for MotionJpeg {
-    fn decode(&mut self, sample: &[u8]) -> Result<Pixels, String> {
-        let mut pixels = Pixels::Grey8(Image::filled(0, 0, 0));
-        self.decode_into(sample, &mut pixels).map(|()| pixels)
-    }
-
-    fn is_key(&self, _: &[u8]) -> bool {
-        true
     }
 }
 
@@ -57,8 +45,15 @@ fn add_standard_tables(sample: &[u8], complete: &mut Vec<u8>) -> bool {
 mod tests {
     use super::*;
     use crate::jpeg::decode_jpeg;
+    use fingervision_image::Image;
     use image::codecs::jpeg::JpegEncoder;
     use image::{GrayImage, ImageBuffer, Luma};
+
+    fn decoded(sample: &[u8]) -> Pixels {
+        let mut pixels = Pixels::Grey8(Image::filled(0, 0, 0));
+        MotionJpeg::default().decode_into(sample, &mut pixels).unwrap();
+        pixels
+    }
 
     #[test]
     fn a_camera_picture_without_huffman_tables_gets_the_standard_ones() {
@@ -73,8 +68,8 @@ mod tests {
         }
         assert!(bare.len() < whole.len());
         assert!(decode_jpeg(&bare).is_err());
-        let wanted = MotionJpeg::default().decode(&whole).unwrap();
+        let wanted = decoded(&whole);
         assert!(matches!(wanted, Pixels::Grey8(_)));
-        assert_eq!(MotionJpeg::default().decode(&bare).unwrap(), wanted);
+        assert_eq!(decoded(&bare), wanted);
     }
 }

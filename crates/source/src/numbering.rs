@@ -1,13 +1,7 @@
 //! Sequence numbers that show where frames are missing.
 //!
-//! A frame's sequence number is its position in the complete recording: if images or times have a gap, the numbers have
-//! a gap, too, and the tracker can count the missing frames.
-
-/// A gap between two frames is a missing frame if it is longer than this many usual intervals, dimensionless.
-const LONGEST_INTERVAL: f64 = 1.5;
-
-/// Largest number of missing frames in a gap: a damaged time must not make numbers overflow.
-const MOST_MISSING: f64 = 1e9;
+//! A frame's sequence number is its position in the complete recording: if the images have a gap, the numbers have a gap,
+//! too, and the tracker can count the missing frames.
 
 /// Sequence numbers by the numbers in file names: from 0, with a gap for every number that is missing.
 ///
@@ -27,23 +21,6 @@ pub(crate) fn by_names<'a>(stems: impl IntoIterator<Item = &'a str>) -> Option<V
     let count = steps.iter().filter(|&&step| step == usual).count();
     let is_counted = steps.iter().all(|step| step % usual == 0) && 2 * count >= steps.len();
     is_counted.then(|| parts.iter().map(|part| (part.number - first.number) / usual).collect())
-}
-
-/// Sequence numbers by times in ascending order, s: from 0, with a gap where times jump.
-///
-/// An interval that is longer than 1.5 times the usual one, the median, counts as the number of usual intervals that
-/// fit into it.
-pub(crate) fn by_times(times_s: &[f64]) -> Vec<u64> {
-    let mut intervals: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let steps = intervals.clone();
-    intervals.sort_by(f64::total_cmp);
-    let usual = intervals.get(intervals.len() / 2).copied().unwrap_or(0.0);
-    let numbers = steps.iter().scan(0, |number, &interval| {
-        let is_gap = usual > 0.0 && interval > LONGEST_INTERVAL * usual;
-        *number += if is_gap { (interval / usual).round().min(MOST_MISSING) as u64 } else { 1 };
-        Some(*number)
-    });
-    std::iter::once(0).chain(numbers).take(times_s.len()).collect()
 }
 
 /// A file name around the last number in it.
@@ -90,14 +67,5 @@ mod tests {
         assert_eq!(numbers(["t1000", "t1033", "t1067", "t1100"]), None);
         assert_eq!(numbers(["1", "4", "6", "13", "20"]), None);
         assert_eq!(numbers(["1", "01", "2"]), None);
-    }
-
-    #[test]
-    fn a_jump_in_time_leaves_a_gap() {
-        assert_eq!(by_times(&[0.0, 0.1, 0.2, 0.5, 0.6]), [0, 1, 2, 5, 6]);
-        assert_eq!(by_times(&[0.0, 0.1, 0.21, 0.29, 0.43]), [0, 1, 2, 3, 4]);
-        assert_eq!((by_times(&[3.0]), by_times(&[])), (vec![0], vec![]));
-        assert_eq!(by_times(&[1.0, 1.0, 1.0]), [0, 1, 2]);
-        assert_eq!(by_times(&[0.0, 1.0, 2.0, f64::INFINITY]), [0, 1, 2, 1_000_000_002]);
     }
 }

@@ -1,8 +1,9 @@
 //! Opens the source that the user names.
 
 use crate::folder::FolderSource;
-use crate::video::VideoSource;
-use crate::{Options, Source, SourceError, avi, mp4, regular};
+#[cfg(feature = "video")]
+use crate::video;
+use crate::{Options, Source, SourceError, regular};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
@@ -47,16 +48,19 @@ fn open_file(path: &Path) -> Result<Box<dyn Source>, SourceError> {
     let io = |error| SourceError::io(path, error);
     let mut signature = Vec::new();
     File::open(path).and_then(|file| file.take(SIGNATURE_LEN).read_to_end(&mut signature)).map_err(io)?;
-    let reader = match content(&signature) {
-        Content::Mp4 => mp4::read_track,
-        Content::Avi => avi::read_track,
-        Content::Image => return Err(SourceError::single_image(path)),
-        Content::Recording => return Err(SourceError::not_read_yet(path, "a recording")),
-        Content::Video(what) => return Err(SourceError::unread_video(path, what.into())),
-        Content::Unknown if signature.is_empty() => return Err(SourceError::not_read_yet(path, "an empty file")),
-        Content::Unknown => return Err(SourceError::not_read_yet(path, "this kind of file")),
-    };
-    Ok(Box::new(VideoSource::open(path, reader)?))
+    match content(&signature) {
+        #[cfg(feature = "video")]
+        Content::Mp4 => video::open_mp4(path),
+        #[cfg(feature = "video")]
+        Content::Avi => video::open_avi(path),
+        #[cfg(not(feature = "video"))]
+        Content::Mp4 | Content::Avi => Err(SourceError::video_left_out(path)),
+        Content::Image => Err(SourceError::single_image(path)),
+        Content::Recording => Err(SourceError::not_read_yet(path, "a recording")),
+        Content::Video(what) => Err(SourceError::unread_video(path, what.into())),
+        Content::Unknown if signature.is_empty() => Err(SourceError::not_read_yet(path, "an empty file")),
+        Content::Unknown => Err(SourceError::not_read_yet(path, "this kind of file")),
+    }
 }
 
 /// The content of a file, by its first bytes.
@@ -91,6 +95,15 @@ fn content(signature: &[u8]) -> Content {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(not(feature = "video"))]
+    #[test]
+    fn a_video_names_the_feature_that_reads_it() {
+        let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/testdata/phone.mp4");
+        let error = open(clip, &Options::default()).map(|_| ()).unwrap_err();
+        assert!(error.to_string().ends_with("phone.mp4: a video is not supported"), "{error}");
+        assert!(error.hint().unwrap().contains("feature `video`"));
+    }
 
     #[test]
     fn content_is_recognised_by_the_first_bytes() {

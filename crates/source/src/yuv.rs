@@ -10,14 +10,34 @@
 //! Limited range spans 16 to 235 in luma and 16 to 240 in chroma. Chroma is interpolated linearly. Its samples lie in
 //! the column of the even luma samples and, where rows are halved too, midway between two rows: H.264's own default.
 
-use crate::track::Colour;
+#[cfg(any(feature = "video", test))]
 use fingervision_image::Image;
-use rust_h264::decoder::{ChromaFormat, Frame};
 
 /// Fixed-point one: coefficients carry 16 bits after the point.
 const ONE: f64 = 65536.0;
 /// Interpolated chroma carries three bits: a half across times a quarter down.
 const CHROMA_BITS: u32 = 3;
+
+/// How luma and chroma were made from red, green and blue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Colour {
+    /// The matrix, by its number in ITU-T H.273.
+    pub(crate) matrix: u16,
+    /// Luma spans 0 to 255, not 16 to 235.
+    pub(crate) is_full_range: bool,
+}
+
+/// A picture as luma and chroma, 8 bits each, row after row. Chroma has half of the columns.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Planes<'a> {
+    pub(crate) y: &'a [u8],
+    pub(crate) u: &'a [u8],
+    pub(crate) v: &'a [u8],
+    /// Columns and rows of chroma.
+    pub(crate) chroma_size: [usize; 2],
+    /// Chroma has half of the rows (4:2:0), not all of them (4:2:2).
+    pub(crate) has_half_rows: bool,
+}
 
 /// Converts the pictures of one stream; owns its scratch.
 pub(crate) struct YuvToRgb {
@@ -63,15 +83,17 @@ impl YuvToRgb {
     }
 
     /// Converts an 8-bit picture of the stream's size.
-    pub(crate) fn convert(&mut self, picture: &Frame) -> Result<Image<[u8; 3]>, String> {
+    #[cfg(any(feature = "video", test))]
+    pub(crate) fn convert(&mut self, picture: &Planes) -> Result<Image<[u8; 3]>, String> {
         let mut rgb = Image::filled(self.width, self.height, [0; 3]);
         self.convert_into(picture, rgb.values_mut()).map(|()| rgb)
     }
 
-    /// As [`convert`](Self::convert), into the values of an image of the stream's size.
-    pub(crate) fn convert_into(&mut self, picture: &Frame, rgb: &mut [[u8; 3]]) -> Result<(), String> {
+    /// Converts an 8-bit picture into the values of an image of the stream's size.
+    pub(crate) fn convert_into(&mut self, picture: &Planes, rgb: &mut [[u8; 3]]) -> Result<(), String> {
         let (width, height) = (self.width, self.height);
-        let chroma_len = (picture.chroma_width() * picture.chroma_height()) as usize;
+        let [chroma_width, chroma_height] = picture.chroma_size;
+        let chroma_len = chroma_width * chroma_height;
         let is_whole = picture.y.len() == width * height && picture.u.len().min(picture.v.len()) == chroma_len;
         if !is_whole || chroma_len == 0 {
             return Err("the decoded picture lacks rows".into());
@@ -85,22 +107,22 @@ impl YuvToRgb {
     }
 
     /// Fills the chroma of one luma row.
-    fn interpolate_chroma(&mut self, picture: &Frame, row: usize) {
-        let width = picture.chroma_width() as usize;
-        let last = picture.chroma_height() as usize - 1;
-        let (near, far) = match picture.chroma_format {
-            ChromaFormat::Yuv422 => (row.min(last), row.min(last)),
+    fn interpolate_chroma(&mut self, picture: &Planes, row: usize) {
+        let [width, height] = picture.chroma_size;
+        let last = height - 1;
+        let (near, far) = match row / 2 {
+            _ if !picture.has_half_rows => (row.min(last), row.min(last)),
             // Each luma row lies a quarter row from the nearest chroma row, on alternating sides.
-            ChromaFormat::Yuv420 if row.is_multiple_of(2) => ((row / 2).min(last), (row / 2).saturating_sub(1)),
-            ChromaFormat::Yuv420 => ((row / 2).min(last), (row / 2 + 1).min(last)),
+            half if row.is_multiple_of(2) => (half.min(last), half.saturating_sub(1)),
+            half => (half.min(last), (half + 1).min(last)),
         };
         let down = |plane: &[u8], column: usize| {
             3 * i32::from(plane[near * width + column]) + i32::from(plane[far * width + column]) - 4 * 128
         };
-        let mut left = [down(&picture.u, 0), down(&picture.v, 0)];
+        let mut left = [down(picture.u, 0), down(picture.v, 0)];
         for (column, pair) in self.chroma_row.chunks_mut(2).enumerate() {
             let next = (column + 1).min(width - 1);
-            let right = [down(&picture.u, next), down(&picture.v, next)];
+            let right = [down(picture.u, next), down(picture.v, next)];
             pair[0] = [2 * left[0], 2 * left[1]];
             if let Some(between) = pair.get_mut(1) {
                 *between = [left[0] + right[0], left[1] + right[1]];
@@ -126,19 +148,10 @@ impl YuvToRgb {
 mod tests {
     use super::*;
 
-    fn flat(y: u8, u: u8, v: u8, chroma_format: ChromaFormat) -> Frame {
-        let chroma = if chroma_format == ChromaFormat::Yuv420 { 4 } else { 8 };
-        let planes = (vec![y; 16], vec![u; chroma], vec![v; chroma]);
-        Frame {
-            width: 4,
-            height: 4,
-            y: planes.0,
-            u: planes.1,
-            v: planes.2,
-            pic_order_cnt: 0,
-            chroma_format,
-            bit_depth: 8,
-        }
+    /// The rows of chroma of a picture of 4×4 px, with half of the rows or all.
+    fn planes<'a>(y: &'a [u8; 16], u: &'a [u8; 8], v: &'a [u8; 8], has_half_rows: bool) -> Planes<'a> {
+        let rows = if has_half_rows { 2 } else { 4 };
+        Planes { y, u: &u[..2 * rows], v: &v[..2 * rows], chroma_size: [2, rows], has_half_rows }
     }
 
     /// The definition, in `f64`.
@@ -163,8 +176,9 @@ mod tests {
                 let mut conversion = YuvToRgb::new(4, 4, Colour { matrix, is_full_range }).unwrap();
                 for colour in colours {
                     let [y, u, v] = reference(colour, kr, kb, is_full_range);
-                    for format in [ChromaFormat::Yuv420, ChromaFormat::Yuv422] {
-                        let rgb = conversion.convert(&flat(y, u, v, format)).unwrap();
+                    for has_half_rows in [true, false] {
+                        let (y, u, v) = ([y; 16], [u; 8], [v; 8]);
+                        let rgb = conversion.convert(&planes(&y, &u, &v, has_half_rows)).unwrap();
                         for (found, wanted) in rgb.at(3, 3).into_iter().zip(colour) {
                             // Rounding luma and chroma to 8 bit costs up to two levels.
                             let difference = f64::from(found) - 255.0 * wanted;
@@ -178,10 +192,9 @@ mod tests {
 
     #[test]
     fn chroma_is_linear_between_its_samples() {
-        let mut picture = flat(128, 128, 128, ChromaFormat::Yuv420);
-        picture.v = vec![128, 148, 128, 148];
+        let (y, u, v) = ([128; 16], [128; 8], [128, 148, 128, 148, 0, 0, 0, 0]);
         let mut conversion = YuvToRgb::new(4, 4, Colour { matrix: 6, is_full_range: true }).unwrap();
-        conversion.interpolate_chroma(&picture, 1);
+        conversion.interpolate_chroma(&planes(&y, &u, &v, true), 1);
         assert_eq!(conversion.chroma_row.iter().map(|chroma| chroma[1]).collect::<Vec<_>>(), [0, 80, 160, 160]);
     }
 

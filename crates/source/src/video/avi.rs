@@ -7,8 +7,8 @@
 //!
 //! Only motion JPEG is read. An empty chunk represents a frame that the recorder dropped: its number is skipped.
 
-use crate::fault::Fault;
-use crate::track::{Codec, Sample, Shown, Track, Turn};
+use crate::video::fault::Fault;
+use crate::video::track::{Codec, Sample, Shown, Track, Turn};
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 

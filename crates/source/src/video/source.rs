@@ -3,13 +3,14 @@
 //! With B-frames a sample may be shown later than its successors in the file. The container's times give the order, so
 //! a decoded frame waits only until all frames that are shown before it have been delivered.
 
-use crate::decoder::Decoder;
-use crate::fault::Fault;
-use crate::h264::H264;
-use crate::jpeg::has_two_fields;
 use crate::motion_jpeg::MotionJpeg;
-use crate::track::{Codec, Sample, Shown, Track};
-use crate::{FrameFormat, Source, SourceError, numbering};
+use crate::video::decoder::Decoder;
+use crate::video::fault::Fault;
+use crate::video::fields::has_two_fields;
+use crate::video::h264::H264;
+use crate::video::numbering;
+use crate::video::track::{Codec, Sample, Shown, Track};
+use crate::{FrameFormat, Source, SourceError};
 use fingervision_image::Frame;
 use std::collections::BTreeMap;
 use std::fs::File;

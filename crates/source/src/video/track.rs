@@ -1,6 +1,7 @@
 //! The description of a video track, the same for all containers.
 
-use crate::fault::Fault;
+use crate::video::fault::Fault;
+use crate::yuv::Colour;
 use fingervision_image::{Image, Pixels};
 
 /// The video track of a file: how it is coded and where its frames lie.
@@ -21,15 +22,6 @@ pub(crate) enum Codec {
     H264 { config: Vec<u8>, colour: Option<Colour> },
     /// Every frame a JPEG.
     MotionJpeg,
-}
-
-/// How luma and chroma were made from red, green and blue.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Colour {
-    /// The matrix, by its number in ITU-T H.273.
-    pub(crate) matrix: u16,
-    /// Luma spans 0 to 255, not 16 to 235.
-    pub(crate) is_full_range: bool,
 }
 
 /// One compressed frame.

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+#[cfg(feature = "video")]
 mod damage;
 mod folder;
 mod fuzz;
+#[cfg(feature = "video")]
 mod video;

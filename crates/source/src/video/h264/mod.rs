@@ -5,13 +5,13 @@
 
 mod references;
 
-use crate::decoder::Decoder;
-use crate::fault::{Fault, guarded};
-use crate::track::Colour;
-use crate::yuv::YuvToRgb;
+use crate::guarded::guarded;
+use crate::video::decoder::Decoder;
+use crate::video::fault::Fault;
+use crate::yuv::{Colour, Planes, YuvToRgb};
 use fingervision_image::Pixels;
 use references::References;
-use rust_h264::decoder::{Decoder as Bitstream, Frame};
+use rust_h264::decoder::{ChromaFormat, Decoder as Bitstream, Frame};
 use rust_h264::error::DecodeError;
 use rust_h264::nal::{NalUnit, NalUnitType, SpsInfo, parse_avcc, parse_avcc_config, parse_sps_info};
 
@@ -87,12 +87,23 @@ impl Decoder for H264 {
         if (picture.width, picture.height) != (info.width, info.height) {
             return Err("half a picture: one of its fields is missing".into());
         }
-        conversion.convert(&picture).map(Pixels::Rgb8)
+        conversion.convert(&planes(&picture)).map(Pixels::Rgb8)
     }
 
     fn is_key(&self, sample: &[u8]) -> bool {
         let is_whole = check_lengths(sample, self.length_size).is_ok();
         is_whole && parse_avcc(sample, self.length_size).iter().any(|unit| unit.nal_unit_type == NalUnitType::SliceIdr)
+    }
+}
+
+/// The planes of a decoded picture.
+fn planes(picture: &Frame) -> Planes<'_> {
+    Planes {
+        y: &picture.y,
+        u: &picture.u,
+        v: &picture.v,
+        chroma_size: [picture.chroma_width() as usize, picture.chroma_height() as usize],
+        has_half_rows: picture.chroma_format == ChromaFormat::Yuv420,
     }
 }
 

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::fault::guarded;
+use crate::guarded::guarded;
 use rust_h264::nal::{NalUnit, NalUnitType};
 use rust_h264::pps::{Pps, parse_pps};
 use rust_h264::slice::parse_slice_header;

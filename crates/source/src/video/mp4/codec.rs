@@ -5,8 +5,9 @@
 //! in this way).
 
 use super::boxes::{Bytes, boxes, find};
-use crate::fault::Fault;
-use crate::track::{Codec, Colour};
+use crate::video::fault::Fault;
+use crate::video::track::Codec;
+use crate::yuv::Colour;
 
 /// Length of a video sample entry before its boxes, bytes.
 const SAMPLE_ENTRY_LEN: usize = 78;

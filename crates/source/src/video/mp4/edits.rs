@@ -1,7 +1,7 @@
 //! The edit list: which part of the media is shown, and when it starts.
 
 use super::boxes::{Bytes, find_path};
-use crate::fault::Fault;
+use crate::video::fault::Fault;
 
 /// Rate 1.0 in 16.16 fixed point.
 const NORMAL_SPEED: u32 = 0x1_0000;

@@ -2,7 +2,7 @@
 
 use super::boxes::{Bytes, boxes, find, find_path};
 use super::samples::MediaSample;
-use crate::fault::Fault;
+use crate::video::fault::Fault;
 
 /// Values of a sample that its run does not contain.
 #[derive(Default, Clone, Copy)]

@@ -5,8 +5,8 @@ use super::codec::codec;
 use super::edits::Edit;
 use super::fragments::add_fragment;
 use super::samples::{MediaSample, sample_table};
-use crate::fault::Fault;
-use crate::track::{Sample, Shown, Track, Turn};
+use crate::video::fault::Fault;
+use crate::video::track::{Sample, Shown, Track, Turn};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 

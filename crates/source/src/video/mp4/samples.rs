@@ -1,7 +1,7 @@
 //! The sample table: six compact lists that together give the position of every sample in the file and in time.
 
 use super::boxes::{Bytes, find};
-use crate::fault::Fault;
+use crate::video::fault::Fault;
 
 /// One sample of the track, in decoding order.
 #[derive(Debug, Clone, Copy, PartialEq)]
