@@ -11,6 +11,9 @@ pub(crate) fn run(out: &mut impl Write) -> Result<()> {
     circles::run(out)?;
     cargo(&["fmt", "--all", "--check"], out)?;
     cargo(&["clippy", "--workspace", "--all-targets", FEATURES, "--locked", "--quiet", "--", "-D", "warnings"], out)?;
+    // Without the features that are on by default.
+    let core = ["clippy", "--package", "fingervision", "--no-default-features", "--locked", "--quiet"];
+    cargo(&[&core[..], &["--", "-D", "warnings"]].concat(), out)?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], out)
 }
 
