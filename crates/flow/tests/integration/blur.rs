@@ -62,6 +62,46 @@ fn errors_on_a_blurred_picture_agree_with_its_deviation() {
     }
 }
 
+/// The mean of images of a motion that gets faster while the shutter is open, up to `last_px`, and its mean shift, px.
+fn accelerated(last_px: f64) -> (Image<[u8; 3]>, f64) {
+    let shifts: Vec<f64> = (0..=8).map(|step| last_px * (f64::from(step) / 8.0).powi(2)).collect();
+    let images: Vec<_> = shifts.iter().zip(2..).map(|(&dx, seed)| render(&Motion::shift(dx), SHARP_PX, seed)).collect();
+    let count = images.len();
+    let mean = Image::from_fn(SIZE.0, SIZE.1, |x, y| {
+        let sum = |channel: usize| images.iter().map(|image| usize::from(image.at(x, y)[channel])).sum::<usize>();
+        [0, 1, 2].map(|channel| ((sum(channel) + count / 2) / count) as u8)
+    });
+    (mean, shifts.iter().sum::<f64>() / count as f64)
+}
+
+/// Part of the pixels 16 px and more from the border that are valid, and that are valid with an error above 0.5 px.
+fn valid_and_wrong(estimate: &Estimate, motion: &Motion) -> (f32, f32) {
+    let truth = motion.flow(SIZE.0, SIZE.1);
+    let (mut valid, mut wrong, mut count) = (0.0, 0.0, 0.0);
+    for y in 16..SIZE.1 - 16 {
+        for x in 16..SIZE.0 - 16 {
+            let (u, v) = (estimate.flow.u.at(x, y), estimate.flow.v.at(x, y));
+            let error = (u - truth.u.at(x, y)).hypot(v - truth.v.at(x, y));
+            let is_valid = estimate.valid.at(x, y) == 1;
+            count += 1.0;
+            valid += f32::from(u8::from(is_valid));
+            wrong += f32::from(u8::from(is_valid && error > 0.5));
+        }
+    }
+    (valid / count, wrong / count)
+}
+
+#[test]
+fn pixels_that_motion_blurs_too_much_are_not_valid() {
+    // An accelerated motion of 6 px puts the blurred image more than 0.5 px from its mean position.
+    for (last_px, least_valid, most_wrong) in [(2.0, 0.99, 0.0), (4.0, 0.9, 0.0), (6.0, 0.0, 0.05), (9.0, 0.0, 0.001)] {
+        let (image, mean_px) = accelerated(last_px);
+        let (valid, wrong) = valid_and_wrong(&follow(Preset::Affine, image), &Motion::shift(mean_px));
+        assert!(valid >= least_valid, "{last_px} px: {valid} valid");
+        assert!(wrong <= most_wrong, "{last_px} px: {wrong} valid and wrong");
+    }
+}
+
 #[test]
 fn blur_lowers_sharpness_for_every_cell_size() {
     for cell_px in [3.0, 6.0, 12.0] {

@@ -148,7 +148,7 @@ mod tests {
         };
         let mut field = FineField::new(grid);
         let place = 5 * grid.columns + 7;
-        field.sample(&flow, &mut [FineNode::at(place)]);
+        field.sample(&flow, &mut [FineNode::at(place, 0.0)]);
         let cells = [place, place + 1, place + grid.columns, place + grid.columns + 1];
         field.set_twists(&cells);
         for cell in cells {

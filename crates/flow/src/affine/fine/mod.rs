@@ -38,6 +38,15 @@ const ROUGH_PATCH: f32 = 0.03;
 /// large deviation, the cause is blur or noise, not a rim.
 const MOST_REFINED: f32 = 0.3;
 
+/// A coarse patch that should be refined.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rough {
+    /// Its variance, px². Those with the largest are refined.
+    pub(crate) variance: f32,
+    /// The square of its error that blur causes, px². A smaller window shows less of blur, but does not correct it.
+    pub(crate) blur_error: f32,
+}
+
 /// The fine patches of a picture and their scratch memory.
 #[derive(Debug, Clone)]
 pub(crate) struct FinePatches {
@@ -50,8 +59,8 @@ pub(crate) struct FinePatches {
     /// Factor on the patches' equations: one over the noise variance and their overlap.
     scale: f32,
     field: FineField,
-    /// Variance and index of the coarse patches that may be refined.
-    rough: Vec<(f32, usize)>,
+    /// The coarse patches that may be refined, with their indices.
+    rough: Vec<(Rough, usize)>,
     /// For every node of the grid, its index in `nodes`, or [`NONE`].
     index: Vec<u32>,
     nodes: Vec<FineNode>,
@@ -87,21 +96,20 @@ impl FinePatches {
         fine.prepare(self.level, template, channels, self.scale, self.stiffness.curvature);
     }
 
-    /// Refines the flow in `out` by a number of steps. `variance` returns the variance of a coarse patch that should be
-    /// refined, px², and `None` for the others.
+    /// Refines the flow in `out` by a number of steps, at the coarse patches for which `rough` returns a value.
     pub(crate) fn refine<T: Texel>(
         &mut self,
         (template, fine): (&Template, &FineTemplate),
         current: Current<'_, T>,
         rules: &ValidityParams,
         steps: usize,
-        variance: impl Fn(usize) -> Option<f32>,
+        rough: impl Fn(usize) -> Option<Rough>,
         out: &mut Estimate,
     ) {
         if steps == 0 {
             return;
         }
-        self.select(variance);
+        self.select(rough);
         if self.nodes.is_empty() {
             return;
         }
@@ -117,13 +125,13 @@ impl FinePatches {
     }
 
     /// Sets the nodes to be refined and the cells around them.
-    fn select(&mut self, variance: impl Fn(usize) -> Option<f32>) {
+    fn select(&mut self, is_rough: impl Fn(usize) -> Option<Rough>) {
         let Self { grid, coarse, rough, index, has_cell, nodes, cells, .. } = self;
         rough.clear();
-        rough.extend((0..coarse.nodes()).filter_map(|node| Some((variance(node)?, node))));
+        rough.extend((0..coarse.nodes()).filter_map(|node| Some((is_rough(node)?, node))));
         let most = (MOST_REFINED * coarse.nodes() as f32) as usize;
         if rough.len() > most {
-            rough.select_nth_unstable_by(most, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            rough.select_nth_unstable_by(most, |a, b| b.0.variance.total_cmp(&a.0.variance).then(a.1.cmp(&b.1)));
             rough.truncate(most);
             rough.sort_unstable_by_key(|(_, node)| *node);
         }
@@ -131,10 +139,10 @@ impl FinePatches {
         has_cell.fill(false);
         nodes.clear();
         cells.clear();
-        for &(_, node) in rough.iter() {
+        for &(Rough { blur_error, .. }, node) in rough.iter() {
             for place in grid.within(node % coarse.columns, node / coarse.columns) {
                 index[place] = nodes.len() as u32;
-                nodes.push(FineNode::at(place));
+                nodes.push(FineNode::at(place, blur_error));
                 for cell in [place, place + 1, place + grid.columns, place + grid.columns + 1] {
                     if !std::mem::replace(&mut has_cell[cell], true) {
                         cells.push(cell);
@@ -206,8 +214,9 @@ impl FinePatches {
             let [u, _, _, v, ..] = node.step;
             let excess = (node.mean_energy / self.noise_variance).max(1.0);
             let rough = ROUGH_PATCH * expected * node.roughness;
-            let variance =
-                fine.own_variance[node.place] * excess + rough + REMAINING_ERROR * (u * u + v * v) + FLOOR_VARIANCE;
+            let blur = node.blur_error(fine.equations[node.place].variance, self.noise_variance);
+            let other = rough + blur + REMAINING_ERROR * (u * u + v * v) + FLOOR_VARIANCE;
+            let variance = fine.own_variance[node.place] * excess + other;
             let deviation = if node.is_trusted { variance.sqrt() } else { f32::INFINITY };
             let (left, top) = (STRIDE * (node.place % self.grid.columns), STRIDE * (node.place / self.grid.columns));
             for y in top..top + STRIDE {

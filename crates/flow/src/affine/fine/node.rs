@@ -2,7 +2,7 @@
 
 use super::cell::RESIDUALS;
 use crate::ValidityParams;
-use crate::affine::judge::LEAST_CONTRAST;
+use crate::affine::judge::{LEAST_CONTRAST, blur_error};
 use crate::affine::nodes::UNKNOWNS;
 use crate::affine::refinement::CONTRASTS;
 use crate::affine::symmetric::{PACKED, packed};
@@ -31,6 +31,8 @@ pub(super) struct FineNode {
     pub(super) is_trusted: bool,
     /// Residual per sample, grey levels².
     pub(super) mean_energy: f32,
+    /// Square of the error of the coarse patch that blur causes, px².
+    pub(super) coarse_blur_error: f32,
     /// Mean roughness of the field around the node, relative to what the prior expects.
     pub(super) roughness: f32,
     /// Weights of the coupling with the neighbours.
@@ -41,8 +43,8 @@ pub(super) struct FineNode {
 
 impl FineNode {
     /// The node with this index in the grid.
-    pub(super) fn at(place: usize) -> Self {
-        Self { place, is_trusted: true, ..Self::default() }
+    pub(super) fn at(place: usize, coarse_blur_error: f32) -> Self {
+        Self { place, coarse_blur_error, is_trusted: true, ..Self::default() }
     }
 
     /// Forms the right-hand side as for the coarse patches: eliminates the change of light and divides by the contrast.
@@ -85,6 +87,12 @@ impl FineNode {
         let allowed = floor.max(rules.max_unexplained * variance);
         self.is_trusted = left <= allowed * samples && self.contrast >= LEAST_CONTRAST;
         self.mean_energy = left / samples.max(1.0);
+    }
+
+    /// Square of the error that blur causes, px²; `variance` is that of the template.
+    pub(super) fn blur_error(&self, variance: f32, noise_variance: f32) -> f32 {
+        let own = blur_error(self.contrast, self.mean_energy - noise_variance, variance.max(noise_variance));
+        own.max(self.coarse_blur_error)
     }
 }
 

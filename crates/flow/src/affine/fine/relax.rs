@@ -186,7 +186,7 @@ mod tests {
             }
             index[place] = k as u32;
             let right = std::array::from_fn(|_| 3.0 * noise(&mut seed));
-            nodes.push(FineNode { right, is_trusted: place != 13, ..FineNode::at(place) });
+            nodes.push(FineNode { right, is_trusted: place != 13, ..FineNode::at(place, 0.0) });
         }
         let stiffness = Stiffness { continuity: 3.0, curvature: 2.0, tolerance: 4.0 };
         let relaxation =
