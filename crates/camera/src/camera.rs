@@ -66,7 +66,7 @@ impl Camera {
             layout,
             device: Some(device),
             frame_layout,
-            decoder: CameraFrameDecoder::new(frame_layout),
+            decoder: CameraFrameDecoder::for_tracking(frame_layout),
             encoded: EncodedFrame::empty(),
             numbering,
             counts: Counts::default(),
@@ -232,7 +232,7 @@ impl Camera {
         self.numbering.restart(layout.mode.frames_per_second);
         self.counts.restarts += 1;
         (self.node, self.device, self.layout) = (node, Some(device), layout);
-        (self.frame_layout, self.decoder) = (frame_layout, CameraFrameDecoder::new(frame_layout));
+        (self.frame_layout, self.decoder) = (frame_layout, CameraFrameDecoder::for_tracking(frame_layout));
         self.remarks = remarks;
         Event::Restarted
     }

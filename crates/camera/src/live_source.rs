@@ -59,10 +59,6 @@ impl Source for CameraSource {
         (layout.width, layout.height)
     }
 
-    fn has_full_colour(&self) -> bool {
-        self.camera.frame_layout().coding.has_full_colour()
-    }
-
     fn description(&self) -> String {
         format!("camera {}: {}", self.camera.id(), self.camera.mode())
     }

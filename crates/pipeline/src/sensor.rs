@@ -66,11 +66,10 @@ impl Sensor {
                 Next::End(Some(error)) => return Err(error),
                 Next::End(None) => break,
             };
-            let mut decoder = CameraFrameDecoder::new(first.layout);
+            let mut decoder = CameraFrameDecoder::for_tracking(first.layout);
             match decoder.decode(&first.bytes) {
                 Ok(pixels) => {
-                    let is_colour = pixels.is_colour() && first.layout.coding.has_full_colour();
-                    let tracker = Tracker::new(&profile, pixels.size(), is_colour, fields)?;
+                    let tracker = Tracker::new(&profile, pixels.size(), pixels.is_colour(), fields)?;
                     let handle = SensorHandle::new(name, &input, profile, fields, &tracker, &pixels);
                     let frame = frame_of(&first, pixels);
                     let first = (Captured { frame: Arc::new(first), captured_s, truth: input.truth() }, frame);

@@ -77,7 +77,7 @@ impl Track {
         let begin = Instant::now();
         if frame.layout != self.layout {
             // The camera was opened again and may have another mode; the tracker refuses frames of another size.
-            (self.layout, self.decoder) = (frame.layout, CameraFrameDecoder::new(frame.layout));
+            (self.layout, self.decoder) = (frame.layout, CameraFrameDecoder::for_tracking(frame.layout));
         }
         let tracker = self.tracker.as_mut().ok_or("it is not tracked")?;
         self.decoder.decode_into(&frame.bytes, &mut self.frame.pixels)?;

@@ -30,8 +30,6 @@ pub struct RecordingSource {
     decoder: Option<CameraFrameDecoder>,
     encoded: EncodedFrame,
     is_ended: bool,
-    /// That of the first frame.
-    has_full_colour: bool,
 }
 
 impl RecordingSource {
@@ -56,11 +54,11 @@ impl RecordingSource {
         let _ = reader.frame(*last, &images, &mut encoded);
         let last_sequence = encoded.sequence;
         reader.frame(*first, &images, &mut encoded).map_err(|reason| damaged(encoded.sequence, reason))?;
-        let mut decoder = CameraFrameDecoder::new(encoded.layout);
+        let mut decoder = CameraFrameDecoder::for_tracking(encoded.layout);
         let pixels = decoder.decode(&encoded.bytes).map_err(|reason| damaged(encoded.sequence, reason))?;
         let sequences = [encoded.sequence, last_sequence.max(encoded.sequence)];
         let (format, decoder) = (FrameFormat::from(&pixels), Some(decoder));
-        let (next, is_ended, has_full_colour) = (0, false, encoded.layout.coding.has_full_colour());
+        let (next, is_ended) = (0, false);
         Ok(Self {
             recording,
             sensor,
@@ -75,7 +73,6 @@ impl RecordingSource {
             decoder,
             encoded,
             is_ended,
-            has_full_colour,
         })
     }
 
@@ -109,7 +106,7 @@ impl RecordingSource {
         let encoded = &self.encoded;
         let (sequence, path) = (encoded.sequence, self.recording.path());
         let mut decoder = self.decoder.take().filter(|decoder| decoder.layout() == encoded.layout);
-        let in_use = decoder.get_or_insert_with(|| CameraFrameDecoder::new(encoded.layout));
+        let in_use = decoder.get_or_insert_with(|| CameraFrameDecoder::for_tracking(encoded.layout));
         let pixels = in_use.decode(&encoded.bytes).map_err(|reason| damaged(path, sequence, reason))?;
         self.decoder = decoder;
         let (found, expected) = (FrameFormat::from(&pixels), self.format);
@@ -160,10 +157,6 @@ impl Source for RecordingSource {
 
     fn size(&self) -> (usize, usize) {
         (self.format.width, self.format.height)
-    }
-
-    fn has_full_colour(&self) -> bool {
-        self.has_full_colour
     }
 
     fn description(&self) -> String {

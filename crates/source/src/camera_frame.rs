@@ -33,15 +33,6 @@ pub enum CameraCoding {
     Rgb16,
 }
 
-impl CameraCoding {
-    /// Whether colour is stored for every pixel. Cameras send motion JPEG and YUYV with colour at half the resolution, and
-    /// JPEG stores colour coarsely; flow is then computed from grey.
-    #[must_use]
-    pub fn has_full_colour(self) -> bool {
-        !matches!(self, Self::MotionJpeg | Self::Yuyv { .. })
-    }
-}
-
 /// The layout of a camera's frames, as agreed on with its driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CameraLayout {
@@ -72,23 +63,48 @@ impl CameraLayout {
 /// Converts the bytes of a camera's frames into pixels; owns its scratch memory.
 pub struct CameraFrameDecoder {
     layout: CameraLayout,
-    yuv: Option<(YuvToRgb, Unpacked)>,
+    packed: Packed,
     jpeg: MotionJpeg,
+    /// Of JPEG pictures with luma and chroma, luma alone is decoded.
+    is_luma_alone: bool,
+}
+
+/// The conversion of packed luma and chroma.
+enum Packed {
+    /// There is none.
+    None,
+    Colour(Box<(YuvToRgb, Unpacked)>),
+    /// The grey level of every luma.
+    Luma(Box<[u8; 256]>),
 }
 
 impl CameraFrameDecoder {
-    /// A decoder for frames of this layout.
+    /// A decoder for frames of this layout: grey frames become grey pixels, all others red, green and blue.
     #[must_use]
     pub fn new(layout: CameraLayout) -> Self {
         let CameraLayout { coding, width, height, .. } = layout;
-        let yuv = match coding {
+        let packed = match coding {
             CameraCoding::Yuyv { is_full_range } => {
                 YuvToRgb::new(width, height, Colour { matrix: BT_601, is_full_range })
-                    .map(|conversion| (conversion, Unpacked::new(width, height)))
+                    .map_or(Packed::None, |conversion| {
+                        Packed::Colour(Box::new((conversion, Unpacked::new(width, height))))
+                    })
             }
-            _ => None,
+            _ => Packed::None,
         };
-        Self { layout, yuv, jpeg: MotionJpeg::default() }
+        Self { layout, packed, jpeg: MotionJpeg::default(), is_luma_alone: false }
+    }
+
+    /// As [`new`](Self::new), but with the luma alone, as grey pixels, of the codings that store colour coarsely: JPEG with
+    /// luma and chroma, and YUYV. Flow from their colour has several times the error of flow from grey, and luma alone is
+    /// decoded in half of the time.
+    #[must_use]
+    pub fn for_tracking(layout: CameraLayout) -> Self {
+        let packed = match layout.coding {
+            CameraCoding::Yuyv { is_full_range } => Packed::Luma(Box::new(grey_levels(is_full_range))),
+            _ => Packed::None,
+        };
+        Self { layout, packed, jpeg: MotionJpeg::default(), is_luma_alone: true }
     }
 
     /// The layout of the frames that it decodes.
@@ -117,26 +133,31 @@ impl CameraFrameDecoder {
         let Some(used) = self.layout.used_row_bytes() else { return self.decode_jpeg(bytes, pixels) };
         let rows = self.rows(bytes, used)?;
         let (width, size) = (self.layout.width, (self.layout.width, self.layout.height));
-        match (&mut self.yuv, self.layout.coding) {
-            (Some((conversion, unpacked)), _) => {
+        match (&mut self.packed, self.layout.coding) {
+            (Packed::Colour(conversion), _) => {
+                let (conversion, unpacked) = &mut **conversion;
                 unpacked.fill(rows, width);
                 conversion.convert_into(&unpacked.planes(), reuse::rgb8(pixels, size))?;
             }
-            (None, CameraCoding::Grey16) => {
+            (Packed::Luma(levels), _) => {
+                let luma = rows.flat_map(|row| row.iter().step_by(2).take(width));
+                fill(reuse::grey8(pixels, size), luma.map(|&luma| levels[usize::from(luma)]));
+            }
+            (Packed::None, CameraCoding::Grey16) => {
                 let values = rows.flat_map(|row| row.as_chunks().0.iter().map(|pair| u16::from_le_bytes(*pair)));
                 fill(reuse::grey16(pixels, size), values);
             }
-            (None, CameraCoding::Rgb8) => {
+            (Packed::None, CameraCoding::Rgb8) => {
                 copy_rows(rows.map(|row| row.as_chunks().0), width, reuse::rgb8(pixels, size));
             }
-            (None, CameraCoding::Rgb16) => {
+            (Packed::None, CameraCoding::Rgb16) => {
                 let of_pixel = |bytes: &[u8; 6]| {
                     let [r0, r1, g0, g1, b0, b1] = *bytes;
                     [[r0, r1], [g0, g1], [b0, b1]].map(u16::from_le_bytes)
                 };
                 fill(reuse::rgb16(pixels, size), rows.flat_map(|row| row.as_chunks().0.iter().map(of_pixel)));
             }
-            (None, _) => copy_rows(rows, width, reuse::grey8(pixels, size)),
+            (Packed::None, _) => copy_rows(rows, width, reuse::grey8(pixels, size)),
         }
         Ok(())
     }
@@ -156,13 +177,19 @@ impl CameraFrameDecoder {
         if !bytes.starts_with(&[0xff, 0xd8]) {
             return Err("not a JPEG picture".into());
         }
-        guarded(|| self.jpeg.decode_into(bytes, pixels)).flatten()?;
+        guarded(|| self.jpeg.decode_into(bytes, self.is_luma_alone, pixels)).flatten()?;
         if pixels.size() == (self.layout.width, self.layout.height) {
             return Ok(());
         }
         let found = FrameFormat::from(&*pixels);
         Err(format!("{found}, expected {}x{} px", self.layout.width, self.layout.height))
     }
+}
+
+/// The grey level, 0 to 255, of every luma.
+fn grey_levels(is_full_range: bool) -> [u8; 256] {
+    let (black, gain) = if is_full_range { (0.0, 1.0) } else { (16.0, 255.0 / 219.0) };
+    std::array::from_fn(|luma| ((luma as f64 - black) * gain).round().clamp(0.0, 255.0) as u8)
 }
 
 fn fill<T>(to: &mut [T], from: impl Iterator<Item = T>) {
@@ -252,6 +279,31 @@ mod tests {
         let Pixels::Rgb8(image) = decoder.decode(&[81, 90, 81, 240]).unwrap() else { panic!("colour") };
         let [red, green, blue] = image.at(0, 0);
         assert!(red >= 252 && green <= 3 && blue <= 3, "{:?}", image.at(0, 0));
+    }
+
+    #[test]
+    fn tracking_gets_the_luma_of_coarse_colour() {
+        for (is_full_range, luma, level) in [(false, 235, 255), (true, 235, 235), (false, 16, 0), (false, 81, 76)] {
+            let mut decoder = CameraFrameDecoder::for_tracking(layout(CameraCoding::Yuyv { is_full_range }, 3, 2, 8));
+            let row = [luma, 90, 16, 240, luma, 90, 7, 240];
+            let Pixels::Grey8(image) = decoder.decode(&[row, row].concat()).unwrap() else { panic!("grey") };
+            assert_eq!([image.at(0, 0), image.at(2, 1)], [level; 2], "full range {is_full_range}, luma {luma}");
+        }
+        let colour = image::RgbImage::from_fn(48, 40, |x, y| image::Rgb([(5 * x) as u8, (6 * y) as u8, 90]));
+        let mut bytes = Vec::new();
+        JpegEncoder::new_with_quality(&mut bytes, 95).encode_image(&colour).unwrap();
+        let jpeg = layout(CameraCoding::MotionJpeg, 48, 40, 0);
+        let Pixels::Grey8(grey) = CameraFrameDecoder::for_tracking(jpeg).decode(&bytes).unwrap() else {
+            panic!("grey")
+        };
+        let Pixels::Rgb8(colour) = CameraFrameDecoder::new(jpeg).decode(&bytes).unwrap() else { panic!("colour") };
+        for (grey, [red, green, blue]) in grey.values().iter().zip(colour.values()) {
+            let luma = 0.299 * f64::from(*red) + 0.587 * f64::from(*green) + 0.114 * f64::from(*blue);
+            assert!((f64::from(*grey) - luma).abs() < 2.0, "{grey} and {luma}");
+        }
+        // Full colour stays.
+        let decoded = CameraFrameDecoder::for_tracking(layout(CameraCoding::Rgb8, 1, 1, 0)).decode(&[1, 2, 3]).unwrap();
+        assert!(decoded.is_colour());
     }
 
     #[test]

@@ -14,7 +14,7 @@ use zune_jpeg::errors::DecodeErrors;
 ///
 /// A picture without its end is refused: decoders may fill the missing rows with grey.
 pub(crate) fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), String> {
-    let (mut decoder, is_grey) = opened(bytes)?;
+    let (mut decoder, is_grey) = opened(bytes, false)?;
     let values = decoder.decode().map_err(|error| in_words(&error))?;
     let info = decoder.info().ok_or("the JPEG picture has no size")?;
     let (width, height) = (u32::from(info.width), u32::from(info.height));
@@ -27,11 +27,12 @@ pub(crate) fn decode_jpeg(bytes: &[u8]) -> Result<(DynamicImage, Orientation), S
     Ok((image.ok_or("the JPEG picture lacks rows")?, orientation.unwrap_or(Orientation::NoTransforms)))
 }
 
-/// As [`decode_jpeg`], but upright as it is stored, and into pixels that are used again.
+/// As [`decode_jpeg`], but upright as it is stored, and into pixels that are used again. Of luma and chroma, luma alone is
+/// decoded on request.
 ///
 /// After an error the pixels have any values.
-pub(crate) fn decode_jpeg_into(bytes: &[u8], pixels: &mut Pixels) -> Result<(), String> {
-    let (mut decoder, is_grey) = opened(bytes)?;
+pub(crate) fn decode_jpeg_into(bytes: &[u8], is_luma_alone: bool, pixels: &mut Pixels) -> Result<(), String> {
+    let (mut decoder, is_grey) = opened(bytes, is_luma_alone)?;
     let size = decoder.dimensions().ok_or("the JPEG picture has no size")?;
     let values = if is_grey { reuse::grey8(pixels, size) } else { reuse::rgb8(pixels, size).as_flattened_mut() };
     decoder.decode_into(values).map_err(|error| in_words(&error))
@@ -39,15 +40,16 @@ pub(crate) fn decode_jpeg_into(bytes: &[u8], pixels: &mut Pixels) -> Result<(), 
 
 type Decoder<'a> = JpegDecoder<ZCursor<&'a [u8]>>;
 
-/// A decoder behind the headers of a whole picture, and whether that is grey.
-fn opened(bytes: &[u8]) -> Result<(Decoder<'_>, bool), String> {
+/// A decoder behind the headers of a whole picture, and whether it gives grey.
+fn opened(bytes: &[u8], is_luma_alone: bool) -> Result<(Decoder<'_>, bool), String> {
     if !is_whole(bytes) {
         return Err("the JPEG picture is cut off".into());
     }
     let options = DecoderOptions::default().set_strict_mode(true);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
     decoder.decode_headers().map_err(|error| in_words(&error))?;
-    let is_grey = decoder.input_colorspace() == Some(ColorSpace::Luma);
+    let stored = decoder.input_colorspace();
+    let is_grey = stored == Some(ColorSpace::Luma) || is_luma_alone && stored == Some(ColorSpace::YCbCr);
     let output = if is_grey { ColorSpace::Luma } else { ColorSpace::RGB };
     decoder.set_options(options.jpeg_set_out_colorspace(output));
     Ok((decoder, is_grey))

@@ -11,12 +11,18 @@ pub(crate) struct MotionJpeg {
 }
 
 impl MotionJpeg {
-    /// Decodes a sample into pixels that are used again; after an error they have any values.
-    pub(crate) fn decode_into(&mut self, sample: &[u8], pixels: &mut Pixels) -> Result<(), String> {
+    /// Decodes a sample, or the luma alone of one with luma and chroma, into pixels that are used again; after an error they
+    /// have any values.
+    pub(crate) fn decode_into(
+        &mut self,
+        sample: &[u8],
+        is_luma_alone: bool,
+        pixels: &mut Pixels,
+    ) -> Result<(), String> {
         if add_standard_tables(sample, &mut self.complete) {
-            decode_jpeg_into(&self.complete, pixels)
+            decode_jpeg_into(&self.complete, is_luma_alone, pixels)
         } else {
-            decode_jpeg_into(sample, pixels)
+            decode_jpeg_into(sample, is_luma_alone, pixels)
         }
     }
 }
@@ -51,7 +57,7 @@ mod tests {
 
     fn decoded(sample: &[u8]) -> Pixels {
         let mut pixels = Pixels::Grey8(Image::filled(0, 0, 0));
-        MotionJpeg::default().decode_into(sample, &mut pixels).unwrap();
+        MotionJpeg::default().decode_into(sample, false, &mut pixels).unwrap();
         pixels
     }
 

@@ -46,10 +46,9 @@ pub trait Source: Send {
     /// Columns and rows of every frame, px.
     fn size(&self) -> (usize, usize);
 
-    /// Whether colour is stored at the resolution of the frames. Where it is not, as in motion JPEG and YUYV of cameras,
-    /// flow from colour has several times the error of flow from grey, and [`CameraCoding::has_full_colour`] is false.
-    ///
-    /// [`CameraCoding::has_full_colour`]: crate::CameraCoding::has_full_colour
+    /// Whether the colour of the frames is stored at their resolution. Where it is not, as in most videos and JPEG images,
+    /// flow from colour has several times the error of flow from grey. Frames of cameras whose colour is coarse are grey
+    /// ([`CameraFrameDecoder::for_tracking`](crate::CameraFrameDecoder::for_tracking)).
     fn has_full_colour(&self) -> bool {
         true
     }

@@ -181,7 +181,7 @@ impl Run {
 fn decode(film: &Film, mut each: impl FnMut(Stage, usize, Output)) -> Result<()> {
     let (width, height) = SIZE;
     let layout = CameraLayout { coding: CameraCoding::MotionJpeg, width, height, row_bytes: 0 };
-    let mut decoder = CameraFrameDecoder::new(layout);
+    let mut decoder = CameraFrameDecoder::for_tracking(layout);
     let mut pixels = decoder.decode(&film.coded(0)?).map_err(|error| anyhow!("frame 0: {error}"))?;
     for &number in &PRESSED {
         let bytes = film.coded(number)?;

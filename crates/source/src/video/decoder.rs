@@ -14,7 +14,7 @@ pub(crate) trait Decoder: Send {
 impl Decoder for MotionJpeg {
     fn decode(&mut self, sample: &[u8]) -> Result<Pixels, String> {
         let mut pixels = Pixels::Grey8(Image::filled(0, 0, 0));
-        self.decode_into(sample, &mut pixels).map(|()| pixels)
+        self.decode_into(sample, false, &mut pixels).map(|()| pixels)
     }
 
     fn is_key(&self, _: &[u8]) -> bool {

@@ -55,7 +55,7 @@ impl LiveCamera {
 
     /// The pixels of a frame; none if it is damaged.
     fn pixels(&mut self, frame: &EncodedFrame) -> Option<Pixels> {
-        let decoder = self.decoder.get_or_insert_with(|| CameraFrameDecoder::new(frame.layout));
+        let decoder = self.decoder.get_or_insert_with(|| CameraFrameDecoder::for_tracking(frame.layout));
         match decoder.decode(&frame.bytes) {
             Ok(pixels) => Some(pixels),
             Err(reason) => {
