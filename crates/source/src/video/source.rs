@@ -217,6 +217,11 @@ impl Source for VideoSource {
         self.format.map_or((0, 0), |format| (format.width, format.height))
     }
 
+    /// Videos store colour at half the resolution or coarsely, with few exceptions.
+    fn has_full_colour(&self) -> bool {
+        false
+    }
+
     fn description(&self) -> String {
         let codec = match self.track.codec {
             Codec::H264 { .. } => "H.264",
