@@ -13,6 +13,8 @@ use crate::expect_success;
 
 /// The first program of the guest.
 const INIT: &str = include_str!("init.sh");
+/// The emulated processor: the first with the instructions that every build needs (`.cargo/config.toml`).
+const PROCESSOR: &str = "Nehalem";
 /// Folders of kernel modules that the test cameras need, below `drivers/media`.
 const MODULES: [&str; 6] = ["cec", "common", "mc", "rc", "v4l2-core", "test-drivers"];
 
@@ -89,7 +91,7 @@ pub(super) fn boot(packages: &Packages, initrd: &Path, longest_s: u32) -> Result
     // `timeout` also ends a guest that hangs.
     let mut emulator = Command::new("timeout");
     emulator.arg(longest_s.to_string()).arg(root.join("usr/bin/qemu-system-x86_64"));
-    emulator.args(["-accel", "tcg", "-m", "512", "-nographic", "-no-reboot", "-nic", "none"]);
+    emulator.args(["-accel", "tcg", "-cpu", PROCESSOR, "-m", "512", "-nographic", "-no-reboot", "-nic", "none"]);
     emulator.arg("-L").arg(root.join("usr/share/seabios")).arg("-L").arg(root.join("usr/share/qemu"));
     emulator.arg("-kernel").arg(root.join(format!("boot/vmlinuz-{kernel}"))).arg("-initrd").arg(initrd);
     emulator.args(["-append", "console=ttyS0 quiet panic=-1"]).env("LD_LIBRARY_PATH", libraries);

@@ -11,6 +11,7 @@ use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::Command;
+use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
@@ -30,6 +31,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
+    let start = Instant::now();
     let folder = crate::target_folder().join("camera-test");
     fs::create_dir_all(&folder)?;
     let packages = match Packages::get(&folder, out) {
@@ -40,7 +42,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         }
         Err(why) => return Err(why),
     };
+    let has_packages = start.elapsed();
     let [tests, command] = build()?;
+    let is_built = start.elapsed();
     let initrd = guest::initrd(&folder, &packages, [&tests, &command])?;
     let log = guest::boot(&packages, &initrd, LONGEST_RUN_S)?;
     fs::write(folder.join("console.log"), &log)?;
@@ -48,6 +52,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     for line in text.lines().filter(|line| line.starts_with("test ")) {
         writeln!(out, "{}", line.trim_end())?;
     }
+    let [packages, build, guest] = [has_packages, is_built - has_packages, start.elapsed() - is_built]
+        .map(|time| format!("{:.0} s", time.as_secs_f64()));
+    writeln!(out, "camera-test: packages {packages}, build {build}, guest {guest}")?;
     if text.contains("GUEST: tests ended with 0 and 0") {
         return Ok(());
     }

@@ -42,9 +42,20 @@ fn command(arguments: &[&str]) -> Command {
     command
 }
 
-/// Ends a command as Ctrl-C does, after some time; returns its exit code and what it printed.
-fn interrupt(mut child: Child, after: Duration) -> (Option<i32>, String, String) {
-    thread::sleep(after);
+/// The next line of a command's notes that contains this text; notes before it are skipped.
+fn line_with(text: &str, notes: &mut impl BufRead) -> String {
+    let mut said = String::new();
+    loop {
+        let begin = said.len();
+        assert!(notes.read_line(&mut said).unwrap() > 0, "no \"{text}\" in {said}");
+        if said[begin..].contains(text) {
+            return said[begin..].to_owned();
+        }
+    }
+}
+
+/// Ends a command as Ctrl-C does; returns its exit code and what it printed.
+fn interrupt(mut child: Child) -> (Option<i32>, String, String) {
     Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     let (mut out, mut errors) = (String::new(), String::new());
     child.stdout.take().unwrap().read_to_string(&mut out).unwrap();
@@ -57,7 +68,7 @@ fn interrupt(mut child: Child, after: Duration) -> (Option<i32>, String, String)
 /// Records what the camera sends: every picture is in the file, and the file can be tracked.
 fn expect_recorded(film: &[Vec<u8>]) {
     let (camera, file) = (format!("camera:{NAME}"), "/tmp/recorded.mcap");
-    let ended = command(&["record", &camera, file, "--seconds", "4", "--frames-only"]).output().unwrap();
+    let ended = command(&["record", &camera, file, "--seconds", "3", "--frames-only"]).output().unwrap();
     let said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
     assert!(ended.status.success(), "{said}");
     let bytes = fs::read(file).unwrap();
@@ -66,7 +77,7 @@ fn expect_recorded(film: &[Vec<u8>]) {
         assert!(is_there, "picture {number} is not in the file: {said}");
     }
     let mut track = Command::new(std::env::var_os("FINGERVISION").unwrap());
-    let ended = track.args(["track", file, "--out", "/tmp/of-recording", "--frames", "0..16"]).output().unwrap();
+    let ended = track.args(["track", file, "--out", "/tmp/of-recording", "--frames", "0..8"]).output().unwrap();
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     let table = fs::read_to_string("/tmp/of-recording/readings.csv").unwrap();
     assert!(table.lines().count() > 4 && !table.contains("lost"), "{table}");
@@ -79,15 +90,19 @@ fn a_camera_is_recorded_bit_for_bit_and_tracked_to_a_folder() {
     let _producer = Producer::start(node(NAME), SIZE, 5, film.clone());
     expect_recorded(&film);
     let folder = "/tmp/tracked";
-    let tracking = command(&["track", &format!("camera:{NAME}"), "--out", folder]).spawn().unwrap();
-    let (code, out, errors) = interrupt(tracking, 3 * WAIT);
+    let mut tracking = command(&["track", &format!("camera:{NAME}"), "--out", folder]).spawn().unwrap();
+    let table = || fs::read_to_string(format!("{folder}/readings.csv")).unwrap_or_default();
+    while table().lines().count() < 8 && tracking.try_wait().unwrap().is_none() {
+        thread::sleep(Duration::from_millis(100));
+    }
+    let (code, out, errors) = interrupt(tracking);
     assert_eq!(code, Some(0), "{out}{errors}");
-    let table = fs::read_to_string(format!("{folder}/readings.csv")).unwrap();
+    let table = table();
     let mut rows = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let names = rows.next().unwrap();
     let rows: Vec<_> = rows.collect();
     let column = |name: &str| names.iter().position(|other| *other == name).unwrap();
-    assert!(rows.len() > 10, "{table}");
+    assert!(rows.len() >= 7, "{table}");
     let times: Vec<f64> = rows.iter().map(|row| row[column("capture_time_s")].parse().unwrap()).collect();
     assert!(times.is_sorted(), "{times:?}");
     let lost = rows.iter().filter(|row| row[column("flags")].contains("lost")).count();
@@ -101,21 +116,18 @@ fn a_camera_is_shown_on_the_page() {
     let camera = format!("camera:{NAME}");
     let mut live = command(&["live", &camera, "--port", "0", "--json"]).spawn().unwrap();
     let mut notes = BufReader::new(live.stderr.take().unwrap());
-    let mut line = String::new();
-    while !line.contains("the page: ") {
-        line.clear();
-        assert!(notes.read_line(&mut line).unwrap() > 0, "no page");
-    }
+    let line = line_with("the page: ", &mut notes);
     let host = line.rsplit("http://").next().unwrap().trim_end().trim_end_matches(['}', '"', '/']).to_owned();
     let mut page = TcpStream::connect(&host).unwrap();
     write!(page, "GET / HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n").unwrap();
     let mut answer = String::new();
     page.read_to_string(&mut answer).unwrap();
     assert!(answer.starts_with("HTTP/1.1 200") && answer.contains("fingervision"), "{answer}");
-    let (code, out, _) = interrupt(live, 2 * WAIT);
+    thread::sleep(WAIT);
+    let (code, out, _) = interrupt(live);
     assert_eq!(code, Some(0), "{out}");
     let readings = out.split("\"readings\": ").nth(1).unwrap().split(',').next().unwrap();
-    assert!(readings.parse::<u64>().unwrap() > 5, "{out}");
+    assert!(readings.parse::<u64>().unwrap() > 1, "{out}");
 }
 
 #[test]
@@ -123,16 +135,16 @@ fn a_camera_is_shown_on_the_page() {
 fn live_goes_on_after_the_camera_was_unplugged() {
     let camera = format!("camera:{}", vivid::ID);
     let mut command = Command::new(std::env::var_os("FINGERVISION").unwrap());
-    command.args(["live", &camera, "--no-page", "--set", "capture.size_px=[320, 180]"]);
-    let live = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    thread::sleep(2 * WAIT);
+    command.args(["live", &camera, "--port", "0", "--set", "capture.size_px=[320, 180]"]);
+    let mut live = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut notes = BufReader::new(live.stderr.take().unwrap());
+    line_with("the page: ", &mut notes);
     vivid::set("Disconnect", None);
     let driver = vivid::driver();
     fs::write(driver.join("unbind"), "vivid.0").unwrap();
-    thread::sleep(Duration::from_secs(1));
+    line_with("unplugged", &mut notes);
     fs::write(driver.join("bind"), "vivid.0").unwrap();
-    let (code, out, errors) = interrupt(live, 2 * WAIT);
-    assert_eq!(code, Some(0), "{out}{errors}");
-    let place = |text: &str| errors.find(text).unwrap_or_else(|| panic!("no \"{text}\" in {errors}"));
-    assert!(place("unplugged") < place("again"), "{errors}");
+    line_with("again", &mut notes);
+    let (code, out, _) = interrupt(live);
+    assert_eq!(code, Some(0), "{out}");
 }
