@@ -11,7 +11,7 @@ use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::Command;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 use serde::Deserialize;
@@ -52,8 +52,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     for line in text.lines().filter(|line| line.starts_with("test ")) {
         writeln!(out, "{}", line.trim_end())?;
     }
-    let [packages, build, guest] = [has_packages, is_built - has_packages, start.elapsed() - is_built]
-        .map(|time| format!("{:.0} s", time.as_secs_f64()));
+    let ends = [Duration::ZERO, has_packages, is_built, start.elapsed()];
+    let [packages, build, guest] =
+        [0, 1, 2].map(|part| format!("{:.0} s", ends[part + 1].saturating_sub(ends[part]).as_secs_f64()));
     writeln!(out, "camera-test: packages {packages}, build {build}, guest {guest}")?;
     if text.contains("GUEST: tests ended with 0 and 0") {
         return Ok(());

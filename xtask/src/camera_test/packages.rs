@@ -39,15 +39,26 @@ impl Packages {
         if let (Ok(kernel), true) = (fs::read_to_string(&done), loopback.is_file()) {
             return Ok(Self { root, kernel, loopback });
         }
-        let image = kernel_package()?;
-        let kernel = image.trim_start_matches("linux-image-").to_owned();
-        writeln!(out, "camera-test: downloading Linux {kernel} and QEMU, about 115 MB")?;
-        download(folder, &image, &format!("linux-headers-{kernel}"))?;
+        writeln!(out, "camera-test: downloading Linux and QEMU, about 115 MB")?;
+        let kernel = match download_kernel(folder) {
+            Ok(kernel) => kernel,
+            // The system's list of packages is old or empty; only root can renew it.
+            Err(why) if expect_success(Command::new("apt-get").arg("update")).is_err() => return Err(why),
+            Err(_) => download_kernel(folder)?,
+        };
         unpack(folder, &root)?;
         compile_loopback(folder, &root, &kernel)?;
         fs::write(done, &kernel)?;
         Ok(Self { root, kernel, loopback })
     }
+}
+
+/// Downloads the newest kernel and all other packages; returns the kernel's version.
+fn download_kernel(folder: &Path) -> Result<String> {
+    let image = kernel_package()?;
+    let kernel = image.trim_start_matches("linux-image-").to_owned();
+    download(folder, &image, &format!("linux-headers-{kernel}"))?;
+    Ok(kernel)
 }
 
 /// The package of the newest kernel, as in `linux-image-6.1.0-56-amd64`.
