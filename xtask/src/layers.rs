@@ -61,7 +61,7 @@ const LAYERS: [(&str, &[&str]); 24] = [
     ),
     // The package for Python: arrays in, arrays out, and the command.
     ("python", &["image", "flow", "gel", "touch", "source", "camera", "recording", "sink", "simulation", "cli"]),
-    ("xtask", &["evaluate", "gel", "flow", "image", "simulation", "source", "touch"]),
+    ("xtask", &["evaluate", "gel", "flow", "image", "pipeline", "recording", "simulation", "source", "touch"]),
 ];
 
 /// Additional dependencies that are allowed in tests and examples: of any crate, simulated frames and mutated files; of

@@ -1,6 +1,6 @@
 //! Checks and measurements of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask circles`,
 //! `cargo xtask check`, `cargo xtask camera-test`, `cargo xtask python`,
-//! `cargo xtask instructions`, `cargo xtask performance`.
+//! `cargo xtask instructions`, `cargo xtask performance`, `cargo xtask soak`.
 
 mod accuracy;
 #[cfg(unix)]
@@ -12,6 +12,8 @@ mod layers;
 mod lengths;
 mod performance;
 mod python;
+#[cfg(target_os = "linux")]
+mod soak;
 
 use anyhow::{Context, Result, ensure};
 use clap::{Parser, Subcommand};
@@ -48,6 +50,9 @@ enum Name {
     Instructions(instructions::Args),
     /// Measure the tables of docs/performance.md.
     Performance(performance::Args),
+    /// Run sensors with a page and a recording for long: nothing may be dropped, and memory must not grow.
+    #[cfg(target_os = "linux")]
+    Soak(soak::Args),
 }
 
 fn main() -> ExitCode {
@@ -61,6 +66,8 @@ fn main() -> ExitCode {
         Name::Python(args) => python::run(&args, &mut std::io::stdout().lock()),
         Name::Instructions(args) => instructions::run(&args, &mut std::io::stdout().lock()),
         Name::Performance(args) => performance::run(&args, &mut std::io::stdout().lock()),
+        #[cfg(target_os = "linux")]
+        Name::Soak(args) => soak::run(&args, &mut std::io::stdout().lock()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -80,6 +87,13 @@ fn workspace() -> PathBuf {
 /// The folder of everything that is built.
 fn target_folder() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from)
+}
+
+/// Builds the `fingervision` command as users do; returns its path.
+fn build_command() -> Result<PathBuf> {
+    let arguments = ["build", "--release", "--locked", "--quiet", "--package", "fingervision-cli"];
+    expect_success(Command::new(env!("CARGO")).args(arguments).current_dir(workspace()))?;
+    Ok(target_folder().join("release/fingervision"))
 }
 
 /// Runs a program to its end and returns its output.

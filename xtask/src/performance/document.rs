@@ -12,7 +12,7 @@ pub(super) fn replace(page: &str, name: &str, table: &str) -> Result<String> {
 }
 
 /// A Markdown table.
-pub(super) fn table(heads: &[&str], rows: &[Vec<String>]) -> String {
+pub(crate) fn table(heads: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
     let owned = |text: &&str| (*text).to_owned();
     let heads: Vec<String> = heads.iter().map(owned).collect();

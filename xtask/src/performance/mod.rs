@@ -17,6 +17,7 @@ use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 
 use crate::instructions::{instruction_set_of_processor, processor};
+pub(crate) use document::table;
 use program::Program;
 use tables::Name;
 

@@ -19,15 +19,13 @@ pub(super) struct Program {
 impl Program {
     /// Builds the command.
     pub(super) fn build() -> Result<Self> {
-        let arguments = ["build", "--release", "--locked", "--quiet", "--package", "fingervision-cli"];
-        expect_success(Command::new(env!("CARGO")).args(arguments).current_dir(crate::workspace()))?;
-        let target = crate::target_folder();
-        let folder = target.join("performance");
+        let path = crate::build_command()?;
+        let folder = crate::target_folder().join("performance");
         if folder.exists() {
             fs::remove_dir_all(&folder)?;
         }
         fs::create_dir_all(&folder)?;
-        Ok(Self { path: target.join("release/fingervision"), folder })
+        Ok(Self { path, folder })
     }
 
     /// Runs it with `--json`, and returns its report.
