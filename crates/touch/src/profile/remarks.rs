@@ -12,9 +12,9 @@ const ANGLES_DEGREES: std::ops::RangeInclusive<f64> = 5.0..=150.0;
 /// If less than this part of the gel is visible, or less than this part of the region shows gel, the profile is
 /// probably wrong.
 const LEAST_PART: f64 = 0.2;
-/// A principal point farther than this from the middle of the region, in sides of the region, probably belongs to
-/// another image.
-const FARTHEST_AXIS: f64 = 0.25;
+/// A principal point farther than this from the middle of the image, in longer sides of the image, is unusual: lenses
+/// are mounted within a few per cent, and three times the standard deviation that a calibration assumes is 0.09.
+const FARTHEST_AXIS: f64 = 0.1;
 /// A rotation vector longer than this, rad, is assumed to be in degrees.
 const LARGEST_ROTATION_RAD: f64 = 0.6;
 
@@ -52,6 +52,7 @@ impl Remark {
 pub(super) fn all(profile: &Profile, view: &View, frame_size: Option<(usize, usize)>) -> Vec<Remark> {
     let mut remarks = does_not_fit(profile, view, frame_size);
     remarks.extend(lengths(profile));
+    remarks.extend(principal_point(profile, view, frame_size));
     remarks.extend(lens(profile, view));
     remarks.extend(misses(view));
     remarks.extend(training_range(profile));
@@ -114,27 +115,48 @@ fn rounded(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-/// Focal length, principal point and rotation.
+/// A principal point far from the middle of the image, or of the region if the image's size is not known.
+fn principal_point(profile: &Profile, view: &View, frame_size: Option<(usize, usize)>) -> Option<Remark> {
+    let ([x, y], region) = (profile.camera?.principal_point_px, view.region?);
+    let (what, (width, height), begin) = match frame_size {
+        Some(size) => ("image", size, [region.x, region.y]),
+        None => ("region", (region.width, region.height), [0, 0]),
+    };
+    let middle = |side: usize| 0.5 * (side as f64 - 1.0);
+    let [off_x, off_y] = [x + begin[0] as f64 - middle(width), y + begin[1] as f64 - middle(height)];
+    let (off_px, side) = (off_x.hypot(off_y), width.max(height) as f64);
+    if off_px <= FARTHEST_AXIS * side {
+        return None;
+    }
+    let message = format!(
+        "camera.principal_point_px = [{x}, {y}] is {off_px:.0} px from the middle of the {what} of {width}x{height} px, usual \
+         are at most {:.0} px",
+        FARTHEST_AXIS * side
+    );
+    let elsewhere = match frame_size {
+        Some(_) => "",
+        None => {
+            "; if the region is not in the middle of the camera's image, check with a recording, which gives the image's size"
+        }
+    };
+    let hint =
+        "it is in px of the region of interest: subtract the region's x and y from the position in the camera's image";
+    Some(Remark::new(Weight::Warning, message, format!("{hint}{elsewhere}")))
+}
+
+/// Focal length and rotation.
 fn lens(profile: &Profile, view: &View) -> Vec<Remark> {
     let Some(camera) = profile.camera else { return Vec::new() };
     let mut remarks = Vec::new();
-    let ([fx, fy], [cx, cy]) = (camera.focal_length_px, camera.principal_point_px);
+    let [fx, fy] = camera.focal_length_px;
     if let Some(region) = view.region {
-        let [width, height] = [region.width, region.height].map(|length| length as f64);
+        let width = region.width as f64;
         let angle = 2.0 * (0.5 * width / fx).atan().to_degrees();
         if !ANGLES_DEGREES.contains(&angle) {
             remarks.push(Remark::new(
                 Weight::Fault,
                 format!("camera.focal_length_px = {fx} px means an angle of view of {angle:.1}° across a region of {width} px"),
                 "the focal length is in px of the image: that of the lens in mm divided by the size of a pixel on the chip in mm",
-            ));
-        }
-        let off = [(cx / (width - 1.0).max(1.0) - 0.5).abs(), (cy / (height - 1.0).max(1.0) - 0.5).abs()];
-        if off.iter().any(|&off| off > FARTHEST_AXIS) {
-            remarks.push(Remark::new(
-                Weight::Warning,
-                format!("camera.principal_point_px = [{cx}, {cy}] is far from the middle of the region of {width}x{height} px"),
-                "it is in px of the region of interest: subtract the region's x and y from the position in the camera's image",
             ));
         }
     }

@@ -63,8 +63,29 @@ fn a_lens_that_cannot_be_is_a_fault() {
         "size of a pixel",
     );
     expect(&[("camera.focal_length_px", "[400.0, 800.0]")], Weight::Warning, "not square", "nearly equal");
-    expect(&[("camera.principal_point_px", "[20, 20]")], Weight::Warning, "far from the middle", "subtract");
     expect(&[("camera.rotation_rad", "[0, 0, 3.0]")], Weight::Warning, "by 172°", "in rad");
+}
+
+#[test]
+fn a_principal_point_far_from_the_middle_of_the_image_is_a_warning() {
+    // The region of 610x450 px begins at (15, 15) of 640x480 px, so the middle of the image is at (304.5, 224.5).
+    let point = |place: &'static str| [("camera.principal_point_px", place)];
+    let message = "[384.5, 224.5] is 80 px from the middle of the image of 640x480 px, usual are at most 64 px";
+    expect(&point("[384.5, 224.5]"), Weight::Warning, message, "subtract the region's x and y");
+    assert_eq!(remarks(&point("[344.5, 244.5]")), []);
+    // A region at the side of the image: its own middle is not that of the image.
+    let aside = ("image.region_of_interest", "[0, 15, 500, 450]");
+    assert_eq!(remarks(&[aside, point("[319.5, 224.5]")[0]]), []);
+}
+
+#[test]
+fn without_an_image_the_principal_point_is_compared_with_the_region() {
+    let mut profile = Profile::from_toml(SENSOR).unwrap();
+    assert_eq!(profile.review(None).remarks, []);
+    profile.set_all([("camera.principal_point_px", "[384.5, 224.5]")]).unwrap();
+    let remarks = profile.review(None).remarks;
+    assert!(remarks[0].message.contains("80 px from the middle of the region of 610x450 px"), "{remarks:#?}");
+    assert!(remarks[0].hint.contains("check with a recording"), "{remarks:#?}");
 }
 
 #[test]
