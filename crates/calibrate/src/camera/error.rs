@@ -99,6 +99,22 @@ pub enum BoardError {
         /// Allowed residual, px.
         most_px: f64,
     },
+    /// Slides and priors leave focal length or distance open.
+    #[error(
+        "the slides do not determine the camera: {name} = {value:.1} ± {uncertainty:.1}, which is {:.0} %; at most {:.0} % are allowed",
+        100.0 * uncertainty / value,
+        100.0 * most_part
+    )]
+    NotDetermined {
+        /// The unknown with the larger uncertainty, with its unit.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// Its standard uncertainty.
+        uncertainty: f64,
+        /// Allowed uncertainty, as a part of the value.
+        most_part: f64,
+    },
     /// The flow's parameters or the size of its images.
     #[error(transparent)]
     Flow(#[from] FlowError),
@@ -140,6 +156,9 @@ impl BoardError {
             }
             Self::Useless { .. } => {
                 "nothing was written: take the recording again with a flat board and equal steps, and restrict image.region_of_interest to the board"
+            }
+            Self::NotDetermined { .. } => {
+                "nothing was written: measure the distance from the lens to the board and give it, as in --prior distance_mm=25±0.5, or add a second slide perpendicular to the first, with the board tilted by 15° or more"
             }
             Self::Flow(_) => "correct [flow] or image.region_of_interest in the profile, as named",
             Self::Image(_) => "take all images of the slide with the same camera at the same size",

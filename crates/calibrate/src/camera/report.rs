@@ -3,7 +3,7 @@
 use fingervision_optics::CameraParams;
 use serde::Serialize;
 
-use super::observability::Knowledge;
+use super::observability::{Estimate, Knowledge};
 use super::prior::Priors;
 use super::thresholds::THRESHOLDS;
 use super::{BoardError, BoardFlow, CameraFit, Prior, ResidualMap, ResidualTable, Unknown};
@@ -85,11 +85,12 @@ impl CameraReport {
         }
     }
 
-    /// Refuses a camera that no sensor can have, or that does not explain its recordings.
+    /// Refuses a camera that no sensor can have, that does not explain its recordings, or whose focal length or distance
+    /// is not determined.
     ///
     /// # Errors
     ///
-    /// [`BoardError::Impossible`] or [`BoardError::Useless`].
+    /// [`BoardError::Impossible`], [`BoardError::Useless`] or [`BoardError::NotDetermined`].
     pub fn check(&self) -> Result<(), BoardError> {
         let residual_px = self.residuals.after.mean_px;
         if residual_px > THRESHOLDS.most_residual_px {
@@ -103,8 +104,41 @@ impl CameraReport {
         ];
         match values.into_iter().find(|(_, value, _, range)| !(range[0]..=range[1]).contains(value)) {
             Some((what, value, unit, range)) => Err(BoardError::Impossible { what, value, unit, range }),
-            None => Ok(()),
+            None => self.check_uncertainty(),
         }
+    }
+
+    fn check_uncertainty(&self) -> Result<(), BoardError> {
+        let most_part = THRESHOLDS.most_uncertain;
+        match self.least_determined() {
+            Some((Estimate { name, value, .. }, uncertainty)) if uncertainty > most_part * value.abs() => {
+                Err(BoardError::NotDetermined { name, value: *value, uncertainty, most_part })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// A sentence on focal length or distance, if one of them is uncertain.
+    #[must_use]
+    pub fn remark(&self) -> Option<String> {
+        let (Estimate { name, value, .. }, uncertainty) = self.least_determined()?;
+        let part = uncertainty / value.abs();
+        (part > THRESHOLDS.remarked_uncertainty).then(|| {
+            format!(
+                "{name} = {value:.1} ± {uncertainty:.1} is uncertain by {:.0} %: measure the distance from the lens to the board \
+                 and give it, as in --prior distance_mm=25±0.5",
+                100.0 * part
+            )
+        })
+    }
+
+    /// Of focal length and distance, the one with the larger relative uncertainty, and its uncertainty.
+    fn least_determined(&self) -> Option<(&Estimate, f64)> {
+        let lengths = [Unknown::Distance, Unknown::FocalLength].map(Unknown::name);
+        let estimates = self.knowledge.estimates.iter().filter(|estimate| lengths.contains(&estimate.name));
+        let part = |(estimate, uncertainty): &(&Estimate, f64)| uncertainty / estimate.value.abs();
+        let known = estimates.filter_map(|estimate| Some((estimate, estimate.uncertainty?)));
+        known.max_by(|a, b| part(a).total_cmp(&part(b)))
     }
 
     /// The residuals of every slide over the picture, before and after.

@@ -49,6 +49,12 @@ pub(super) struct Thresholds {
     /// than the maximum.
     pub(super) focal_lengths: [f64; 2],
 
+    /// Largest uncertainty of focal length and distance, as a part of them: twice that of the distance of a profile's own
+    /// camera. Beyond it the slides and priors have not determined the camera.
+    pub(super) most_uncertain: f64,
+    /// A larger uncertainty, as a part, is remarked: a distance measured with a ruler is known to 2 %.
+    pub(super) remarked_uncertainty: f64,
+
     /// Largest mean residual of corners, px: detectors of corners are accurate to a fraction of a pixel, so a larger
     /// residual comes from wrong board positions or poses.
     pub(super) most_corner_residual_px: f64,
@@ -74,6 +80,8 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     most_residual_px: 0.5,
     distances_mm: [1.0, 2000.0],
     focal_lengths: [0.15, 20.0],
+    most_uncertain: 0.2,
+    remarked_uncertainty: 0.05,
     most_corner_residual_px: 2.0,
     determined: 0.5,
 };

@@ -162,6 +162,7 @@ impl From<&BoardError> for Fault {
             BoardError::NotConverged { .. }
             | BoardError::Impossible { .. }
             | BoardError::Useless { .. }
+            | BoardError::NotDetermined { .. }
             | BoardError::Flow(_)
             | BoardError::Image(_) => {
                 return Self::unreadable(error, error.hint());

@@ -154,10 +154,10 @@ pub(super) fn fit(args: &Args) -> Result<(CameraReport, PathBuf), Failure> {
     let options = FitOptions { radial: args.radial.into(), start: args.start.into() };
     let fit = fit_camera(&flows, &priors, options)?;
     let report = CameraReport::new(fit, &flows, &priors);
-    if [Unknown::Distance, Unknown::FocalLength].iter().all(|&unknown| !priors.is_given(unknown)) && flows.len() == 1 {
-        args.output.note("neither distance nor focal length is known: only their ratio is determined; see --prior");
-    }
     report.check()?;
+    if let Some(remark) = report.remark() {
+        args.output.note(&remark);
+    }
     let picture = args.picture.clone().unwrap_or_else(|| beside(&args.profile, "camera"));
     write_png(&report.draw(), &picture)?;
     update_profile(&args.profile, "camera", &report.camera)?;

@@ -78,8 +78,8 @@ fn a_board_gives_the_camera_and_the_profile_keeps_the_rest() {
 #[test]
 fn the_report_names_what_a_slide_does_not_determine() {
     let bench = board(ALONG_X);
-    let ended = bench.run("calibrate camera board/frames --step-mm 0.5 --profile new.toml --start published");
-    let ended = ended.expect_done();
+    let arguments = "calibrate camera board/frames --step-mm 0.5 --profile new.toml --start published";
+    let ended = bench.run(&format!("{arguments} --prior distance_mm=50±5")).expect_done();
     for expected in [
         "8 images of 160x120 px, 0.5 mm a step along 0°",
         "before, plain camera",
@@ -87,13 +87,25 @@ fn the_report_names_what_a_slide_does_not_determine() {
         "not determined  the position of the origin on the board",
         "not determined  focal length against distance",
         "--prior distance_mm=25±0.5",
-        "50 ± 25, which determines it",
+        "50 ± 5, which determines it",
         "picture   new-camera.png\nprofile   new.toml",
     ] {
         assert!(ended.out.contains(expected), "no \"{expected}\" in {}", ended.out);
     }
-    assert!(ended.errors.contains("neither distance nor focal length is known"), "{}", ended.errors);
+    assert!(ended.errors.contains("is uncertain by 10 %: measure the distance"), "{}", ended.errors);
     assert!(!ended.out.contains("NaN"), "{}", ended.out);
+}
+
+#[test]
+fn a_camera_that_the_slides_do_not_determine_is_not_written() {
+    let bench = board(ALONG_X);
+    let hint = "nothing was written: measure the distance";
+    refused(&bench, "", "the slides do not determine the camera: focal_length_px = ", hint);
+    refused(&bench, "--prior distance_mm=25±10", "at most 20 % are allowed", hint);
+    assert!(!bench.path("sensor-camera.png").exists(), "a picture of residuals was written");
+    let ended =
+        bench.run("calibrate camera board/frames --step-mm 0.5 --profile sensor.toml --prior distance_mm=25±0.5");
+    assert!(!ended.expect_done().errors.contains("uncertain"));
 }
 
 #[test]
