@@ -10,6 +10,8 @@ use std::time::Duration;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
+use crate::unfinished;
+
 /// A shell adds this to the number of the signal that ended a program.
 const EXIT_CODE_OF_SIGNALS: u8 = 128;
 /// Interval at which the signal is tested if it ends the command at once.
@@ -41,6 +43,7 @@ pub(crate) fn watch(before_the_end: impl FnOnce() + Send + 'static) -> io::Resul
             thread::sleep(POLL);
         }
         before_the_end();
+        unfinished::remove_all();
         std::process::exit(exit_code().map_or(1, i32::from));
     });
     Ok(())

@@ -41,6 +41,7 @@ mod threads;
 mod track;
 mod tracking;
 mod truth;
+mod unfinished;
 mod whole_number;
 
 use std::ffi::OsString;

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Write;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use image::DynamicImage;
 use serde_json::Value;
@@ -122,6 +122,28 @@ fn a_person_is_led_from_an_empty_folder_to_a_profile() {
     // What is calibrated stays so, and says the same again.
     assert_eq!(states(&bench).iter().filter(|state| state.ends_with(" done")).count(), 6);
     assert_eq!(fs::read_to_string(bench.path("sensor/sensor.toml")).unwrap(), profile);
+    expect_nothing_left(&bench, &profile);
+}
+
+/// A guide that is ended while it fits leaves the profile as it is, and no draft of it.
+fn expect_nothing_left(bench: &Workbench, profile: &str) {
+    let draft = bench.path("sensor/sensor.toml.draft");
+    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+        let mut child =
+            bench.command("calibrate --folder sensor").stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        while !draft.exists() {
+            assert!(child.try_wait().unwrap().is_none(), "the guide ended before it was interrupted");
+        }
+        Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(code), "{signal}");
+        assert!(!draft.exists(), "{signal} leaves a draft");
+        assert_eq!(fs::read_to_string(bench.path("sensor/sensor.toml")).unwrap(), profile);
+    }
+    // One that was killed at once cannot remove it: the next one begins anew.
+    fs::write(&draft, "[camera]\nhalf a").unwrap();
+    fs::remove_file(bench.path("sensor/sensor.toml")).unwrap();
+    guide(bench, "").expect_done();
+    assert!(bench.path("sensor/sensor.toml").exists() && !draft.exists());
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! Fits the profile to the checked recordings, and reports its accuracy.
 
 use std::fmt;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +16,7 @@ use crate::calibrate::press::images_of;
 use crate::calibrate::{beside, camera, depth, gel};
 use crate::failure::Failure;
 use crate::output::OutputArgs;
+use crate::unfinished::Unfinished;
 
 use super::PROFILE;
 use super::answers::Answers;
@@ -75,30 +75,23 @@ pub(super) fn calibrate(
     steps: &[Step],
     output: OutputArgs,
 ) -> Result<Outcome, Failure> {
-    let (profile, draft) = (folder.join(PROFILE), folder.join(DRAFT));
+    let (profile, path) = (folder.join(PROFILE), folder.join(DRAFT));
     let named = |error: io::Error| {
-        let message = format!("{}: {}", draft.display(), error.kind());
+        let message = format!("{}: {}", folder.join(DRAFT).display(), error.kind());
         Failure::new(message, "make the sensor's folder writable")
     };
-    if profile.exists() {
-        fs::copy(&profile, &draft).map_err(named)?;
-    }
-    let outcome = fit(folder, answers, steps, output);
-    if outcome.is_ok() {
-        fs::rename(&draft, &profile).map_err(named)?;
-    } else {
-        // The rest of the temporary file is not needed.
-        let _ = fs::remove_file(&draft);
-    }
-    outcome
+    let draft = Unfinished::copy_of(&profile, path).map_err(named)?;
+    let outcome = fit(folder, draft.path(), answers, steps, output)?;
+    draft.finish(&profile).map_err(named)?;
+    Ok(outcome)
 }
 
 /// Fits everything into the draft of the profile.
-fn fit(folder: &Path, answers: &Answers, steps: &[Step], output: OutputArgs) -> Result<Outcome, Failure> {
-    let (profile, draft) = (folder.join(PROFILE), folder.join(DRAFT));
+fn fit(folder: &Path, draft: &Path, answers: &Answers, steps: &[Step], output: OutputArgs) -> Result<Outcome, Failure> {
+    let profile = folder.join(PROFILE);
     let noise_levels = steps.iter().find(|step| step.kind == Kind::Still).and_then(noise_to_set);
     if let Some(noise_levels) = noise_levels {
-        update_profile(&draft, "flow", &FlowTable { noise_levels })?;
+        update_profile(draft, "flow", &FlowTable { noise_levels })?;
     }
     let recordings = |kind| steps.iter().filter(move |step| step.kind == kind).filter_map(|step| step.folder.clone());
     let board = recordings(Kind::Board)
@@ -109,16 +102,16 @@ fn fit(folder: &Path, answers: &Answers, steps: &[Step], output: OutputArgs) -> 
         Failure::new("the distance from the lens to the gel is not known", "give it with --distance-mm 25±0.5")
     })?;
     let picture = beside(&profile, "camera");
-    let slide = camera::Args::slide(board, answers.slide(), distance, (draft.clone(), picture), output);
+    let slide = camera::Args::slide(board, answers.slide(), distance, (draft.to_owned(), picture), output);
     let (camera, residuals) = camera::fit(&slide)?;
     check_view(&camera, answers)?;
     let presses: Vec<String> = recordings(Kind::Press).map(|press| press.to_string_lossy().into_owned()).collect();
-    let args = depth::Args::recorded(presses.clone(), (draft.clone(), beside(&profile, "depth")), output);
-    let described = Profile::load(&draft)?;
+    let args = depth::Args::recorded(presses.clone(), (draft.to_owned(), beside(&profile, "depth")), output);
+    let described = Profile::load(draft)?;
     let fit = depth::fit(&args, &described)?;
     let (law, curves) = depth::write(&args, &fit, method(&fit), &described)?;
     let law = *law;
-    let gel = answers.gel().map(|gel| fit_gel(&draft, gel, &presses, output)).transpose()?;
+    let gel = answers.gel().map(|gel| fit_gel(draft, gel, &presses, output)).transpose()?;
     Ok(Outcome { profile, noise_levels, camera, law, depth: fit, gel, pictures: [residuals, curves] })
 }
 
