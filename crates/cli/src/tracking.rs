@@ -121,6 +121,12 @@ impl Run {
     fn reference(&self, source: &mut dyn Source, skipped: &mut Skipped) -> Result<Frame, Failure> {
         let wanted = self.part.reference;
         while let Some(frame) = skipped.next_frame(source, self.skips_bad_frames, self.output)? {
+            if wanted.is_none() && skipped.count > 0 {
+                return Err(Failure::new(
+                    "the first frame cannot be read, and it is the reference",
+                    format!("if frame {0} shows the gel untouched, use --reference-frame {0}", frame.sequence),
+                ));
+            }
             let Some(wanted) = wanted.filter(|&wanted| wanted != frame.sequence) else { return Ok(frame) };
             if frame.sequence > wanted {
                 let message = format!("the reference frame {wanted} cannot be read");

@@ -6,6 +6,7 @@ use crate::numbering;
 use crate::picture::{PictureFault, decode};
 use crate::{FrameFormat, Source, SourceError, regular};
 use fingervision_image::Frame;
+use std::collections::VecDeque;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -20,12 +21,12 @@ pub(crate) struct FolderSource {
     sequences: Vec<u64>,
     frames_per_second: f64,
     format: FrameFormat,
-    /// The first frame, read when the folder was opened.
-    first: Option<Frame>,
-    /// The next file to read; after the last one after an error.
+    /// What was read when the folder was opened: images that cannot be read, then the first that can.
+    begin: VecDeque<Result<Frame, SourceError>>,
+    /// The next file to read.
     next: usize,
-    /// The file that caused an error.
-    failed: Option<usize>,
+    /// Whether an error has ended the source.
+    is_failed: bool,
 }
 
 impl FolderSource {
@@ -35,21 +36,15 @@ impl FolderSource {
             return Err(SourceError::TooFewFrames { path: folder.to_owned(), count: files.len() as u64 });
         }
         let sequences = sequences(&files);
-        let first = read(&files[0], 0, frames_per_second)?;
-        Ok(Self {
-            folder: folder.to_owned(),
-            files,
-            sequences,
-            frames_per_second,
-            format: FrameFormat::from(&first.pixels),
-            first: Some(first),
-            next: 1,
-            failed: None,
-        })
+        let (begin, format) = begin(folder, &files, &sequences, frames_per_second)?;
+        let next = begin.len();
+        let folder = folder.to_owned();
+        Ok(Self { folder, files, sequences, frames_per_second, format, begin, next, is_failed: false })
     }
 
-    fn read_next(&self) -> Result<Frame, SourceError> {
+    fn read_next(&mut self) -> Result<Frame, SourceError> {
         let (path, sequence) = (&self.files[self.next], self.sequences[self.next]);
+        self.next += 1;
         let frame = read(path, sequence, self.frames_per_second)?;
         let found = FrameFormat::from(&frame.pixels);
         if found == self.format {
@@ -62,24 +57,20 @@ impl FolderSource {
 
 impl Source for FolderSource {
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
-        if let Some(first) = self.first.take() {
-            return Ok(Some(first));
-        }
-        if self.next >= self.files.len() {
+        if self.is_failed {
             return Ok(None);
         }
-        let frame = self.read_next();
-        if frame.is_err() {
-            self.failed = Some(self.next);
-        }
-        self.next = if frame.is_ok() { self.next + 1 } else { self.files.len() };
+        let frame = match self.begin.pop_front() {
+            Some(frame) => frame,
+            None if self.next >= self.files.len() => return Ok(None),
+            None => self.read_next(),
+        };
+        self.is_failed = frame.is_err();
         frame.map(Some)
     }
 
     fn resume(&mut self) -> bool {
-        let Some(failed) = self.failed.take() else { return false };
-        self.next = failed + 1;
-        true
+        std::mem::take(&mut self.is_failed)
     }
 
     fn frame_count(&self) -> Option<u64> {
@@ -101,6 +92,29 @@ impl Source for FolderSource {
 
     fn remarks(&self) -> Vec<String> {
         mixed(&self.files).into_iter().collect()
+    }
+}
+
+/// The images up to the first that can be read, whose format the others must have.
+fn begin(
+    folder: &Path,
+    files: &[PathBuf],
+    sequences: &[u64],
+    frames_per_second: f64,
+) -> Result<(VecDeque<Result<Frame, SourceError>>, FrameFormat), SourceError> {
+    let mut begin = VecDeque::new();
+    for (file, &sequence) in files.iter().zip(sequences) {
+        let frame = read(file, sequence, frames_per_second);
+        let format = frame.as_ref().ok().map(|frame| FrameFormat::from(&frame.pixels));
+        begin.push_back(frame);
+        if let Some(format) = format {
+            return Ok((begin, format));
+        }
+    }
+    // No image can be read: the first error is that of the folder.
+    match begin.pop_front() {
+        Some(Err(error)) => Err(error),
+        _ => Err(SourceError::TooFewFrames { path: folder.to_owned(), count: 0 }),
     }
 }
 

@@ -51,6 +51,29 @@ fn a_reference_that_cannot_be_read_is_an_error() {
 }
 
 #[test]
+fn a_bad_first_image_is_skipped_if_another_one_is_the_reference() {
+    let bench = Workbench::new();
+    bench.press(5);
+    bench.write("press/0000.png", "not an image");
+    let tracked = "track press --out run --skip-bad-frames";
+    let ended = bench.run(&format!("{tracked} --reference-frame 1 --fields flow --json")).expect_done();
+    assert!(ended.errors.contains("skipped: press/0000.png: frame 0: "), "{}", ended.errors);
+    assert_eq!(bench.column("sequence"), ["1", "2", "3", "4"]);
+    let summary: Value = serde_json::from_str(&ended.out).unwrap();
+    assert_eq!(summary["skipped_frames"], 1);
+    // The same as without the bad image.
+    let flow = bench.array::<f32>("flow.npy");
+    fs::remove_file(bench.path("press/0000.png")).unwrap();
+    bench.run("track press --out run --overwrite --fields flow").expect_done();
+    assert_eq!(bench.array::<f32>("flow.npy"), flow);
+
+    bench.write("press/0000.png", "not an image");
+    let first = "the first frame cannot be read, and it is the reference";
+    bench.run(&format!("{tracked} --overwrite")).expect_failure(first, "use --reference-frame 1");
+    bench.run("track press --out other").expect_failure("press/0000.png: frame 0: ", "");
+}
+
+#[test]
 fn a_damaged_picture_of_a_motion_jpeg_video_is_left_out_alone() {
     let clip = concat!(env!("CARGO_MANIFEST_DIR"), "/../source/testdata/colour.avi");
     let bench = Workbench::new();
