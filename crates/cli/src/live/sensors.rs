@@ -54,7 +54,14 @@ impl SensorArgs {
     /// Opens all sensors: every one has delivered a frame, and its profile fits.
     pub(crate) fn open(&self, pace: Pace, output: OutputArgs) -> Result<Vec<Sensor>, Failure> {
         let mut sensors: Vec<Sensor> = Vec::new();
-        for named in self.named()? {
+        let all = self.named()?;
+        // A wrong name is refused before the presses of the others are solved.
+        for named in &all {
+            if let Place::Simulated(location) = &named.place {
+                location.scene()?;
+            }
+        }
+        for named in all {
             let taken: Vec<&str> = sensors.iter().map(|sensor| sensor.handle().name()).collect();
             let sensor = self.open_one(&named, &taken, pace, output)?;
             for remark in sensor.remarks() {

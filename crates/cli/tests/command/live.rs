@@ -50,6 +50,14 @@ impl Served {
 }
 
 #[test]
+fn a_wrong_scene_is_refused_before_others_are_solved() {
+    let bench = Workbench::with_empty_cache();
+    let ended = bench.run("live sim:letter?draft sim:shear?draft --no-page");
+    assert!(!ended.errors.contains("solving"), "{}", ended.errors);
+    ended.expect_failure("no scene shear", "did you mean press-then-shear?");
+}
+
+#[test]
 fn the_demo_serves_a_page_until_it_is_interrupted() {
     let bench = Workbench::new();
     let demo = Served::start(&bench, "demo --no-browser --json");
