@@ -33,7 +33,7 @@ void main() {
 export class Surface {
   /** Draws into a canvas; `failed` gets a sentence if the browser cannot. */
   constructor(canvas, failed) {
-    this.canvas = canvas; this.azimuth = -.5; this.elevation = .85; this.distance = 1.6; this.isDirty = true;
+    this.canvas = canvas; this.azimuth = -.5; this.elevation = .85; this.distance = 1.8; this.isDirty = true;
     this.gl = canvas.getContext('webgl2', { antialias: true, alpha: true, preserveDrawingBuffer: true });
     if (!this.gl) { failed('This browser has no WebGL 2, so the surface cannot be drawn. The map beside it shows the same depth.'); return; }
     canvas.addEventListener('webglcontextlost', event => { event.preventDefault(); this.program = null; });
