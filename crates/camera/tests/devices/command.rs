@@ -68,7 +68,7 @@ fn interrupt(mut child: Child) -> (Option<i32>, String, String) {
 /// Records what the camera sends: every picture is in the file, and the file can be tracked.
 fn expect_recorded(film: &[Vec<u8>]) {
     let (camera, file) = (format!("camera:{NAME}"), "/tmp/recorded.mcap");
-    let ended = command(&["record", &camera, file, "--seconds", "3", "--frames-only"]).output().unwrap();
+    let ended = command(&["record", &camera, file, "--seconds", "4", "--frames-only"]).output().unwrap();
     let said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
     assert!(ended.status.success(), "{said}");
     let bytes = fs::read(file).unwrap();
@@ -77,7 +77,7 @@ fn expect_recorded(film: &[Vec<u8>]) {
         assert!(is_there, "picture {number} is not in the file: {said}");
     }
     let mut track = Command::new(std::env::var_os("FINGERVISION").unwrap());
-    let ended = track.args(["track", file, "--out", "/tmp/of-recording", "--frames", "0..6"]).output().unwrap();
+    let ended = track.args(["track", file, "--out", "/tmp/of-recording", "--frames", "0..16"]).output().unwrap();
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     let table = fs::read_to_string("/tmp/of-recording/readings.csv").unwrap();
     assert!(table.lines().count() > 4 && !table.contains("lost"), "{table}");
