@@ -1,4 +1,5 @@
-//! A file that is replaced only when its new version is complete, and of which nothing is left if the command ends before.
+//! A file that is replaced only when its new version is complete. If the command ends before, nothing is left of the new
+//! one.
 
 use std::fs;
 use std::io;

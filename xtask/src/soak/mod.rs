@@ -1,4 +1,5 @@
-//! `cargo xtask soak`: sensors that run for long, with a page and a recording, must drop nothing and need no more memory.
+//! `cargo xtask soak`: sensors that run for long, with a page and a recording, must drop no frame, and their memory must
+//! not grow.
 //!
 //! `fingervision live` runs with simulated presses that repeat without end, and records them. A client reads all
 //! messages of the page. Every few seconds the memory of the process is read. At the end the recording is read as a
