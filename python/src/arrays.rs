@@ -46,7 +46,7 @@ pub(crate) fn vectors<T: Element + Copy, const N: usize>(
 }
 
 /// Vectors one after another, `(N, 3)`.
-pub(crate) fn rows(py: Python<'_>, values: &[[f32; 3]]) -> PyResult<Py<PyAny>> {
+pub(crate) fn rows<T: Element + Copy>(py: Python<'_>, values: &[[T; 3]]) -> PyResult<Py<PyAny>> {
     let view = ArrayView2::from_shape((values.len(), 3), values.as_flattened()).map_err(impossible)?;
     Ok(view.to_pyarray(py).into_any().unbind())
 }

@@ -129,6 +129,24 @@ impl PyReading {
         self.reading.photometric_error
     }
 
+    /// Mean grey level of the region of interest, 0 to 255, whatever the camera's depth.
+    #[getter]
+    fn mean_level(&self) -> f32 {
+        self.reading.mean_level
+    }
+
+    /// Part of the pixels of the region of interest of which a channel is saturated, 0 to 1.
+    #[getter]
+    fn saturated_part(&self) -> f32 {
+        self.reading.saturated_part
+    }
+
+    /// Sharpness of the region of interest, dimensionless; compare it only with other images of this sensor.
+    #[getter]
+    fn sharpness(&self) -> f32 {
+        self.reading.sharpness
+    }
+
     /// Time that tracking took, ms. It is the only value that differs from run to run.
     #[getter]
     fn latency_ms(&self) -> f64 {

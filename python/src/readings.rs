@@ -9,6 +9,7 @@ use fingervision_cli::Place;
 use fingervision_gel::PressCache;
 use fingervision_recording::{Recording, RecordingSource};
 use fingervision_simulation::simulated_profile;
+use fingervision_sink::Field;
 use fingervision_source::{Options, Source};
 use fingervision_touch::Profile;
 use pyo3::prelude::*;
@@ -148,22 +149,38 @@ pub(crate) fn open(
 ) -> PyResult<PyReadings> {
     let requested = fields::requested(fields)?;
     let (given, set) = (given(profile)?, assignments(set)?);
-    py.detach(|| {
-        let (mut profile, source, first_is_colour) = opened(&source, frames_per_second, given, &set)?;
-        let (remarks, description, frame_count) = (source.remarks(), source.description(), source.frame_count());
-        profile.flow.colour &= source.has_full_colour();
-        let mut tracking = Tracking::new(profile.clone(), requested);
-        let size = profile.region(source.size()).or_raise()?;
-        if let Some(is_colour) = first_is_colour {
-            tracking.begin(source.size(), is_colour)?;
-        }
-        let state = Mutex::new(State { source: Some(source), tracking });
-        Ok(PyReadings { state, profile, size: (size.width, size.height), description, remarks, frame_count })
-    })
+    py.detach(|| tracked(opened(&source, frames_per_second, given, &set)?, requested))
 }
 
 /// A source, the profile in force, and whether its frames have colour, where that is known.
 type Opened = (Profile, Box<dyn Source>, Option<bool>);
+
+/// The readings of a source with the requested fields.
+pub(crate) fn tracked(opened: Opened, requested: Option<Vec<Field>>) -> PyResult<PyReadings> {
+    let (mut profile, source, first_is_colour) = opened;
+    let (remarks, description, frame_count) = (source.remarks(), source.description(), source.frame_count());
+    profile.flow.colour &= source.has_full_colour();
+    let mut tracking = Tracking::new(profile.clone(), requested);
+    let size = profile.region(source.size()).or_raise()?;
+    if let Some(is_colour) = first_is_colour {
+        tracking.begin(source.size(), is_colour)?;
+    }
+    let state = Mutex::new(State { source: Some(source), tracking });
+    Ok(PyReadings { state, profile, size: (size.width, size.height), description, remarks, frame_count })
+}
+
+/// A sensor of a recording as a source.
+pub(crate) fn opened_recording(
+    recording: &Recording,
+    sensor: Option<&str>,
+    given: Option<Profile>,
+    set: &[(String, String)],
+) -> PyResult<Opened> {
+    let sensor = recording.sensor(sensor).or_raise()?;
+    let recorded = || Ok(recording.profile(sensor).or_raise()?.unwrap_or_default());
+    let profile = in_force(given, recorded, set)?;
+    Ok((profile, Box::new(RecordingSource::open(recording.clone(), sensor).or_raise()?), None))
+}
 
 fn opened(
     location: &std::path::Path,
@@ -202,11 +219,7 @@ fn opened(
             (profile, Box::new(CameraSource::new(camera)), None)
         }
         Place::Recording(path, sensor) => {
-            let recording = Recording::open(&path).or_raise()?;
-            let sensor = recording.sensor(sensor.as_deref()).or_raise()?;
-            let recorded = || Ok(recording.profile(sensor).or_raise()?.unwrap_or_default());
-            let profile = in_force(given, recorded, set)?;
-            (profile, Box::new(RecordingSource::open(recording, sensor).or_raise()?), None)
+            opened_recording(&Recording::open(&path).or_raise()?, sensor.as_deref(), given, set)?
         }
         Place::File(path) => {
             let profile = in_force(given, plain, set)?;

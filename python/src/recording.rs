@@ -3,16 +3,18 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use fingervision_recording::{Recording, RecordingSource};
+use fingervision_recording::{RecordedTruth, Recording, RecordingSource};
 use fingervision_source::Source;
 use fingervision_touch::ReadingNumbers;
-use numpy::IntoPyArray;
+use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays;
 use crate::error::OrRaise;
-use crate::profile::PyProfile;
+use crate::profile::{PyProfile, given};
+use crate::readings::{PyReadings, opened_recording, tracked};
+use crate::settings::assignments;
+use crate::{arrays, fields};
 
 /// A recording in an MCAP file, as `fingervision record` writes it; opened, and read when asked.
 ///
@@ -85,6 +87,30 @@ impl PyRecording {
         Ok(PyFrames { source: Mutex::new(source), count })
     }
 
+    /// When each frame was exposed, `(N,)` float64, s, on the source's clock; quicker than `frames()`, which decodes images.
+    #[pyo3(signature = (sensor=None))]
+    fn capture_times_s<'py>(&self, py: Python<'py>, sensor: Option<&str>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let index = self.index(sensor)?;
+        Ok(py.detach(|| self.recording.capture_times_s(index)).or_raise()?.into_pyarray(py))
+    }
+
+    /// Tracks the frames of a sensor, as `fingervision.open` does. `profile`, `fields` and `set` are those of `open`.
+    ///
+    /// Raises `RecordingError`, `SourceError`, `ProfileError`, `FieldError`, `ArgumentError`.
+    #[pyo3(signature = (profile=None, *, sensor=None, fields=None, set=None))]
+    fn track(
+        &self,
+        py: Python<'_>,
+        profile: Option<&Bound<'_, PyAny>>,
+        sensor: Option<&str>,
+        fields: Option<&Bound<'_, PyAny>>,
+        set: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<PyReadings> {
+        let requested = fields::requested(fields)?;
+        let (given, set) = (given(profile)?, assignments(set)?);
+        py.detach(|| tracked(opened_recording(&self.recording, sensor, given, &set)?, requested))
+    }
+
     /// The events, such as a lost camera or a re-zero, a sentence each.
     #[pyo3(signature = (sensor=None))]
     fn events(&self, sensor: Option<&str>) -> PyResult<Vec<String>> {
@@ -94,8 +120,9 @@ impl PyRecording {
     /// The numbers of the recorded readings, a column each, of length `N`.
     ///
     /// `sequence` and `dropped_frames`, int64; `capture_time_s` and `latency_ms`, float64; `photometric_error`,
-    /// `max_depth_mm`, `contact_area_mm2`, `torque_nmm`, float32, and `force_n`, `(N, 3)` float32, N, with NaN where a
-    /// reading has none; `flags`, a list of strings joined by `+`.
+    /// `mean_level`, `saturated_part`, `sharpness`, float32, as in a `Reading`; `max_depth_mm`, `contact_area_mm2`,
+    /// `torque_nmm`, float32, and `force_n`, `(N, 3)` float32, N, with NaN where a reading has none; `flags`, a list of
+    /// strings joined by `+`.
     #[pyo3(signature = (sensor=None))]
     fn readings<'py>(&self, py: Python<'py>, sensor: Option<&str>) -> PyResult<Bound<'py, PyDict>> {
         let index = self.index(sensor)?;
@@ -111,6 +138,9 @@ impl PyRecording {
         table.set_item("capture_time_s", long(|row| row.capture_time_s).into_pyarray(py))?;
         table.set_item("dropped_frames", whole(|row| row.dropped_frames).into_pyarray(py))?;
         table.set_item("photometric_error", short(|row| Some(row.photometric_error)).into_pyarray(py))?;
+        table.set_item("mean_level", short(|row| Some(row.mean_level)).into_pyarray(py))?;
+        table.set_item("saturated_part", short(|row| Some(row.saturated_part)).into_pyarray(py))?;
+        table.set_item("sharpness", short(|row| Some(row.sharpness)).into_pyarray(py))?;
         table.set_item("latency_ms", long(|row| row.latency_ms).into_pyarray(py))?;
         table.set_item("max_depth_mm", short(|row| row.max_depth_mm).into_pyarray(py))?;
         table.set_item("contact_area_mm2", short(|row| row.contact_area_mm2).into_pyarray(py))?;
@@ -118,6 +148,26 @@ impl PyRecording {
         table.set_item("force_n", arrays::rows(py, &forces)?)?;
         table.set_item("torque_nmm", short(|row| row.torque_nmm).into_pyarray(py))?;
         table.set_item("flags", numbers.iter().map(|row| row.flags.to_string()).collect::<Vec<_>>())?;
+        Ok(table)
+    }
+
+    /// The truth of every frame of a simulated sensor, a column each, of length `N`, which is 0 for a real sensor.
+    ///
+    /// `sequence`, int64; `capture_time_s`, s, `depth_mm`, the indentation depth of the indenter, mm, and `torque_nmm`,
+    /// N mm, float64; `force_n`, `(N, 3)` float64, N, pressing is +z.
+    #[pyo3(signature = (sensor=None))]
+    fn truths<'py>(&self, py: Python<'py>, sensor: Option<&str>) -> PyResult<Bound<'py, PyDict>> {
+        let index = self.index(sensor)?;
+        let truths = py.detach(|| self.recording.truths(index)).or_raise()?;
+        let numbers = |value: fn(&RecordedTruth) -> f64| truths.iter().map(value).collect::<Vec<_>>();
+        let sequences: Vec<i64> = truths.iter().map(|row| row.sequence.cast_signed()).collect();
+        let forces: Vec<[f64; 3]> = truths.iter().map(|row| row.truth.force_n).collect();
+        let table = PyDict::new(py);
+        table.set_item("sequence", sequences.into_pyarray(py))?;
+        table.set_item("capture_time_s", numbers(|row| row.capture_time_s).into_pyarray(py))?;
+        table.set_item("depth_mm", numbers(|row| row.truth.depth_mm).into_pyarray(py))?;
+        table.set_item("force_n", arrays::rows(py, &forces)?)?;
+        table.set_item("torque_nmm", numbers(|row| row.truth.torque_nmm).into_pyarray(py))?;
         Ok(table)
     }
 

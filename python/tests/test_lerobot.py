@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib
+import io
 import json
+import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,11 +13,13 @@ import pytest
 
 import fingervision
 from conftest import Press
+from fingervision.lerobot import export_lerobot
 
 if TYPE_CHECKING:
     from pathlib import Path
 
 pytest.importorskip("pyarrow")
+pillow = pytest.importorskip("PIL.Image")
 PREFIX = "observation.touch."
 
 
@@ -53,6 +57,22 @@ def test_every_array_is_kept(file: Path, data_set: Path) -> None:
     assert found["timestamp"] == np.float32(np.arange(7) / 30).tolist()
     assert found["index"] == list(range(7, 14))
     assert found["frame_index"] == list(range(7))
+
+
+def test_images_are_kept(file: Path, data_set: Path) -> None:
+    found = columns(data_set, 0)[PREFIX + "image"]
+    for stored, frame in zip(found, fingervision.Recording(file).frames(), strict=True):
+        with pillow.open(io.BytesIO(stored["bytes"])) as picture:
+            assert picture.format == "PNG"
+            assert np.asarray(picture).tobytes() == frame.image.tobytes()
+
+
+def test_a_missing_library_is_named(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module, package in {"PIL.Image": "Pillow", "pyarrow": "pyarrow"}.items():
+        monkeypatch.setitem(sys.modules, module, None)
+        with pytest.raises(fingervision.Error, match=f"need {package}, which"):
+            export_lerobot(file, tmp_path / "set")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_run_has_the_same_arrays(press: Press, tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ use fingervision_touch::{Profile, ProfileError, ReadingNumbers};
 use prost::Message;
 
 use crate::container::scan::{Contents, Place, scan};
-use crate::message::{Log, Reading, Truth};
+use crate::message::{Frame, Log, Reading, Truth};
 use crate::message_reader::MessageReader;
 use crate::topic::Topic;
 use crate::writer::{PROFILE_NAME, SCENE_NAME, SENSOR_METADATA};
@@ -174,8 +174,7 @@ impl Recording {
     ///
     /// [`RecordingError::Read`] if the system refuses.
     pub fn readings(&self, sensor: usize) -> Result<Vec<ReadingNumbers>, RecordingError> {
-        let messages = self.messages::<Reading>(sensor, Topic::Reading)?;
-        Ok(messages.iter().map(numbers::from_message).collect())
+        self.messages(sensor, Topic::Reading, |reading: Reading| numbers::from_message(&reading))
     }
 
     /// The truth of every frame of a simulated sensor, in order, as [`Self::readings`]; empty for a real one.
@@ -184,7 +183,7 @@ impl Recording {
     ///
     /// [`RecordingError::Read`] if the system refuses.
     pub fn truths(&self, sensor: usize) -> Result<Vec<RecordedTruth>, RecordingError> {
-        Ok(self.messages::<Truth>(sensor, Topic::Truth)?.iter().map(RecordedTruth::of).collect())
+        self.messages(sensor, Topic::Truth, |truth: Truth| RecordedTruth::of(&truth))
     }
 
     /// The events of a sensor, in order, as [`Self::readings`].
@@ -193,17 +192,33 @@ impl Recording {
     ///
     /// [`RecordingError::Read`] if the system refuses.
     pub fn events(&self, sensor: usize) -> Result<Vec<String>, RecordingError> {
-        Ok(self.messages::<Log>(sensor, Topic::Log)?.into_iter().map(|log| log.message).collect())
+        self.messages(sensor, Topic::Log, |log: Log| log.message)
     }
 
-    fn messages<M: Message + Default>(&self, sensor: usize, topic: Topic) -> Result<Vec<M>, RecordingError> {
+    /// When each frame of a sensor was exposed, s, on its source's own clock, in order, as [`Self::readings`]. The images
+    /// are not decoded.
+    ///
+    /// # Errors
+    ///
+    /// [`RecordingError::Read`] if the system refuses.
+    pub fn capture_times_s(&self, sensor: usize) -> Result<Vec<f64>, RecordingError> {
+        self.messages(sensor, Topic::Frame, |frame: Frame| frame.capture_time_s)
+    }
+
+    /// What is wanted of each message of a topic.
+    fn messages<M: Message + Default, T>(
+        &self,
+        sensor: usize,
+        topic: Topic,
+        wanted: impl Fn(M) -> T,
+    ) -> Result<Vec<T>, RecordingError> {
         let mut reader = self.reader()?;
-        let mut messages = Vec::new();
+        let mut found = Vec::new();
         for place in self.places(sensor, topic) {
             let bytes = reader.read_sound(*place).map_err(RecordingError::reading(&self.path))?;
-            messages.extend(bytes.and_then(|bytes| M::decode(bytes).ok()));
+            found.extend(bytes.and_then(|bytes| M::decode(bytes).ok()).map(&wanted));
         }
-        Ok(messages)
+        Ok(found)
     }
 
     pub(crate) fn reader(&self) -> Result<MessageReader, RecordingError> {

@@ -124,6 +124,15 @@ class Reading:
     def photometric_error(self) -> float:
         """How well the frame matches its reference: root mean square of the residuals, grey levels from 0 to 255."""
     @property
+    def mean_level(self) -> float:
+        """Mean grey level of the region of interest, 0 to 255, whatever the camera's depth."""
+    @property
+    def saturated_part(self) -> float:
+        """Part of the pixels of the region of interest of which a channel is saturated, 0 to 1."""
+    @property
+    def sharpness(self) -> float:
+        """Sharpness of the region of interest, dimensionless; compare it only with other images of this sensor."""
+    @property
     def latency_ms(self) -> float:
         """Time that tracking took, ms. It is the only value that differs from run to run."""
     @property
@@ -405,14 +414,35 @@ class Recording:
 
         Raises `SourceError` while iterating if one is damaged.
         """
+    def capture_times_s(self, sensor: str | None = None) -> npt.NDArray[np.float64]:
+        """When each frame was exposed, `(N,)` float64, s, on the source's clock; quicker than `frames()`, which decodes images."""
+    def track(
+        self,
+        profile: Profile | _Path | None = None,
+        *,
+        sensor: str | None = None,
+        fields: Sequence[_Field] | None = None,
+        set: dict[str, Any] | None = None,
+    ) -> Readings:
+        """Tracks the frames of a sensor, as `fingervision.open` does. `profile`, `fields` and `set` are those of `open`.
+
+        Raises `RecordingError`, `SourceError`, `ProfileError`, `FieldError`, `ArgumentError`.
+        """
     def events(self, sensor: str | None = None) -> list[str]:
         """The events, such as a lost camera or a re-zero, a sentence each."""
+    def truths(self, sensor: str | None = None) -> dict[str, npt.NDArray[Any]]:
+        """The truth of every frame of a simulated sensor, a column each, of length `N`, which is 0 for a real sensor.
+
+        `sequence`, int64; `capture_time_s`, s, `depth_mm`, the indentation depth of the indenter, mm, and `torque_nmm`,
+        N mm, float64; `force_n`, `(N, 3)` float64, N, pressing is +z.
+        """
     def readings(self, sensor: str | None = None) -> dict[str, Any]:
         """The numbers of the recorded readings, a column each, of length `N`.
 
         `sequence` and `dropped_frames`, int64; `capture_time_s` and `latency_ms`, float64; `photometric_error`,
-        `max_depth_mm`, `contact_area_mm2`, `torque_nmm`, float32, and `force_n`, `(N, 3)` float32, N, with NaN where a
-        reading has none; `flags`, a list of strings joined by `+`.
+        `mean_level`, `saturated_part`, `sharpness`, float32, as in a `Reading`; `max_depth_mm`, `contact_area_mm2`,
+        `torque_nmm`, float32, and `force_n`, `(N, 3)` float32, N, with NaN where a reading has none; `flags`, a list of
+        strings joined by `+`.
         """
 
 @final

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import importlib
-import struct
-import zlib
+import io
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,12 +22,16 @@ _COMPONENTS = {
 }
 
 
+_PACKAGES = {"pyarrow": "pyarrow", "PIL": "Pillow"}
+
+
 def library(name: str) -> Any:
-    """A module of pyarrow."""
+    """A module of pyarrow or Pillow."""
     try:
         return importlib.import_module(name)
     except ImportError as missing:
-        error = Error("LeRobot data sets need pyarrow, which is not installed")
+        package = _PACKAGES[name.split(".")[0]]
+        error = Error(f"LeRobot data sets need {package}, which is not installed")
         error.hint = "pip install 'fingervision[lerobot]'"
         raise error from missing
 
@@ -58,15 +61,7 @@ def column(values: list[npt.NDArray[Any]], *, is_image: bool) -> Any:
 
 
 def _png(image: npt.NDArray[np.uint8]) -> bytes:
-    """An image `(H, W, 3)` as a PNG file; every row is stored as its difference to the one above."""
-    rows, columns, _ = image.shape
-    lines = np.full((rows, 1 + columns * 3), 2, np.uint8)
-    lines[:, 1:] = np.diff(image.reshape(rows, -1), axis=0, prepend=np.zeros((1, columns * 3), np.uint8))
-    chunks = [
-        (b"IHDR", struct.pack(">IIBBBBB", columns, rows, 8, 2, 0, 0, 0)),
-        (b"IDAT", zlib.compress(lines.tobytes(), 1)),
-        (b"IEND", b""),
-    ]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)) for kind, data in chunks
-    )
+    """An image `(H, W, 3)` as a PNG file."""
+    file = io.BytesIO()
+    library("PIL.Image").fromarray(image).save(file, "png", compress_level=1)
+    return file.getvalue()

@@ -63,19 +63,20 @@ def open_episode(source: str | os.PathLike[str], tracking: Tracking) -> Episode:
 
 def _recording(text: str, path: Path, tracking: Tracking) -> Episode:
     sensor = text.split("?sensor=")[1] if "?sensor=" in text else None
-    times = [frame.capture_time_s for frame in fingervision.Recording(path).frames(sensor)]
+    recording = fingervision.Recording(path)
 
-    def opened() -> fingervision.Readings:
-        return fingervision.open(text, tracking.profile, fields=tracking.fields, set=tracking.set)
+    def tracked() -> fingervision.Readings:
+        return recording.track(tracking.profile, sensor=sensor, fields=tracking.fields, set=tracking.set)
 
     def frames() -> Iterator[Values]:
-        with opened() as readings:
+        with tracked() as readings:
             for reading in readings:
                 yield _of_reading(reading, images=tracking.images)
 
-    with opened() as readings:
+    # Closed until its frames are wanted, because there may be more recordings than files can be open.
+    with tracked() as readings:
         profile = readings.profile
-    return Episode(text, np.array(times), profile, frames)
+    return Episode(text, recording.capture_times_s(sensor), profile, frames)
 
 
 def _of_reading(reading: fingervision.Reading, *, images: bool) -> Values:

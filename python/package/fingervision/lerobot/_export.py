@@ -55,7 +55,8 @@ def export_lerobot(
     Returns the numbers of episodes and frames and the rate. Raises ``ArgumentError`` if the folder exists, or recordings
     differ in rate or in features, and the errors of ``fingervision.open``.
     """
-    library("pyarrow")
+    for name in ("pyarrow", "PIL.Image"):
+        library(name)
     target = Path(folder)
     if target.exists():
         raise ArgumentError(f"{target} exists already: choose a new name")
