@@ -7,6 +7,7 @@ mod accuracy;
 mod camera_test;
 mod check;
 mod circles;
+mod environment;
 mod instructions;
 mod layers;
 mod lengths;
@@ -46,6 +47,9 @@ enum Name {
     CameraTest(camera_test::Args),
     /// Build the Python wheel and test it in a fresh environment.
     Python(python::Args),
+    /// Build the Python module; for maturin alone, which takes this program for cargo.
+    #[command(name = "rustc", hide = true)]
+    PythonModule(python::module::Args),
     /// Count the instructions of a frame and compare them with the record.
     Instructions(instructions::Args),
     /// Measure the tables of docs/performance.md.
@@ -64,6 +68,7 @@ fn main() -> ExitCode {
         #[cfg(unix)]
         Name::CameraTest(args) => camera_test::run(&args, &mut std::io::stdout().lock()),
         Name::Python(args) => python::run(&args, &mut std::io::stdout().lock()),
+        Name::PythonModule(args) => python::module::run(&args),
         Name::Instructions(args) => instructions::run(&args, &mut std::io::stdout().lock()),
         Name::Performance(args) => performance::run(&args, &mut std::io::stdout().lock()),
         #[cfg(target_os = "linux")]

@@ -1,10 +1,11 @@
 //! `cargo xtask python`: builds the Python wheel and tests it in a fresh environment.
 //!
-//! Everything is installed in the target folder: `tools` has what builds the wheel, `fresh` is made anew each time and
-//! has the wheel and what tests it. Where Python or its packages cannot be had, the tests are skipped, and a line says
-//! why. With `--wheels` the wheels for other computers are built and checked, too.
+//! Everything is installed in the target folder: `tools` has what builds the wheel, `testers` what tests it, and nothing
+//! else of ours but the wheel. Both are kept for the next time. Where Python or its packages cannot be had, the tests are
+//! skipped, and a line says why. With `--wheels` the wheels for other computers are built and checked, too.
 
 mod emulation;
+pub(crate) mod module;
 mod wheels;
 
 use std::env;
@@ -15,15 +16,28 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
-/// The oldest Python that the wheel is for.
-const OLDEST: &str = "3.10";
+use crate::environment::{Interpreter, is_installed, replace};
+
 /// What a released wheel may have, bytes.
 const LARGEST_WHEEL: u64 = 15_000_000;
+const DEVELOPMENT: &str = "dev";
 const MATURIN: &str = "maturin>=1.9,<2";
 /// The examples that need a library of their own, which `--with` installs.
 const WITH_LIBRARIES: [(&str, &str); 3] =
     [("dataset.py", "ray"), ("rerun_stream.py", "rerun"), ("torch_loop.py", "torch")];
-const TESTERS: [&str; 5] = ["pytest>=8", "mypy>=1.14", "pyright[nodejs]>=1.1.390", "matplotlib>=3.8", "pyarrow>=14"];
+const TESTERS: [&str; 8] = [
+    "pytest>=8",
+    "mypy>=1.14",
+    "pyright[nodejs]>=1.1.390",
+    "matplotlib>=3.8",
+    "pillow>=9.4",
+    "pyarrow>=14",
+    "setuptools>=70.1",
+    "draccus==0.10.0",
+];
+/// The classes of cameras need only draccus of all that LeRobot needs, among it `PyTorch`.
+const LEROBOT: &str = "lerobot==0.4.4";
+const LEROBOT_CAMERA: &str = "lerobot_camera_fingervision";
 
 /// Options of the tests.
 #[derive(Debug, clap::Args)]
@@ -37,7 +51,7 @@ pub(crate) struct Args {
     /// Build the wheels for other computers: x86-64 and aarch64, Linux with glibc 2.17 or later.
     #[arg(long, conflicts_with = "dev")]
     wheels: bool,
-    /// Install this package too, for an example: `ray`, `rerun-sdk` or `torch`; may be repeated.
+    /// Install this package too, for an example or a test: `lerobot`, `ray`, `rerun-sdk` or `torch`; may be repeated.
     #[arg(long, value_name = "PACKAGE")]
     with: Vec<String>,
 }
@@ -45,7 +59,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     let folder = crate::target_folder().join("python");
     fs::create_dir_all(&folder)?;
-    let (tools, fresh) = match environments(&folder, &args.with) {
+    let (tools, testers) = match environments(&folder, &args.with) {
         Ok(environments) => environments,
         Err(why) if !args.required => {
             writeln!(out, "python: skipped, {why:#}")?;
@@ -56,50 +70,23 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     let wheel = if args.wheels {
         wheels::build(&tools, &folder, out)?
     } else {
-        let options: &[&str] = if args.dev { &["--profile", "dev"] } else { &["--release"] };
+        let options: &[&str] = if args.dev { &["--profile", DEVELOPMENT] } else { &["--release"] };
         let wheel = build(&tools, &folder.join("wheels"), options)?;
         report(&wheel, !args.dev, out)?;
         wheel
     };
-    install(&fresh, &[&wheel.display().to_string()])?;
-    test(&fresh, out)
+    replace(&testers, "fingervision", &wheel, &[])?;
+    install_camera(&testers, &folder)?;
+    test(&testers, out)
 }
 
-/// The interpreters of `tools` and `fresh`.
+/// The interpreters of `tools` and `testers`.
 fn environments(folder: &Path, with: &[String]) -> Result<(PathBuf, PathBuf)> {
-    let python = python()?;
-    let fresh = folder.join("fresh");
-    if fresh.exists() {
-        fs::remove_dir_all(&fresh)?;
-    }
+    let python = Interpreter::find()?;
     let testers: Vec<&str> = TESTERS.into_iter().chain(with.iter().map(String::as_str)).collect();
-    Ok((environment(&python, &folder.join("tools"), &[MATURIN])?, environment(&python, &fresh, &testers)?))
-}
-
-/// The interpreter: `FINGERVISION_PYTHON`, or `python3`.
-fn python() -> Result<PathBuf> {
-    let python = PathBuf::from(env::var_os("FINGERVISION_PYTHON").unwrap_or_else(|| "python3".into()));
-    let code = "import sys; print('%d.%d' % sys.version_info[:2]); sys.exit(sys.version_info < (3, 10))";
-    let output = Command::new(&python).args(["-c", code]).output();
-    let output = output.with_context(|| format!("{} cannot be run", python.display()))?;
-    let version = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-    ensure!(output.status.success(), "{} is Python {version}, and {OLDEST} is needed", python.display());
-    Ok(python)
-}
-
-/// The interpreter of an environment with these packages, made if there is none.
-fn environment(python: &Path, folder: &Path, packages: &[&str]) -> Result<PathBuf> {
-    let own = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
-    if !own.is_file() {
-        crate::expect_success(Command::new(python).args(["-m", "venv"]).arg(folder))?;
-    }
-    install(&own, packages)?;
-    Ok(own)
-}
-
-fn install(python: &Path, packages: &[&str]) -> Result<()> {
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    crate::expect_success(Command::new(python).args(install).args(packages)).map(|_| ())
+    let bare: &[&str] = if with.iter().any(|package| package.starts_with("lerobot")) { &[] } else { &[LEROBOT] };
+    let tools = python.environment(&folder.join("tools"), &[MATURIN], &[])?;
+    Ok((tools, python.environment(&folder.join("testers"), &testers, bare)?))
 }
 
 /// Builds a wheel into a folder that has no other one.
@@ -113,6 +100,9 @@ fn build(tools: &Path, wheels: &Path, options: &[&str]) -> Result<PathBuf> {
     let beside = tools.parent().map(Path::to_path_buf).into_iter().chain(env::split_paths(&path));
     maturin.env("PATH", env::join_paths(beside)?);
     maturin.args(["-m", "maturin", "build", "--locked", "--out"]).arg(wheels).args(options);
+    if options.contains(&DEVELOPMENT) {
+        module::instead_of_cargo(&mut maturin)?;
+    }
     crate::expect_success(maturin.current_dir(crate::workspace().join("python")))?;
     let mut found = fs::read_dir(wheels)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>>>()?;
     found.pop().with_context(|| format!("maturin built no wheel in {}", wheels.display()))
@@ -127,21 +117,41 @@ fn report(wheel: &Path, is_released: bool, out: &mut impl Write) -> Result<()> {
     Ok(())
 }
 
+/// Installs sensors as cameras of LeRobot from a copy, because setuptools writes into the folder that it builds.
+fn install_camera(testers: &Path, folder: &Path) -> Result<()> {
+    let source = crate::workspace().join("python").join(LEROBOT_CAMERA);
+    let copy = folder.join(LEROBOT_CAMERA);
+    wheels::empty_folder(&copy.join(LEROBOT_CAMERA))?;
+    for part in [&source, &source.join(LEROBOT_CAMERA)] {
+        for entry in fs::read_dir(part)? {
+            let path = entry?.path();
+            if path.is_file() {
+                let name = path.strip_prefix(&source)?;
+                fs::copy(&path, copy.join(name)).with_context(|| path.display().to_string())?;
+            }
+        }
+    }
+    replace(testers, LEROBOT_CAMERA, &copy, &["--no-deps", "--no-build-isolation"])
+}
+
 /// Compares the stubs with the module, checks all types, and runs the tests and the examples.
 fn test(python: &Path, out: &mut impl Write) -> Result<()> {
     let interpreter = python.display().to_string();
     let examples = typed_examples(python, out)?;
     let pyright = ["-m", "pyright", "--pythonpath", &interpreter, "package", "tests", "stub_docs.py"];
     let pyright: Vec<&str> = pyright.into_iter().chain(examples.iter().map(String::as_str)).collect();
-    let chores: [(&str, &[&str]); 4] = [
-        ("documentation of the stubs", &["stub_docs.py", "--check"]),
-        ("stubtest", &["-m", "mypy.stubtest", "fingervision._native", "--concise"]),
-        ("pyright", &pyright),
-        ("pytest", &["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider"]),
+    let pytest = ["-m", "pytest", "--quiet", "-rs", "-p", "no:cacheprovider"];
+    let chores: [(&str, &str, &[&str]); 5] = [
+        ("documentation of the stubs", "", &["stub_docs.py", "--check"]),
+        ("stubtest", "", &["-m", "mypy.stubtest", "fingervision._native", "--concise"]),
+        ("pyright", "", &pyright),
+        ("pytest", "", &pytest),
+        ("pytest of the LeRobot camera", LEROBOT_CAMERA, &pytest),
     ];
-    for (name, arguments) in chores {
+    for (name, folder, arguments) in chores {
         let mut chore = Command::new(python);
-        chore.args(arguments).env("PYTHONDONTWRITEBYTECODE", "1").current_dir(crate::workspace().join("python"));
+        let folder = crate::workspace().join("python").join(folder);
+        chore.args(arguments).env("PYTHONDONTWRITEBYTECODE", "1").current_dir(folder);
         let status = chore.status().with_context(|| format!("{name} cannot be run"))?;
         ensure!(status.success(), "{name} found faults");
         writeln!(out, "{name}: clean")?;
@@ -169,9 +179,4 @@ fn typed_examples(python: &Path, out: &mut impl Write) -> Result<Vec<String>> {
     }
     examples.sort();
     Ok(examples)
-}
-
-fn is_installed(python: &Path, library: &str) -> Result<bool> {
-    let code = "import importlib.util, sys; sys.exit(importlib.util.find_spec(sys.argv[1]) is None)";
-    Ok(Command::new(python).args(["-c", code, library]).status()?.success())
 }

@@ -7,7 +7,8 @@ use std::process::Command;
 
 use anyhow::{Context, Result, ensure};
 
-use super::{emulation, install, report};
+use super::{emulation, report};
+use crate::environment::install;
 
 /// The processors, as in the names of Rust's targets.
 const PROCESSORS: [&str; 2] = ["x86_64", "aarch64"];
