@@ -1,5 +1,5 @@
 //! Checks and measurements of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask circles`,
-//! `cargo xtask check`, `cargo xtask camera-test`, `cargo xtask python`,
+//! `cargo xtask check`, `cargo xtask camera-test`, `cargo xtask python`, `cargo xtask site`,
 //! `cargo xtask instructions`, `cargo xtask performance`, `cargo xtask soak`.
 
 mod accuracy;
@@ -13,6 +13,7 @@ mod layers;
 mod lengths;
 mod performance;
 mod python;
+mod site;
 #[cfg(target_os = "linux")]
 mod soak;
 
@@ -47,6 +48,8 @@ enum Name {
     CameraTest(camera_test::Args),
     /// Build the Python wheel and test it in a fresh environment.
     Python(python::Args),
+    /// Build the documentation as a site.
+    Site(site::Args),
     /// Build the Python module; for maturin alone, which takes this program for cargo.
     #[command(name = "rustc", hide = true)]
     PythonModule(python::module::Args),
@@ -68,6 +71,7 @@ fn main() -> ExitCode {
         #[cfg(unix)]
         Name::CameraTest(args) => camera_test::run(&args, &mut std::io::stdout().lock()),
         Name::Python(args) => python::run(&args, &mut std::io::stdout().lock()),
+        Name::Site(args) => site::run(&args, &mut std::io::stdout().lock()),
         Name::PythonModule(args) => python::module::run(&args),
         Name::Instructions(args) => instructions::run(&args, &mut std::io::stdout().lock()),
         Name::Performance(args) => performance::run(&args, &mut std::io::stdout().lock()),
