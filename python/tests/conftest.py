@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 
 import fingervision
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    import numpy.typing as npt
 
 SCENE = """
 motion = { frames = 7 }
@@ -53,3 +56,23 @@ def press(tmp_path_factory: pytest.TempPathFactory) -> Press:
 def simulation() -> fingervision.Simulation:
     """The same press in memory."""
     return fingervision.simulate(toml=SCENE, draft=True, cache=False)
+
+
+@pytest.fixture(scope="session")
+def tracked(press: Press) -> list[fingervision.Reading]:
+    """The readings of the press. Their arrays are shared: do not change them."""
+    return list(fingervision.open(press.frames, press.profile))
+
+
+@pytest.fixture
+def images(tracked: list[fingervision.Reading]) -> list[npt.NDArray[np.uint8]]:
+    """Copies of the camera's images."""
+    return [reading.image.astype(np.uint8) for reading in tracked]
+
+
+@pytest.fixture(scope="session")
+def file(press: Press, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The press as a recording."""
+    path = tmp_path_factory.mktemp("recording") / "press.mcap"
+    fingervision.command("record", press.frames, path, "--profile", press.profile)
+    return path

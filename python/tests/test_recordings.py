@@ -14,17 +14,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-@pytest.fixture(scope="module")
-def file(press: Press, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The press as a recording."""
-    path = tmp_path_factory.mktemp("recording") / "press.mcap"
-    fingervision.command("record", press.frames, path, "--profile", press.profile)
-    return path
-
-
-def test_frames_and_readings_are_kept(press: Press, file: Path) -> None:
-    recording = fingervision.Recording(file)
-    expected = list(fingervision.open(press.frames, press.profile))
+def test_frames_and_readings_are_kept(file: Path, tracked: list[fingervision.Reading]) -> None:
+    recording, expected = fingervision.Recording(file), tracked
     assert len(recording.sensors) == 1
     assert recording.remarks == []
     frames = recording.frames()
@@ -82,11 +73,12 @@ def test_a_real_sensor_has_no_truth(file: Path) -> None:
     assert truths["force_n"].shape == (0, 3)
 
 
-def test_a_recording_is_tracked_as_its_source(press: Press, file: Path) -> None:
-    expected = list(fingervision.open(press.frames, press.profile))
+def test_a_recording_is_tracked_as_its_source(
+    press: Press, file: Path, tracked: list[fingervision.Reading]
+) -> None:
     with fingervision.open(file) as readings:
         assert readings.profile.name == fingervision.Profile.load(press.profile).name
-        for reading, other in zip(readings, expected, strict=True):
+        for reading, other in zip(readings, tracked, strict=True):
             assert reading.depth.tobytes() == other.depth.tobytes()
     options: Any = {"fields": ["flow"], "set": {"flow.colour": False}}
     with fingervision.Recording(file).track(**options) as readings, fingervision.open(file, **options) as others:

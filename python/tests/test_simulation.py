@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import csv
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 import fingervision
-from conftest import Press
+from conftest import SCENE, Press
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 
 def test_truth_is_that_of_the_files(press: Press, simulation: fingervision.Simulation) -> None:
@@ -27,10 +31,11 @@ def test_truth_is_that_of_the_files(press: Press, simulation: fingervision.Simul
         assert frame.depth_mm == pytest.approx(float(forces[index]["depth_mm"]), rel=1e-5, abs=1e-9)
 
 
-def test_images_are_those_of_the_files(press: Press, simulation: fingervision.Simulation) -> None:
-    readings = list(fingervision.open(press.frames))
-    for frame, reading in zip(simulation, readings, strict=True):
-        assert frame.image.tobytes() == reading.image.tobytes()
+def test_images_are_those_of_the_files(
+    simulation: fingervision.Simulation, images: list[npt.NDArray[np.uint8]]
+) -> None:
+    for frame, image in zip(simulation, images, strict=True):
+        assert frame.image.tobytes() == image.tobytes()
 
 
 def test_a_simulated_press_is_tracked_with_its_own_profile(simulation: fingervision.Simulation) -> None:
@@ -62,10 +67,8 @@ def test_scenes_are_named_and_wrong_ones_refused() -> None:
         fingervision.simulate("circle", set={"gel.poissons_ratio": 0.7})
 
 
-def test_values_and_seed_are_set() -> None:
-    text = "motion = { frames = 2 }"
-    plain = fingervision.simulate(toml=text, draft=True, cache=False)
-    other = fingervision.simulate(toml=text, draft=True, cache=False, seed=7, set={"gel.thickness_mm": 8.0})
-    assert plain[0].image.tobytes() != other[0].image.tobytes()
+def test_values_and_seed_are_set(simulation: fingervision.Simulation) -> None:
+    other = fingervision.simulate(toml=SCENE, draft=True, cache=False, seed=7, set={"gel.thickness_mm": 8.0})
+    assert simulation[0].image.tobytes() != other[0].image.tobytes()
     assert "thickness_mm = 8.0" in other.profile.to_toml()
     assert "thickness_mm = 8.0" in other.to_toml()

@@ -24,7 +24,7 @@ impl Interpreter {
     /// `FINGERVISION_PYTHON`, or `python3`.
     pub(crate) fn find() -> Result<Self> {
         let path = PathBuf::from(env::var_os("FINGERVISION_PYTHON").unwrap_or_else(|| "python3".into()));
-        let code = "import sys; print(sys.version); sys.exit(sys.version_info < (3, 10))";
+        let code = "import sys; print(sys.version.split()[0]); sys.exit(sys.version_info < (3, 10))";
         let output = Command::new(&path).args(["-c", code]).output();
         let output = output.with_context(|| format!("{} cannot be run", path.display()))?;
         let version = String::from_utf8_lossy(&output.stdout).trim().to_owned();
