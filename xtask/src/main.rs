@@ -46,7 +46,7 @@ enum Name {
     /// Test cameras on a real kernel in an emulator.
     #[cfg(unix)]
     CameraTest(camera_test::Args),
-    /// Build the Python wheel and test it in a fresh environment.
+    /// Build the Python wheel and test it in an environment of its own.
     Python(python::Args),
     /// Build the documentation as a site.
     Site(site::Args),

@@ -1,4 +1,4 @@
-//! `cargo xtask python`: builds the Python wheel and tests it in a fresh environment.
+//! `cargo xtask python`: builds the Python wheel and tests it in an environment of its own.
 //!
 //! Everything is installed in the target folder: `tools` has what builds the wheel, `testers` what tests it, and nothing
 //! else of ours but the wheel. Both are kept for the next time. Where Python or its packages cannot be had, the tests are
