@@ -26,6 +26,12 @@ fn pictures(size: [u32; 2]) -> Vec<Vec<u8>> {
     (0..10).map(|number| picture(number, size)).collect()
 }
 
+/// Frames per second, from the first and the last number and time.
+fn rate(frames: &[(u32, f64)]) -> f64 {
+    let ((first, start_s), (last, end_s)) = (frames[0], frames[frames.len() - 1]);
+    f64::from(last - first) / (end_s - start_s)
+}
+
 #[test]
 #[ignore = "needs the cameras of cargo xtask camera-test"]
 fn motion_jpeg_arrives_at_90_frames_a_second() {
@@ -44,10 +50,11 @@ fn motion_jpeg_arrives_at_90_frames_a_second() {
         (buffer.sequence, buffer.stamp_s)
     };
     let frames = std::iter::repeat_with(|| whole_frame(&mut device));
-    let seen: Vec<(u32, f64)> = frames.skip_while(|(sequence, _)| *sequence == 0).take(180).collect();
-    let ((first, start_s), (last, end_s)) = (seen[10], seen[179]);
-    let rate = f64::from(last - first) / (end_s - start_s);
-    assert!((85.0..95.0).contains(&rate), "{rate} frames/s");
+    let seen: Vec<(u32, f64)> = frames.skip_while(|(sequence, _)| *sequence == 0).take(900).collect();
+    // In most of the seconds: the emulator may be stopped for a while by other programs.
+    let mut rates: Vec<f64> = seen.chunks_exact(90).map(rate).collect();
+    rates.sort_by(f64::total_cmp);
+    assert!((85.0..95.0).contains(&rates[rates.len() / 2]), "{rates:?} frames/s");
     assert!(seen.windows(2).all(|pair| pair[1].0 > pair[0].0 && pair[1].1 > pair[0].1), "{seen:?}");
 }
 
