@@ -289,21 +289,38 @@ mod tests {
             let Pixels::Grey8(image) = decoder.decode(&[row, row].concat()).unwrap() else { panic!("grey") };
             assert_eq!([image.at(0, 0), image.at(2, 1)], [level; 2], "full range {is_full_range}, luma {luma}");
         }
-        let colour = image::RgbImage::from_fn(48, 40, |x, y| image::Rgb([(5 * x) as u8, (6 * y) as u8, 90]));
-        let mut bytes = Vec::new();
-        JpegEncoder::new_with_quality(&mut bytes, 95).encode_image(&colour).unwrap();
-        let jpeg = layout(CameraCoding::MotionJpeg, 48, 40, 0);
-        let Pixels::Grey8(grey) = CameraFrameDecoder::for_tracking(jpeg).decode(&bytes).unwrap() else {
-            panic!("grey")
-        };
-        let Pixels::Rgb8(colour) = CameraFrameDecoder::new(jpeg).decode(&bytes).unwrap() else { panic!("colour") };
-        for (grey, [red, green, blue]) in grey.values().iter().zip(colour.values()) {
-            let luma = 0.299 * f64::from(*red) + 0.587 * f64::from(*green) + 0.114 * f64::from(*blue);
-            assert!((f64::from(*grey) - luma).abs() < 2.0, "{grey} and {luma}");
-        }
         // Full colour stays.
         let decoded = CameraFrameDecoder::for_tracking(layout(CameraCoding::Rgb8, 1, 1, 0)).decode(&[1, 2, 3]).unwrap();
         assert!(decoded.is_colour());
+    }
+
+    #[test]
+    fn luma_alone_is_that_of_the_colour_for_every_sampling_and_size() {
+        use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+        let samplings =
+            [SamplingFactor::R_4_4_4, SamplingFactor::R_4_2_2, SamplingFactor::R_4_4_0, SamplingFactor::R_4_2_0];
+        for (sampling, (width, height)) in samplings
+            .into_iter()
+            .flat_map(|sampling| [(48, 40), (50, 37), (33, 16), (640, 48)].map(|size| (sampling, size)))
+        {
+            // Grey texture in even colour: halved chroma is then as good as whole.
+            let texture = |x: usize, y: usize| ((x * 7 + y * 13) % 32 * 3 + 80) as u8;
+            let pixels = (0..width * height).map(|at| texture(at % width, at / width));
+            let bytes: Vec<u8> = pixels.flat_map(|level| [level + 30, level, level - 20]).collect();
+            let mut jpeg = Vec::new();
+            let mut encoder = Encoder::new(&mut jpeg, 95);
+            encoder.set_sampling_factor(sampling);
+            encoder.encode(&bytes, width as u16, height as u16, ColorType::Rgb).unwrap();
+            let layout = layout(CameraCoding::MotionJpeg, width, height, 0);
+            let (mut colour, mut luma) = (CameraFrameDecoder::new(layout), CameraFrameDecoder::for_tracking(layout));
+            let Pixels::Rgb8(colour) = colour.decode(&jpeg).unwrap() else { panic!("colour") };
+            let Pixels::Grey8(grey) = luma.decode(&jpeg).unwrap() else { panic!("grey") };
+            for (at, (grey, [red, green, blue])) in grey.values().iter().zip(colour.values()).enumerate() {
+                let luma = 0.299 * f64::from(*red) + 0.587 * f64::from(*green) + 0.114 * f64::from(*blue);
+                let difference = (f64::from(*grey) - luma).abs();
+                assert!(difference < 3.0, "{sampling:?}, {width}x{height}, pixel {at}: {grey} and {luma}");
+            }
+        }
     }
 
     #[test]
