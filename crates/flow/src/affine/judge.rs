@@ -115,19 +115,18 @@ impl Refinement {
         let (variance, samples) = (&template.variance[..n], &template.samples[..n]);
         let (energy, contrast) = (&self.energy[..n], &self.contrast[..n]);
         let (is_inside, trust, mean) = (&self.is_inside[..n], &mut self.trust[..n], &mut self.mean_energy[..n]);
-        let (blur, noise) = (&mut self.blur_error[..n], self.noise_variance);
         for node in 0..n {
             let allowed = floor.max(rules.max_unexplained * variance[node]);
             let is_explained = energy[node] <= allowed * samples[node] && contrast[node] >= LEAST_CONTRAST;
             trust[node] = f32::from(u8::from(is_explained && is_inside[node]));
             mean[node] = energy[node] / samples[node].max(1.0);
-            blur[node] = blur_error(contrast[node], mean[node] - noise, variance[node].max(noise));
         }
     }
 
     /// Square of the error of a patch that blur causes, px²; 0 if it failed.
-    pub(crate) fn blur_error(&self, node: usize) -> f32 {
-        self.trust[node] * self.blur_error[node]
+    pub(crate) fn blur_error(&self, template: &Template, node: usize) -> f32 {
+        let (noise, variance) = (self.noise_variance, template.variance[node]);
+        self.trust[node] * blur_error(self.contrast[node], self.mean_energy[node] - noise, variance.max(noise))
     }
 
     /// Writes the variance of every patch: its own, scaled by the residual where that exceeds the noise, plus the part
@@ -144,9 +143,9 @@ impl Refinement {
     }
 
     /// Adds the error that further steps would correct, and that of blur. Neighbours do not reduce them.
-    pub(crate) fn add_own_errors(&self, variance: &mut [f32]) {
-        for (variance, errors) in variance.iter_mut().zip(self.remaining_error.iter().zip(&self.blur_error)) {
-            *variance += errors.0 + errors.1;
+    pub(crate) fn add_own_errors(&self, template: &Template, variance: &mut [f32]) {
+        for (node, variance) in variance[..self.grid.nodes()].iter_mut().enumerate() {
+            *variance += self.remaining_error[node] + self.blur_error(template, node);
         }
     }
 

@@ -293,7 +293,7 @@ impl AffinePatches {
             let is_textured = reference.full.own_variance[node] <= textured && refinement.is_inside[node];
             let variance = if refinement.trust()[node] > 0.0 { variance[node] } else { f32::MAX };
             let is_rough = is_textured && variance > ROUGH_PX * ROUGH_PX;
-            is_rough.then(|| Rough { variance, blur_error: refinement.blur_error(node) })
+            is_rough.then(|| Rough { variance, blur_error: refinement.blur_error(&reference.full, node) })
         };
         let (templates, rules, steps) =
             ((&reference.full, &reference.fine), &params.validity, params.affine.fine_steps);
@@ -311,7 +311,7 @@ impl AffinePatches {
         let step_variance = affine.continuity_px.powi(2) + affine.curvature_px.powi(2);
         refinement.scale_variance(own, step_variance, &mut self.variance, &mut self.steps);
         spread_variance(field.grid, &self.steps, &mut self.variance);
-        refinement.add_own_errors(&mut self.variance);
+        refinement.add_own_errors(&reference.full, &mut self.variance);
         let textured = self.params.validity.max_deviation_px.powi(2);
         let found = refinement.summarise(&reference.full, textured, &mut self.ranks);
         (out.matched, out.residual_levels, out.unexplained) = (found.part, found.residual_levels, found.unexplained);

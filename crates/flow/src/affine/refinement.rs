@@ -67,8 +67,6 @@ pub(crate) struct Refinement {
     pub(super) mean_energy: Vec<f32>,
     /// Square of the error that further steps would correct, px².
     pub(super) remaining_error: Vec<f32>,
-    /// Square of the error that blur causes, px².
-    pub(super) blur_error: Vec<f32>,
     /// Whether the patch's centre lies in the current image.
     pub(super) is_inside: Vec<bool>,
     pub(super) trust: Vec<f32>,
@@ -97,7 +95,6 @@ impl Refinement {
             energy: plane(),
             mean_energy: plane(),
             remaining_error: plane(),
-            blur_error: plane(),
             is_inside: vec![true; grid.plane_len()],
             trust: vec![1.0; grid.plane_len()],
             increment: NodeField::zero(grid),
