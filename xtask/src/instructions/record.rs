@@ -59,7 +59,7 @@ pub(super) struct Comparison {
 impl Record {
     pub(crate) fn read(path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path).with_context(|| format!("{} cannot be read", path.display()))?;
-        serde_json::from_str(&text).with_context(|| format!("{} is no record of instructions", path.display()))
+        serde_json::from_str(&text).with_context(|| format!("{} is not a record of instructions", path.display()))
     }
 
     pub(super) fn write(&self, path: &Path) -> Result<()> {

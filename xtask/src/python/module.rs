@@ -14,8 +14,8 @@ use crate::{FEATURES, workspace};
 
 /// A small test. Only if a test is built, too, the features that tests need are selected.
 const TEST: &str = "plans";
-/// What maturin tells `pyo3` about an interpreter. The module is for every interpreter, and without these `pyo3` is not
-/// compiled again after `cargo xtask check`.
+/// Variables by which maturin passes one interpreter to `pyo3`. They are removed: the module is for all interpreters, and with
+/// them `pyo3` would be compiled again after `cargo xtask check`.
 const INTERPRETER: [&str; 4] =
     ["PYO3_CONFIG_FILE", "PYO3_ENVIRONMENT_SIGNATURE", "PYO3_PYTHON", "PYTHON_SYS_EXECUTABLE"];
 
