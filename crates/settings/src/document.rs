@@ -5,9 +5,12 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use toml::{Table, Value};
+use toml::de::{DeTable, DeValue};
+use toml::{Spanned, Table, Value};
 
-use crate::line::{line_at, path_of};
+use crate::fault::Fault;
+use crate::line::line_at;
+use crate::value_reader::ValueReader;
 use crate::{Place, SettingsError};
 
 /// A kind of file that contains settings.
@@ -43,16 +46,22 @@ impl Document {
     ///
     /// [`SettingsError::Syntax`], [`SettingsError::UnknownKey`] or [`SettingsError::WrongType`] with its line.
     pub fn parse<T: DeserializeOwned>(&self, text: &str) -> Result<T, SettingsError> {
-        let place = |error: &toml::de::Error| {
+        let (root, offset) = self.values(text)?;
+        T::deserialize(ValueReader::new(&root, offset)).map_err(|fault| self.refused(text, &fault))
+    }
+
+    /// The values in a text, and where they begin.
+    fn values<'a>(&self, text: &'a str) -> Result<(DeValue<'a>, usize), SettingsError> {
+        let root = DeTable::parse(text).map_err(|error| {
             let line = error.span().map(|span| line_at(text, span.start));
-            Place { file: None, line }
-        };
-        let deserializer = toml::Deserializer::parse(text).map_err(|error| SettingsError::Syntax {
-            noun: self.noun,
-            place: place(&error),
-            message: one_line(error.message()),
+            SettingsError::Syntax {
+                noun: self.noun,
+                place: Place { file: None, line },
+                message: one_line(error.message()),
+            }
         })?;
-        T::deserialize(deserializer).map_err(|error| self.refused(place(&error), path_of(text, &error), &error))
+        let offset = Spanned::span(&root).start;
+        Ok((DeValue::Table(root.into_inner()), offset))
     }
 
     /// The settings as text.
@@ -92,11 +101,12 @@ impl Document {
         SettingsError::WrongType { place: Place::default(), key, message }
     }
 
-    /// The error for a message of the deserialiser.
+    /// The error for a fault in a value.
     ///
     /// Serde names an unknown key and the known ones only in its message: ``unknown field `a`, expected `b` or `c` ``.
-    fn refused(&self, place: Place, key: String, error: &toml::de::Error) -> SettingsError {
-        let message = error.message();
+    fn refused(&self, text: &str, fault: &Fault) -> SettingsError {
+        let (message, key) = (fault.message(), fault.path());
+        let place = Place { file: None, line: fault.offset().map(|offset| line_at(text, offset)) };
         if !message.starts_with("unknown field") {
             return SettingsError::WrongType { place, key, message: without_type_names(&one_line(message)) };
         }

@@ -24,9 +24,11 @@
 
 mod document;
 mod error;
+mod fault;
 mod likeness;
 mod line;
 mod place;
+mod value_reader;
 mod whole_file;
 
 pub use document::Document;
