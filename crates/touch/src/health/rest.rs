@@ -22,14 +22,14 @@ pub(super) struct Rest {
     size: (usize, usize),
     /// Flow of the untouched gel at the samples, row by row, px.
     untouched: Vec<[f32; 2]>,
-    frames: u64,
     /// Start of the current interval at rest, after which the stored flow is replaced, s.
     slow_since_s: Option<f64>,
     /// Sum and number of the residuals in this interval.
     residuals: (f32, f32),
     /// Mean residual of the first such interval, grey levels.
     first_residual: Option<f32>,
-    is_drifted: bool,
+    has_moved: bool,
+    has_aged: bool,
     /// Time since which the gel has been at rest, s.
     since_s: Option<f64>,
 }
@@ -40,11 +40,11 @@ impl Rest {
         Self {
             size,
             untouched: vec![[0.0; 2]; places(size).count()],
-            frames: 0,
             slow_since_s: None,
             residuals: (0.0, 0.0),
             first_residual: None,
-            is_drifted: false,
+            has_moved: false,
+            has_aged: false,
             since_s: None,
         }
     }
@@ -52,14 +52,13 @@ impl Rest {
     /// Begins again with a new reference.
     pub(super) fn restart(&mut self) {
         self.untouched.fill([0.0; 2]);
-        self.frames = 0;
         (self.slow_since_s, self.since_s, self.first_residual) = (None, None, None);
-        self.is_drifted = false;
+        (self.has_moved, self.has_aged) = (false, false);
     }
 
     /// Whether the reference has drifted or aged.
     pub(super) fn is_drifted(&self) -> bool {
-        self.is_drifted
+        self.has_moved || self.has_aged
     }
 
     /// Time since which the gel has been at rest, s of the frames' clock.
@@ -74,7 +73,6 @@ impl Rest {
 
     /// Takes a frame; returns whether the gel is at rest.
     pub(super) fn watch(&mut self, time_s: f64, estimate: &Estimate, is_lost: bool) -> bool {
-        self.frames += 1;
         let off_px = if is_lost { f32::INFINITY } else { self.off_px(estimate) };
         if off_px.is_nan() || off_px >= THRESHOLDS.rest_px || !time_s.is_finite() {
             self.disturb();
@@ -95,8 +93,8 @@ impl Rest {
             (self.slow_since_s, self.residuals) = (Some(time_s), (0.0, 0.0));
             return;
         };
-        // The first frame is the reference, whose residual is zero.
-        if self.frames > 1 && estimate.residual_levels.is_finite() {
+        // The reference itself has no residual, nor has its repetition in a sequence that is played again.
+        if estimate.residual_levels > THRESHOLDS.repeated_levels {
             self.residuals.0 += estimate.residual_levels;
             self.residuals.1 += 1.0;
         }
@@ -112,9 +110,12 @@ impl Rest {
         let squares = self.untouched.iter().map(|[u, v]| u * u + v * v).sum::<f32>();
         let drift_px = (squares / self.untouched.len().max(1) as f32).sqrt();
         let (sum, count) = self.residuals;
-        let residual = if count > 0.0 { sum / count } else { 0.0 };
-        let first = *self.first_residual.get_or_insert(residual);
-        self.is_drifted = drift_px > THRESHOLDS.drift_px || residual > THRESHOLDS.aged * first;
+        self.has_moved = drift_px > THRESHOLDS.drift_px;
+        if count > 0.0 {
+            let residual = sum / count;
+            let first = *self.first_residual.get_or_insert(residual);
+            self.has_aged = residual > THRESHOLDS.aged * first;
+        }
     }
 
     /// Difference between the flow and that of the untouched gel where both are valid, px (root mean square); NaN where
@@ -140,4 +141,39 @@ fn places((width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize
 /// The flow at a place, where it is valid.
 fn flow_at(estimate: &Estimate, (x, y): (usize, usize)) -> Option<[f32; 2]> {
     (estimate.valid.at(x, y) == 1).then(|| [estimate.flow.u.at(x, y), estimate.flow.v.at(x, y)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: (usize, usize) = (64, 48);
+
+    /// Whether the reference has aged after frames at rest, two a second, with these residuals.
+    fn has_aged(residuals: &[f32]) -> bool {
+        let mut rest = Rest::new(SIZE);
+        let mut estimate = Estimate::new(SIZE.0, SIZE.1);
+        estimate.valid.values_mut().fill(1);
+        for (frame, residual) in residuals.iter().enumerate() {
+            estimate.residual_levels = *residual;
+            assert!(rest.watch(0.5 * frame as f64, &estimate, false));
+        }
+        rest.is_drifted()
+    }
+
+    #[test]
+    fn a_residual_that_grows_is_ageing() {
+        assert!(!has_aged(&[[0.0].as_slice(), &[2.0; 40]].concat()));
+        assert!(has_aged(&[[0.0].as_slice(), &[2.0; 20], &[3.5; 20]].concat()));
+        assert!(has_aged(&[[0.0].as_slice(), &[2.0; 20], &[3.5; 20], &[0.0; 8]].concat()), "the reference again");
+    }
+
+    #[test]
+    fn a_reference_that_is_repeated_is_not_ageing() {
+        assert!(!has_aged(&[[0.0; 8].as_slice(), &[2.0; 20]].concat()), "nothing but the reference at first");
+        assert!(
+            !has_aged(&[[0.0, 0.01, 0.0, 2.0, 0.0].as_slice(), &[2.0; 20]].concat()),
+            "mostly the reference at first"
+        );
+    }
 }

@@ -26,6 +26,8 @@ pub(super) struct Thresholds {
     pub(super) drift_px: f32,
     /// The reference has aged if the residual of the untouched gel grows by more than this factor.
     pub(super) aged: f32,
+    /// A residual up to this, grey levels, is that of the reference itself: rounding to 8 bits alone leaves more.
+    pub(super) repeated_levels: f32,
     /// Number of frames at rest without a valid flow after which a cell counts as damaged.
     pub(super) damaged_frames: u16,
     /// Least number of damaged cells for a report.
@@ -55,6 +57,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     slow_s: 2.0,
     drift_px: 0.25,
     aged: 1.6,
+    repeated_levels: 0.05,
     damaged_frames: 30,
     least_damaged: 2,
     most_damaged: 0.25,
