@@ -165,6 +165,7 @@ impl FlowEstimator {
     /// Forgets the previous frames: the next estimates are those of a new estimator, bit for bit. Allocates nothing.
     pub fn restart(&mut self) {
         self.recovery.restart();
+        self.affine.restart();
     }
 
     /// Writes the flow from a reference to the current picture.
@@ -174,11 +175,16 @@ impl FlowEstimator {
                 self.affine.start(flow);
                 let affine = &self.params.affine;
                 self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
-                self.recover(reference, current, flow, out);
+                out.lost_px2 = self.recover(reference, current, flow);
+                self.affine.write(&reference.affine, current, out);
             }
             (Preset::Affine, Start::History(history)) => {
                 self.follow_history(reference, current, history);
-                self.recover(reference, current, history.last(), out);
+                out.lost_px2 = self.recover(reference, current, history.last());
+                if self.affine.follow_blur(&reference.affine, current, history.last(), &mut self.found) {
+                    out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
+                }
+                self.affine.write(&reference.affine, current, out);
             }
             (Preset::Affine, Start::Search(guess)) => {
                 self.search_and_refine(reference, current, guess, false, out);
@@ -232,12 +238,10 @@ impl FlowEstimator {
         }
     }
 
-    /// Searches the areas that are lost from `last`, and writes the flow.
-    fn recover(&mut self, reference: &Reference, current: &Picture, last: &FlowField, out: &mut Estimate) {
+    /// Searches the areas that are lost from `last`; returns the area that is still lost, px².
+    fn recover(&mut self, reference: &Reference, current: &Picture, last: &FlowField) -> f32 {
         let references = (&reference.search, &reference.affine);
-        let lost_px2 = self.recovery.run(references, current, last, &mut self.search, &mut self.affine);
-        self.affine.write(&reference.affine, current, out);
-        out.lost_px2 = lost_px2;
+        self.recovery.run(references, current, last, &mut self.search, &mut self.affine)
     }
 
     /// Finds the flow by a search and refines it with the affine patches.

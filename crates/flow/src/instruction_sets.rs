@@ -15,7 +15,7 @@ const SIZE: (usize, usize) = (163, 117);
 const TOLERANCES: [f32; 3] = [1e-4, 5e-4, 1e-3];
 
 /// The processor's instruction sets, the lowest first.
-fn levels() -> Vec<Level> {
+pub(crate) fn levels() -> Vec<Level> {
     let mut levels = vec![Level::baseline()];
     #[cfg(target_arch = "x86_64")]
     {

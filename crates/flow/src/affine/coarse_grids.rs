@@ -85,9 +85,20 @@ impl CoarseGrids {
         Self { grids: SPACINGS.into_iter().filter(fits).map(|spacing| CoarseGrid::new(fine, spacing)).collect() }
     }
 
-    /// The inverse blocks for patches with these normal equations, if all patches are valid.
-    pub(crate) fn blocks(&self, normal: &[Vec<f32>; PACKED], scale: f32, stiffness: Stiffness) -> CoarseBlocks {
-        self.grids.iter().map(|grid| grid.blocks(normal, scale, stiffness)).collect()
+    /// Sets the inverse blocks for patches with these normal equations, if all patches are valid. Allocates only for a new
+    /// template.
+    pub(crate) fn set_blocks(
+        &self,
+        normal: &[Vec<f32>; PACKED],
+        scale: f32,
+        stiffness: Stiffness,
+        blocks: &mut CoarseBlocks,
+    ) {
+        blocks.resize_with(self.grids.len(), Vec::new);
+        for (grid, blocks) in self.grids.iter().zip(blocks) {
+            blocks.clear();
+            blocks.extend(grid.blocks(normal, scale, stiffness));
+        }
     }
 
     /// Adds the corrections for a residual.

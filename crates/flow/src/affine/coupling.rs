@@ -68,9 +68,9 @@ impl Coupling {
         self.bonds.roughness(node)
     }
 
-    /// The inverse blocks of the coarser grids.
-    pub(crate) fn coarse_blocks(&self, normal: &[Vec<f32>; PACKED], scale: f32) -> CoarseBlocks {
-        self.coarse.blocks(normal, scale, self.bonds.stiffness())
+    /// Sets the inverse blocks of the coarser grids.
+    pub(crate) fn set_coarse_blocks(&self, normal: &[Vec<f32>; PACKED], scale: f32, blocks: &mut CoarseBlocks) {
+        self.coarse.set_blocks(normal, scale, self.bonds.stiffness(), blocks);
     }
 
     /// Factors every node's own block, patch and bonds, into `L D Lᵀ`: `L` below the diagonal, `1/D` on it.

@@ -142,10 +142,10 @@ impl Refinement {
         }
     }
 
-    /// Adds the error that further steps would correct, and that of blur. Neighbours do not reduce them.
-    pub(crate) fn add_own_errors(&self, template: &Template, variance: &mut [f32]) {
+    /// Adds the error that further steps would correct, that of blur, and another one. Neighbours do not reduce them.
+    pub(crate) fn add_own_errors(&self, template: &Template, other: impl Fn(usize) -> f32, variance: &mut [f32]) {
         for (node, variance) in variance[..self.grid.nodes()].iter_mut().enumerate() {
-            *variance += self.remaining_error[node] + self.blur_error(template, node);
+            *variance += self.remaining_error[node] + self.blur_error(template, node) + other(node);
         }
     }
 

@@ -1,6 +1,9 @@
 //! Coupled affine patches from the coarsest level to full size.
 
+mod blur;
 mod prediction;
+
+use self::blur::MotionBlur;
 
 use super::bonds::Stiffness;
 use super::fine::{FinePatches, FineTemplate, Rough};
@@ -11,7 +14,7 @@ use super::refinement::{Current, Refinement};
 use super::template::Template;
 use super::texel::Texel;
 use crate::search::local::CellMotion;
-use crate::{Estimate, FlowField, FlowParams, Picture};
+use crate::{Estimate, FlowField, FlowParams, Picture, ValidityParams};
 use fearless_simd::{Level, dispatch};
 
 /// The reference on every level.
@@ -43,6 +46,7 @@ pub(crate) struct AffinePatches {
     /// Level 0 to the coarsest.
     levels: Vec<LevelState>,
     fine: FinePatches,
+    blur: MotionBlur,
     variance: Vec<f32>,
     steps: Vec<f32>,
     rings: Vec<usize>,
@@ -56,6 +60,44 @@ struct LevelState {
     field: NodeField,
     before: NodeField,
     change: NodeField,
+}
+
+impl LevelState {
+    /// Steps at full size with all that the pictures have; `current` is the picture and its gain.
+    fn take_full_steps(
+        &mut self,
+        params: &FlowParams,
+        template: &Template,
+        (current, gain): (&Picture, f32),
+        steps: usize,
+    ) {
+        let count = (steps, params.affine.iterations);
+        match &current.colour {
+            Some(image) => self.take_steps(&params.validity, template, Current { image, gain }, count),
+            None => {
+                self.take_steps(&params.validity, template, Current { image: current.grey.level(0), gain }, count);
+            }
+        }
+    }
+
+    /// Steps at full size, with additional ones while patches still move. Patches that fail in one step have no weight in
+    /// the next.
+    fn take_steps<T: Texel>(
+        &mut self,
+        rules: &ValidityParams,
+        template: &Template,
+        current: Current<'_, T>,
+        (steps, iterations): (usize, usize),
+    ) {
+        let Self { refinement, field, .. } = self;
+        for step in 0..steps + MORE_STEPS {
+            if step >= steps && !refinement.is_moving() {
+                break;
+            }
+            refinement.step(template, current, field, iterations);
+            refinement.judge(template, field, rules);
+        }
+    }
 }
 
 /// Largest number of additional steps at full size.
@@ -89,7 +131,10 @@ impl AffinePatches {
         };
         let levels: Vec<_> = (0..=coarsest_level(width, height, params)).map(level).collect();
         let nodes = levels[0].field.grid.plane_len();
+        let (channels, row_step) = if params.colour { (3, params.affine.colour_row_step) } else { (1, 1) };
+        let blur = MotionBlur::new(&Template::new(levels[0].field.grid, channels, row_step), &levels[0].refinement);
         Self {
+            blur,
             params: *params,
             levels,
             fine: FinePatches::new(width, height, simd, params.noise_levels, stiffness),
@@ -135,6 +180,7 @@ impl AffinePatches {
 
     /// Sets `flow` as the current flow.
     pub(crate) fn start(&mut self, flow: &FlowField) {
+        self.blur.begin();
         self.levels[0].field.sample(flow);
     }
 
@@ -174,7 +220,7 @@ impl AffinePatches {
     fn approach(&mut self, reference: &AffineReference, current: &Picture) {
         self.levels[0].refinement.trust_all();
         let picture = Current { image: current.grey.level(0), gain: reference.gain(current) };
-        self.take_steps(&reference.grey[0], picture, 1, QUICK_ITERATIONS);
+        self.levels[0].take_steps(&self.params.validity, &reference.grey[0], picture, (1, QUICK_ITERATIONS));
         self.fill_failed();
     }
 
@@ -234,27 +280,7 @@ impl AffinePatches {
     }
 
     fn take_full_steps(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
-        let gain = reference.gain(current);
-        let iterations = self.params.affine.iterations;
-        if let Some(image) = &current.colour {
-            self.take_steps(&reference.full, Current { image, gain }, steps, iterations);
-        } else {
-            let image = current.grey.level(0);
-            self.take_steps(&reference.full, Current { image, gain }, steps, iterations);
-        }
-    }
-
-    /// Steps at full size, with additional ones while patches still move. Patches that fail in one step have no weight in
-    /// the next.
-    fn take_steps<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, steps: usize, iterations: usize) {
-        let LevelState { refinement, field, .. } = &mut self.levels[0];
-        for step in 0..steps + MORE_STEPS {
-            if step >= steps && !refinement.is_moving() {
-                break;
-            }
-            refinement.step(template, current, field, iterations);
-            refinement.judge(template, field, &self.params.validity);
-        }
+        self.levels[0].take_full_steps(&self.params, &reference.full, (current, reference.gain(current)), steps);
     }
 
     /// Finds which patches match with the current flow, without changing it.
@@ -286,17 +312,18 @@ impl AffinePatches {
         self.expand(&mut out.flow);
         self.write_validity(reference, out);
         let gain = reference.gain(current);
-        let Self { levels, fine, variance, params, .. } = self;
+        let Self { levels, fine, blur, variance, params, .. } = self;
         let refinement = &levels[0].refinement;
+        let template = blur.template(&reference.full);
         let textured = params.validity.max_deviation_px.powi(2);
         let rough = |node: usize| {
             let is_textured = reference.full.own_variance[node] <= textured && refinement.is_inside[node];
             let variance = if refinement.trust()[node] > 0.0 { variance[node] } else { f32::MAX };
-            let is_rough = is_textured && variance > ROUGH_PX * ROUGH_PX;
-            is_rough.then(|| Rough { variance, blur_error: refinement.blur_error(&reference.full, node) })
+            let is_rough = is_textured && variance > ROUGH_PX * ROUGH_PX && !blur.is_blurred(node);
+            let blur_error = || refinement.blur_error(template, node) + blur.path_error(node);
+            is_rough.then(|| Rough { variance, blur_error: blur_error() })
         };
-        let (templates, rules, steps) =
-            ((&reference.full, &reference.fine), &params.validity, params.affine.fine_steps);
+        let (templates, rules, steps) = ((template, &reference.fine), &params.validity, params.affine.fine_steps);
         match &current.colour {
             Some(image) => fine.refine(templates, Current { image, gain }, rules, steps, rough, out),
             None => fine.refine(templates, Current { image: current.grey.level(0), gain }, rules, steps, rough, out),
@@ -305,19 +332,23 @@ impl AffinePatches {
 
     /// Writes the deviation and the validity of the flow in `out`.
     pub(crate) fn write_validity(&mut self, reference: &AffineReference, out: &mut Estimate) {
-        let affine = &self.params.affine;
-        let LevelState { refinement, field, .. } = &mut self.levels[0];
-        let own = &reference.full.own_variance;
-        let step_variance = affine.continuity_px.powi(2) + affine.curvature_px.powi(2);
-        refinement.scale_variance(own, step_variance, &mut self.variance, &mut self.steps);
-        spread_variance(field.grid, &self.steps, &mut self.variance);
-        refinement.add_own_errors(&reference.full, &mut self.variance);
-        let textured = self.params.validity.max_deviation_px.powi(2);
-        let found = refinement.summarise(&reference.full, textured, &mut self.ranks);
+        let Self { params, levels, blur, variance, steps, ranks, .. } = self;
+        let template = blur.template(&reference.full);
+        let LevelState { refinement, field, .. } = &mut levels[0];
+        let step_variance = params.affine.continuity_px.powi(2) + params.affine.curvature_px.powi(2);
+        refinement.scale_variance(&template.own_variance, step_variance, variance, steps);
+        spread_variance(field.grid, steps, variance);
+        refinement.add_own_errors(template, |node| blur.path_error(node), variance);
+        let limit = params.validity.max_deviation_px;
+        let found = refinement.summarise(template, limit.powi(2), ranks);
         (out.matched, out.residual_levels, out.unexplained) = (found.part, found.residual_levels, found.unexplained);
-        let (grid, variance, trust) = (field.grid, &self.variance, refinement.trust());
-        let limit = self.params.validity.max_deviation_px;
+        let (grid, trust) = (field.grid, refinement.trust());
         dispatch!(self.simd, simd => mark_pixels(simd, grid, variance, trust, limit, out));
+    }
+
+    /// Forgets the previous frames.
+    pub(crate) fn restart(&mut self) {
+        self.blur.restart();
     }
 }
 

@@ -11,8 +11,8 @@ use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows, sum_rows_twice};
 use super::nodes::{NodeField, UNKNOWNS};
 use super::own_variance::own_variances;
-use super::template::Template;
-use super::texel::{Taps, Texel, products};
+use super::template::{BlurredTemplate, Template};
+use super::texel::{Texel, locate, products};
 use crate::FlowField;
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
@@ -109,10 +109,27 @@ impl Refinement {
     /// Prepares a new reference.
     pub(crate) fn prepare<T: Texel>(&self, picture: &Image<T>, template: &mut Template) {
         template.prepare(self.level, picture);
+        self.complete(template);
+    }
+
+    /// Computes what follows from the normal equations of a template.
+    pub(super) fn complete(&self, template: &mut Template) {
         let scale = self.scale();
-        template.coarse = self.coupling.coarse_blocks(&template.normal, scale);
+        self.coupling.set_coarse_blocks(&template.normal, scale, &mut template.coarse);
         let slope_stiffness = self.coupling.stiffness().curvature;
         own_variances(self.grid, &template.normal, scale, slope_stiffness, &mut template.own_variance);
+    }
+
+    /// Prepares the template as a picture shows it that is exposed during `part` of the motion; see [`BlurredTemplate::set`].
+    pub(crate) fn blur(
+        &self,
+        sharp: &Template,
+        motion: (&FlowField, &FlowField),
+        part: f32,
+        out: &mut BlurredTemplate,
+    ) {
+        out.set(self.level, sharp, motion, part);
+        self.complete(&mut out.template);
     }
 
     /// One Gauss–Newton step from `field`.
@@ -358,35 +375,4 @@ fn multiply_row<S: Simd, T: Texel>(
             (product * inside).store_slice(&mut plane[start + column..][..LANES]);
         }
     }
-}
-
-/// Taps and weights for sixteen positions, and 1 where a position and its taps lie in a picture of this size, else 0.
-#[inline(always)]
-pub(super) fn locate<S: Simd>(
-    simd: S,
-    x: f32x16<S>,
-    y: f32x16<S>,
-    (width, height): (usize, usize),
-) -> (Taps<S>, f32x16<S>) {
-    // NaN is clamped to the lower bound. Its distance from there is NaN, so it counts as outside.
-    let clamp = |place: f32x16<S>, size: usize| place.max_precise(1.0).min(size as f32 - 2.0 - 1.0 / 64.0);
-    let (clamped_x, clamped_y) = (clamp(x, width), clamp(y, height));
-    let (left, top) = (clamped_x.floor(), clamped_y.floor());
-    let near = |place: f32x16<S>, clamped: f32x16<S>| (place - clamped).abs().simd_le(1.0 / 64.0);
-    let inside = near(x, clamped_x) & near(y, clamped_y);
-    let base = (top - 1.0) * width as f32 + (left - 1.0);
-    let taps = Taps {
-        base: base.to_int::<fearless_simd::u32x16<S>>().to_array(),
-        weights_x: spline_weights(clamped_x - left),
-        weights_y: spline_weights(clamped_y - top),
-    };
-    let one = f32x16::splat(simd, 1.0);
-    (taps, inside.select(one, f32x16::splat(simd, 0.0)))
-}
-
-/// Cubic B-spline weights of the taps at −1, 0, 1 and 2 for a fraction `t`.
-#[inline(always)]
-fn spline_weights<S: Simd>(t: f32x16<S>) -> [f32x16<S>; 4] {
-    let (sixth, s) = (1.0 / 6.0, t * -1.0 + 1.0);
-    [s * s * s * sixth, (t * 0.5 - 1.0) * t * t + 2.0 / 3.0, (s * 0.5 - 1.0) * s * s + 2.0 / 3.0, t * t * t * sixth]
 }

@@ -1,5 +1,9 @@
 //! Quantities computed once per reference: its texels, gradients and normal matrices.
 
+mod blurred;
+
+pub(crate) use self::blurred::BlurredTemplate;
+
 use super::coarse_grids::CoarseBlocks;
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows};
@@ -9,6 +13,7 @@ use super::texel::{MID_LEVEL, TemplateBlock, Texel};
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 use fingervision_image::Image;
+use std::ops::Range;
 
 /// A reference picture prepared for matching.
 #[derive(Debug, Clone)]
@@ -79,7 +84,8 @@ impl Template {
     pub(crate) fn prepare<T: Texel>(&mut self, level: Level, picture: &Image<T>) {
         self.smooth(picture);
         let mut sums = PatchSums::new(self.grid);
-        dispatch!(level, simd => sums.fill(simd, self));
+        let rows = 0..self.grid.rows;
+        dispatch!(level, simd => sums.fill(simd, self, rows));
         for node in 0..self.grid.nodes() {
             self.assemble(node, &sums.planes);
         }
@@ -203,6 +209,7 @@ pub(crate) const MOMENTS: usize = LIGHT + 15;
 const LIGHT: usize = 18;
 
 /// A plane over the nodes for each moment.
+#[derive(Debug, Clone)]
 struct PatchSums {
     grid: PatchGrid,
     window: Window,
@@ -224,10 +231,14 @@ impl PatchSums {
         }
     }
 
+    /// Sums over the windows of some rows of patches.
     #[inline(always)]
-    fn fill<S: Simd>(&mut self, simd: S, template: &Template) {
-        fill_band(simd, template, 0, &mut self.bands[1]);
-        for j in 0..self.grid.rows {
+    fn fill<S: Simd>(&mut self, simd: S, template: &Template, rows: Range<usize>) {
+        if rows.is_empty() {
+            return;
+        }
+        fill_band(simd, template, rows.start, &mut self.bands[1]);
+        for j in rows {
             self.bands.swap(0, 1);
             fill_band(simd, template, j + 1, &mut self.bands[1]);
             for product in 0..10 {

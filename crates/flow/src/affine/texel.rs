@@ -35,6 +35,37 @@ pub(crate) struct Taps<S: Simd> {
     pub(crate) weights_y: [f32x16<S>; 4],
 }
 
+/// Taps and weights for sixteen positions, and 1 where a position and its taps lie in a picture of this size, else 0.
+#[inline(always)]
+pub(super) fn locate<S: Simd>(
+    simd: S,
+    x: f32x16<S>,
+    y: f32x16<S>,
+    (width, height): (usize, usize),
+) -> (Taps<S>, f32x16<S>) {
+    // NaN is clamped to the lower bound. Its distance from there is NaN, so it counts as outside.
+    let clamp = |place: f32x16<S>, size: usize| place.max_precise(1.0).min(size as f32 - 2.0 - 1.0 / 64.0);
+    let (clamped_x, clamped_y) = (clamp(x, width), clamp(y, height));
+    let (left, top) = (clamped_x.floor(), clamped_y.floor());
+    let near = |place: f32x16<S>, clamped: f32x16<S>| (place - clamped).abs().simd_le(1.0 / 64.0);
+    let inside = near(x, clamped_x) & near(y, clamped_y);
+    let base = (top - 1.0) * width as f32 + (left - 1.0);
+    let taps = Taps {
+        base: base.to_int::<fearless_simd::u32x16<S>>().to_array(),
+        weights_x: spline_weights(clamped_x - left),
+        weights_y: spline_weights(clamped_y - top),
+    };
+    let one = f32x16::splat(simd, 1.0);
+    (taps, inside.select(one, f32x16::splat(simd, 0.0)))
+}
+
+/// Cubic B-spline weights of the taps at −1, 0, 1 and 2 for a fraction `t`.
+#[inline(always)]
+fn spline_weights<S: Simd>(t: f32x16<S>) -> [f32x16<S>; 4] {
+    let (sixth, s) = (1.0 / 6.0, t * -1.0 + 1.0);
+    [s * s * s * sixth, (t * 0.5 - 1.0) * t * t + 2.0 / 3.0, (s * 0.5 - 1.0) * s * s + 2.0 / 3.0, t * t * t * sixth]
+}
+
 /// A pixel type for the affine kernels.
 pub(crate) trait Texel: Copy + Default + Send + Sync + 'static {
     /// Channels that carry a signal.

@@ -1,6 +1,6 @@
 //! Flow, deviation and validity if the picture is less sharp than the reference.
 
-use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowParams, Picture, Preset, Start};
+use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowHistory, FlowParams, Picture, Preset, Start};
 use fingervision_gel::{Light, Motion, Sheet, SheetRenderer};
 use fingervision_image::{Image, Pixels, Rect};
 
@@ -132,6 +132,62 @@ fn the_deviation_of_the_search_alone_covers_its_error() {
             let estimate = follow(preset, render(&motion, SHARP_PX, 2));
             let (error, covered) = judge(&estimate, &motion, 3_000.0);
             assert!(covered > 0.85, "{preset:?}, {motion:?}: {covered} within two deviations, off by {error} px");
+        }
+    }
+}
+
+/// Mean error of all pixels at a distance from the border, px.
+fn error_inside(estimate: &Estimate, motion: &Motion, border: usize) -> f32 {
+    let truth = motion.flow(SIZE.0, SIZE.1);
+    let (mut sum, mut count) = (0.0, 0.0);
+    for y in border..SIZE.1 - border {
+        for x in border..SIZE.0 - border {
+            let (u, v) = (estimate.flow.u.at(x, y), estimate.flow.v.at(x, y));
+            sum += (u - truth.u.at(x, y)).hypot(v - truth.v.at(x, y));
+            count += 1.0;
+        }
+    }
+    sum / count
+}
+
+/// The mean of images of a steady shift to the right, from `from_px` to `to_px`.
+fn exposed(from_px: f64, to_px: f64) -> Image<[u8; 3]> {
+    let shifts = (0..=16).map(|step| from_px + (to_px - from_px) * f64::from(step) / 16.0);
+    let images: Vec<_> = shifts.zip(2..).map(|(dx, seed)| render(&Motion::shift(dx), SHARP_PX, seed)).collect();
+    Image::from_fn(SIZE.0, SIZE.1, |x, y| {
+        let mean = |channel: usize| images.iter().map(|image| usize::from(image.at(x, y)[channel])).sum::<usize>() / 17;
+        [0, 1, 2].map(|channel| mean(channel) as u8)
+    })
+}
+
+#[test]
+fn a_steady_motion_is_followed_while_the_shutter_is_open() {
+    for colour in [true, false] {
+        for (speed_px, exposure, most_px) in [(4.0, 0.3, 0.03), (6.0, 0.7, 0.03), (10.0, 0.4, 0.1)] {
+            let params = FlowParams { colour, ..FlowParams::default() };
+            let mut estimator = FlowEstimator::new(SIZE.0, SIZE.1, &params).unwrap();
+            let mut reference = estimator.reference();
+            estimator.prepare(&load(&estimator, render(&Motion::STILL, SHARP_PX, 1)), &mut reference);
+            let mut history = FlowHistory::at_rest(SIZE.0, SIZE.1);
+            let mut estimate = Estimate::new(SIZE.0, SIZE.1);
+            for frame in 1..=3 {
+                let middle_px = speed_px * f64::from(frame);
+                let path_px = exposure * speed_px;
+                let image = exposed(middle_px - 0.5 * path_px, middle_px + 0.5 * path_px);
+                let current = load(&estimator, image);
+                let start = Start::History(&history);
+                let measured = allocation_counter::measure(|| {
+                    estimator.estimate(&reference, &current, start, &mut estimate);
+                });
+                assert_eq!(measured.count_total, 0, "frame {frame}");
+                history.push(&estimate.flow);
+            }
+            let what = format!("colour {colour}, {speed_px} px a frame, exposure {exposure}");
+            let motion = Motion::shift(3.0 * speed_px);
+            let error = error_inside(&estimate, &motion, 48);
+            assert!(error < most_px, "{what}: off by {error} px");
+            let (_, wrong) = valid_and_wrong(&estimate, &motion);
+            assert!(wrong < 0.001, "{what}: {wrong} valid and wrong");
         }
     }
 }

@@ -7,40 +7,43 @@ use crate::affine::symmetric::{PACKED, invert, packed};
 
 impl CoarseGrid {
     /// The inverse block of every node.
-    pub(super) fn blocks(&self, normal: &[Vec<f32>; PACKED], scale: f32, stiffness: Stiffness) -> Vec<[f32; PACKED]> {
+    pub(super) fn blocks(
+        &self,
+        normal: &[Vec<f32>; PACKED],
+        scale: f32,
+        stiffness: Stiffness,
+    ) -> impl Iterator<Item = [f32; PACKED]> {
         let bonds = self.bond_energy(stiffness);
         let nodes = (0..self.rows).flat_map(|row| (0..self.columns).map(move |column| (column, row)));
-        nodes
-            .map(|(column, row)| {
-                let mut block = [[0.0; UNKNOWNS]; UNKNOWNS];
-                for j in self.support(row, self.fine.rows) {
-                    for i in self.support(column, self.fine.columns) {
-                        let shape = shape(self.basis(i, column), self.basis(j, row));
-                        add_normal(&mut block, normal, j * self.fine.columns + i, scale, shape);
-                    }
+        nodes.map(move |(column, row)| {
+            let mut block = [[0.0; UNKNOWNS]; UNKNOWNS];
+            for j in self.support(row, self.fine.rows) {
+                for i in self.support(column, self.fine.columns) {
+                    let shape = shape(self.basis(i, column), self.basis(j, row));
+                    add_normal(&mut block, normal, j * self.fine.columns + i, scale, shape);
                 }
-                for i in 0..3 {
-                    for j in 3..UNKNOWNS {
-                        block[i][j] = block[j][i];
-                    }
+            }
+            for i in 0..3 {
+                for j in 3..UNKNOWNS {
+                    block[i][j] = block[j][i];
                 }
-                for (i, row) in block.iter_mut().enumerate() {
-                    for (j, entry) in row.iter_mut().enumerate().filter(|(j, _)| i / 3 == j / 3) {
-                        *entry += bonds[i % 3][j % 3];
-                    }
-                    // Keeps the block of a coarse node without texture and bonds invertible.
-                    row[i] += 1e-6;
+            }
+            for (i, row) in block.iter_mut().enumerate() {
+                for (j, entry) in row.iter_mut().enumerate().filter(|(j, _)| i / 3 == j / 3) {
+                    *entry += bonds[i % 3][j % 3];
                 }
-                let inverse = invert(block);
-                let mut packed_inverse = [0.0; PACKED];
-                for i in 0..UNKNOWNS {
-                    for j in 0..=i {
-                        packed_inverse[packed(i, j)] = inverse[i][j] as f32;
-                    }
+                // Keeps the block of a coarse node without texture and bonds invertible.
+                row[i] += 1e-6;
+            }
+            let inverse = invert(block);
+            let mut packed_inverse = [0.0; PACKED];
+            for i in 0..UNKNOWNS {
+                for j in 0..=i {
+                    packed_inverse[packed(i, j)] = inverse[i][j] as f32;
                 }
-                packed_inverse
-            })
-            .collect()
+            }
+            packed_inverse
+        })
     }
 
     /// The energy of all pairs with bond 1 in the field of one coarse node, for one component.

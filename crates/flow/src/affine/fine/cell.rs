@@ -2,9 +2,9 @@
 
 use super::grid::{CELL, CORNERS, CornerWeights, STRIDE};
 use crate::affine::grid::MARGIN;
-use crate::affine::refinement::{Current, locate};
+use crate::affine::refinement::Current;
 use crate::affine::template::{MOMENTS, Template};
-use crate::affine::texel::{MID_LEVEL, TemplateBlock, Texel, products};
+use crate::affine::texel::{MID_LEVEL, TemplateBlock, Texel, locate, products};
 use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
