@@ -47,7 +47,7 @@ impl Document {
     /// [`SettingsError::Syntax`], [`SettingsError::UnknownKey`] or [`SettingsError::WrongType`] with its line.
     pub fn parse<T: DeserializeOwned>(&self, text: &str) -> Result<T, SettingsError> {
         let (root, offset) = self.values(text)?;
-        T::deserialize(ValueReader::new(&root, offset)).map_err(|fault| self.refused(text, &fault))
+        T::deserialize(ValueReader::new(&root)).map_err(|fault| self.refused(text, &fault.at(offset)))
     }
 
     /// The values in a text, and where they begin.

@@ -1,7 +1,7 @@
 //! Reads a parsed TOML document into the type that describes it.
 //!
 //! `toml` has a deserialiser, too. It gives the path of an error only as a text without the items of lists, and it is
-//! compiled anew, with all kinds of values, for every type of settings: half of the code of the crates with many settings.
+//! compiled anew, with all kinds of values, for every type of settings: nearly half of the code of the crates that have many.
 //! This one accepts only what a type asks for.
 
 use serde::de::{
@@ -14,34 +14,26 @@ use toml::de::{DeInteger, DeString, DeValue};
 
 use crate::fault::{Fault, Step};
 
-/// One value of a document.
+/// One value of a document. Its faults get their place from the table or list that contains it.
 #[derive(Clone, Copy)]
-pub(crate) struct ValueReader<'a> {
-    value: &'a DeValue<'a>,
-    /// Where the value begins in the text, in bytes.
-    offset: usize,
-}
+pub(crate) struct ValueReader<'a>(&'a DeValue<'a>);
 
 type Entry<'a> = (&'a Spanned<DeString<'a>>, &'a Spanned<DeValue<'a>>);
 
 impl<'a> ValueReader<'a> {
-    pub(crate) fn new(value: &'a DeValue<'a>, offset: usize) -> Self {
-        Self { value, offset }
-    }
-
-    fn of(value: &'a Spanned<DeValue<'a>>) -> Self {
-        Self::new(value.get_ref(), value.span().start)
+    pub(crate) fn new(value: &'a DeValue<'a>) -> Self {
+        Self(value)
     }
 
     /// The fault of a value that is not of the kind that was asked for.
     fn mismatch(self, expected: &dyn Expected) -> Fault {
         let number;
-        let found = match self.value {
+        let found = match self.0 {
             DeValue::String(text) => Unexpected::Str(text),
             DeValue::Integer(digits) => match integer(digits) {
                 Ok(Integer::Signed(value)) => Unexpected::Signed(value),
                 Ok(Integer::Unsigned(value)) => Unexpected::Unsigned(value),
-                Err(fault) => return fault.at(self.offset),
+                Err(fault) => return fault,
             },
             DeValue::Float(digits) => {
                 number = digits.as_str().parse().unwrap_or(f64::NAN);
@@ -52,41 +44,40 @@ impl<'a> ValueReader<'a> {
             DeValue::Array(_) => Unexpected::Seq,
             DeValue::Table(_) => Unexpected::Map,
         };
-        Fault::invalid_type(found, expected).at(self.offset)
+        Fault::invalid_type(found, expected)
     }
 
     fn number<'de, V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let read = match self.value {
+        match self.0 {
             DeValue::Integer(digits) => match integer(digits) {
                 Ok(Integer::Signed(value)) => visitor.visit_i64(value),
                 Ok(Integer::Unsigned(value)) => visitor.visit_u64(value),
                 Err(fault) => Err(fault),
             },
             DeValue::Float(digits) => float(digits.as_str()).and_then(|value| visitor.visit_f64(value)),
-            _ => return Err(self.mismatch(&visitor)),
-        };
-        read.map_err(|fault| fault.at(self.offset))
+            _ => Err(self.mismatch(&visitor)),
+        }
     }
 
     fn text<'de, V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.value {
-            DeValue::String(text) => visitor.visit_str(text).map_err(|fault: Fault| fault.at(self.offset)),
+        match self.0 {
+            DeValue::String(text) => visitor.visit_str(text),
             _ => Err(self.mismatch(&visitor)),
         }
     }
 
     fn items<'de, V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let DeValue::Array(items) = self.value else { return Err(self.mismatch(&visitor)) };
+        let DeValue::Array(items) = self.0 else { return Err(self.mismatch(&visitor)) };
         let mut access = Items { items, next: 0 };
-        let read = visitor.visit_seq(&mut access).and_then(|value| access.all_read().map(|()| value));
-        read.map_err(|fault| fault.at(self.offset))
+        let value = visitor.visit_seq(&mut access)?;
+        access.all_read().map(|()| value)
     }
 
     fn entries<'de, V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let DeValue::Table(table) = self.value else { return Err(self.mismatch(&visitor)) };
+        let DeValue::Table(table) = self.0 else { return Err(self.mismatch(&visitor)) };
         let mut entries = table.iter();
         let access = Entries { entries: &mut entries, value: None };
-        visitor.visit_map(access).map_err(|fault| fault.at(self.offset))
+        visitor.visit_map(access)
     }
 }
 
@@ -118,20 +109,18 @@ impl<'de> Deserializer<'de> for ValueReader<'_> {
     type Error = Fault;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.value {
+        match self.0 {
             DeValue::String(_) => self.text(visitor),
             DeValue::Integer(_) | DeValue::Float(_) => self.number(visitor),
-            DeValue::Boolean(value) => visitor.visit_bool(*value).map_err(|fault: Fault| fault.at(self.offset)),
-            DeValue::Datetime(date) => {
-                visitor.visit_string(date.to_string()).map_err(|fault: Fault| fault.at(self.offset))
-            }
+            DeValue::Boolean(value) => visitor.visit_bool(*value),
+            DeValue::Datetime(date) => visitor.visit_string(date.to_string()),
             DeValue::Array(_) => self.items(visitor),
             DeValue::Table(_) => self.entries(visitor),
         }
     }
 
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        match self.value {
+        match self.0 {
             DeValue::Boolean(value) => visitor.visit_bool(*value),
             _ => Err(self.mismatch(&visitor)),
         }
@@ -200,15 +189,14 @@ impl<'de> Deserializer<'de> for ValueReader<'_> {
         _variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        let read = match self.value {
+        let fault = || Fault::custom("expected a word or a table with one key");
+        match self.0 {
             DeValue::String(text) => visitor.visit_enum(IntoDeserializer::<Fault>::into_deserializer(text.as_ref())),
-            DeValue::Table(table) if table.len() == 1 => match table.iter().next() {
-                Some(entry) => visitor.visit_enum(OneEntry(entry)),
-                None => Err(Fault::custom("expected a word or a table with one key")),
-            },
-            _ => Err(Fault::custom("expected a word or a table with one key")),
-        };
-        read.map_err(|fault| fault.at(self.offset))
+            DeValue::Table(table) if table.len() == 1 => {
+                visitor.visit_enum(OneEntry(table.iter().next().ok_or_else(fault)?))
+            }
+            _ => Err(fault()),
+        }
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
@@ -251,8 +239,8 @@ impl<'de> SeqAccess<'de> for &mut Items<'_> {
         let Some(item) = self.items.get(self.next) else { return Ok(None) };
         let index = self.next;
         self.next += 1;
-        let reader = ValueReader::of(item);
-        seed.deserialize(reader).map(Some).map_err(|fault| fault.at(reader.offset).within(Step::Index(index)))
+        let read = seed.deserialize(ValueReader(item.get_ref()));
+        read.map(Some).map_err(|fault| fault.at(item.span().start).within(Step::Index(index)))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -277,9 +265,8 @@ impl<'de> MapAccess<'de> for Entries<'_, '_> {
     }
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Fault> {
-        let (key, value) = self.value.take().ok_or_else(|| Fault::custom("a value was read before its key"))?;
-        let reader = ValueReader::of(value);
-        seed.deserialize(reader).map_err(|fault| fault.at(reader.offset).within(Step::key(key.get_ref())))
+        let entry = self.value.take().ok_or_else(|| Fault::custom("a value was read before its key"))?;
+        seed.deserialize(ValueReader(entry.1.get_ref())).map_err(|fault| located(fault, entry))
     }
 }
 
@@ -291,22 +278,19 @@ impl<'de, 'a> EnumAccess<'de> for OneEntry<'a> {
     type Variant = Content<'a>;
 
     fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Content<'a>), Fault> {
-        let (key, value) = self.0;
+        let (key, _) = self.0;
         let text: &str = key.get_ref();
         let variant = seed.deserialize(text.into_deserializer()).map_err(|fault: Fault| fault.at(key.span().start))?;
-        Ok((variant, Content { key, value: ValueReader::of(value) }))
+        Ok((variant, Content(self.0)))
     }
 }
 
 /// The content of an enum's variant.
-struct Content<'a> {
-    key: &'a Spanned<DeString<'a>>,
-    value: ValueReader<'a>,
-}
+struct Content<'a>(Entry<'a>);
 
-impl Content<'_> {
-    fn step(&self) -> Step {
-        Step::key(self.key.get_ref())
+impl<'a> Content<'a> {
+    fn read<T>(&self, read: impl FnOnce(ValueReader<'a>) -> Result<T, Fault>) -> Result<T, Fault> {
+        read(ValueReader(self.0.1.get_ref())).map_err(|fault| located(fault, self.0))
     }
 }
 
@@ -314,20 +298,25 @@ impl<'de> VariantAccess<'de> for Content<'_> {
     type Error = Fault;
 
     fn unit_variant(self) -> Result<(), Fault> {
-        Err(self.value.mismatch(&"no value").within(self.step()))
+        self.read(|value| Err(value.mismatch(&"no value")))
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Fault> {
-        seed.deserialize(self.value).map_err(|fault| fault.at(self.value.offset).within(self.step()))
+        self.read(|value| seed.deserialize(value))
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, _length: usize, visitor: V) -> Result<V::Value, Fault> {
-        self.value.items(visitor).map_err(|fault| fault.within(self.step()))
+        self.read(|value| value.items(visitor))
     }
 
     fn struct_variant<V: Visitor<'de>>(self, _fields: &'static [&'static str], visitor: V) -> Result<V::Value, Fault> {
-        self.value.entries(visitor).map_err(|fault| fault.within(self.step()))
+        self.read(|value| value.entries(visitor))
     }
+}
+
+/// The fault of the value of an entry, with its place.
+fn located(fault: Fault, (key, value): Entry<'_>) -> Fault {
+    fault.at(value.span().start).within(Step::key(key.get_ref()))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use super::*;
 
 fn read<T: for<'de> Deserialize<'de>>(text: &str) -> Result<T, Fault> {
     let root = DeValue::Table(DeTable::parse(text).unwrap().into_inner());
-    T::deserialize(ValueReader::new(&root, 0))
+    T::deserialize(ValueReader::new(&root))
 }
 
 #[test]
