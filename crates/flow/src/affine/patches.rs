@@ -131,8 +131,7 @@ impl AffinePatches {
         };
         let levels: Vec<_> = (0..=coarsest_level(width, height, params)).map(level).collect();
         let nodes = levels[0].field.grid.plane_len();
-        let (channels, row_step) = if params.colour { (3, params.affine.colour_row_step) } else { (1, 1) };
-        let blur = MotionBlur::new(&Template::new(levels[0].field.grid, channels, row_step), &levels[0].refinement);
+        let blur = MotionBlur::new(&full_template(levels[0].field.grid, params), &levels[0].refinement);
         Self {
             blur,
             params: *params,
@@ -151,10 +150,9 @@ impl AffinePatches {
         let row_step = |level: usize| if level == 0 { 2 } else { 1 };
         let levels = self.levels.iter().enumerate();
         let grey = levels.map(|(level, state)| Template::new(state.field.grid, 1, row_step(level)));
-        let (channels, row_step) = if self.params.colour { (3, self.params.affine.colour_row_step) } else { (1, 1) };
         AffineReference {
             grey: grey.collect(),
-            full: Template::new(self.levels[0].field.grid, channels, row_step),
+            full: full_template(self.levels[0].field.grid, &self.params),
             fine: FineTemplate::new(self.levels[0].field.grid.width, self.levels[0].field.grid.height),
             textured: 0.0,
             mean_level: 0.0,
@@ -350,6 +348,12 @@ impl AffinePatches {
     pub(crate) fn restart(&mut self) {
         self.blur.restart();
     }
+}
+
+/// An empty template for all that the pictures have.
+fn full_template(grid: PatchGrid, params: &FlowParams) -> Template {
+    let (channels, row_step) = if params.colour { (3, params.affine.colour_row_step) } else { (1, 1) };
+    Template::new(grid, channels, row_step)
 }
 
 /// Coarsest level that the patches use on pictures of this size.
