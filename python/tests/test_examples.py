@@ -64,6 +64,17 @@ def test_evaluate_simulation(tmp_path: Path) -> None:
     assert errors[-1, 3] == pytest.approx(errors[-1, 4], rel=0.15)
 
 
+def test_speed(press: Press, tmp_path: Path) -> None:
+    lines = example(
+        "speed", "--recording", press.frames, "--profile", press.profile, "--rounds", 1, folder=tmp_path
+    ).splitlines()
+    assert len(lines) == 4
+    overhead_ms = float(lines[0].split(" takes ")[1].split(" ", 1)[0])
+    assert 0.0 < overhead_ms < 100.0
+    rates = [float(line.split(": ")[1].split(" ", 1)[0]) for line in lines[1:]]
+    assert min(rates) > 0.0
+
+
 def test_torch_loop(tmp_path: Path) -> None:
     pytest.importorskip("torch")
     lines = example("torch_loop", folder=tmp_path).splitlines()
