@@ -54,5 +54,10 @@ class Statistics:
         samples = np.concatenate(self._samples)
         columns = [column[np.isfinite(column)] for column in samples.T]
         for name, part in _QUANTILES.items():
-            found[name] = np.array([np.quantile(column, part) if len(column) else 0.0 for column in columns])
+            found[name] = np.array([_quantile(column, part) for column in columns])
         return {name: value.reshape(self._shape).tolist() for name, value in found.items()} | {"count": [self._frames]}
+
+
+def _quantile(values: npt.NDArray[np.float32], part: float) -> float:
+    """The quantile of some values; 0 without values."""
+    return float(np.quantile(values, part)) if len(values) else 0.0
