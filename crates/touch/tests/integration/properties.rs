@@ -18,8 +18,9 @@ fn camera() -> impl Strategy<Value = CameraParams> {
 }
 
 fn gel() -> impl Strategy<Value = GelBlock> {
-    (5.0..100.0_f64, 5.0..100.0_f64, 1.0..30.0_f64, 0.05..0.499_f64, option::of(0.01..10.0_f64)).prop_map(
-        |(width, height, thickness, ratio, modulus)| {
+    (5.0..100.0_f64, 5.0..100.0_f64, 0.02..4.0_f64, 0.05..0.499_f64, option::of(0.01..10.0_f64)).prop_map(
+        |(width, height, relative_thickness, ratio, modulus)| {
+            let thickness = relative_thickness * width.max(height);
             let modulus = modulus.map(|modulus| format!("youngs_modulus_mpa = {modulus:?}\n")).unwrap_or_default();
             let text = format!(
                 "[gel]\nsize_mm = [{width:?}, {height:?}]\nthickness_mm = {thickness:?}\npoissons_ratio = {ratio:?}\n{modulus}"
