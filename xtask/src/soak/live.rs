@@ -53,9 +53,12 @@ struct Line {
 
 impl Live {
     /// Starts the command, and waits for its page.
-    pub(super) fn start(command: &Path, sources: &[String], recording: &Path) -> Result<Self> {
+    pub(super) fn start(command: &Path, sources: &[String], recording: Option<&Path>) -> Result<Self> {
         let mut live = Command::new(command);
-        live.arg("live").args(sources).args(["--json", "--port", "0", "--record"]).arg(recording);
+        live.arg("live").args(sources).args(["--json", "--port", "0"]);
+        if let Some(recording) = recording {
+            live.arg("--record").arg(recording);
+        }
         live.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = live.spawn().with_context(|| format!("{} cannot be run", command.display()))?;
         let errors = child.stderr.take().context("no standard error")?;

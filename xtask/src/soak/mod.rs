@@ -46,6 +46,12 @@ pub(crate) struct Args {
     /// Frames per second of each sensor.
     #[arg(long, default_value_t = 10.0, value_parser = positive)]
     rate: f64,
+    /// What all sensors show instead of a simulated press: a camera, a video or a recording that lasts long enough.
+    #[arg(long, conflicts_with = "rate")]
+    source: Option<String>,
+    /// Record nothing.
+    #[arg(long)]
+    no_recording: bool,
 }
 
 /// A positive number.
@@ -55,7 +61,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
-    let Args { minutes, sensors, rate } = *args;
+    let Args { minutes, sensors, rate, .. } = *args;
     let command = crate::build_command()?;
     let folder = crate::target_folder().join("soak");
     if folder.exists() {
@@ -63,21 +69,34 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     }
     fs::create_dir_all(&folder).with_context(|| folder.display().to_string())?;
     let file = folder.join("soak.mcap");
-    let bytes = 60.0 * minutes * f64::from(sensors) * rate * FRAME_BYTES;
-    check_space(&folder, bytes)?;
-    writeln!(out, "soak: {sensors} sensors at {rate} frames/s for {minutes} min; {:.1} GB", bytes / 1e9)?;
-    let scene = format!("sim:letter?loop&draft&fps={rate}");
-    let mut live = Live::start(&command, &vec![scene; usize::from(sensors)], &file)?;
+    let scene = || format!("sim:letter?loop&draft&fps={rate}");
+    let source = args.source.clone().unwrap_or_else(scene);
+    write!(out, "soak: {sensors} sensors, {source}, for {minutes} min")?;
+    if args.no_recording {
+        writeln!(out)?;
+    } else {
+        let bytes = 60.0 * minutes * f64::from(sensors) * rate * FRAME_BYTES;
+        check_space(&folder, bytes)?;
+        writeln!(out, "; up to {:.1} GB", bytes / 1e9)?;
+    }
+    let recording = (!args.no_recording).then_some(file.as_path());
+    let mut live = Live::start(&command, &vec![source; usize::from(sensors)], recording)?;
     let page = PageClient::open(live.host())?;
     let (memory, rest) = watch(&mut live, &page, Duration::from_secs_f64(60.0 * minutes), out)?;
     let seen = page.finish()?;
     let ended = live.stop()?;
-    writeln!(out, "soak: reading the recording")?;
-    let recorded = recorded::read(&file)?;
-    let report = Report::new(&ended, &recorded, &memory, rest, &seen.latencies_ms);
+    let recorded = match recording {
+        Some(file) => {
+            writeln!(out, "soak: reading the recording")?;
+            Some(recorded::read(file)?)
+        }
+        None => None,
+    };
+    let report = Report::new(&ended, recorded.as_deref(), &memory, rest, &seen.latencies_ms);
     writeln!(out, "\n{}", report.table())?;
     let faults = report.faults();
-    ensure!(faults.is_empty(), "soak: {}; the recording is {}", faults.join("; "), file.display());
+    let place = recording.map(|file| format!("; the recording is {}", file.display())).unwrap_or_default();
+    ensure!(faults.is_empty(), "soak: {}{place}", faults.join("; "));
     fs::remove_dir_all(&folder).with_context(|| folder.display().to_string())
 }
 

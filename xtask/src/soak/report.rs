@@ -23,25 +23,26 @@ pub(super) struct Report {
 #[derive(Debug)]
 struct Sensor {
     ended: Ended,
-    recorded: usize,
+    /// Frames in the recording, if there is one.
+    recorded: Option<usize>,
+    /// Frames missing there.
     missing: u64,
 }
 
 impl Report {
     pub(super) fn new(
         ended: &[Ended],
-        recorded: &[Recorded],
+        recorded: Option<&[Recorded]>,
         memory: &Memory,
         warm_up_s: f64,
         latencies_ms: &[f32],
     ) -> Self {
         let of_sensor = |ended: &Ended| {
+            let ended = ended.clone();
+            let Some(recorded) = recorded else { return Sensor { ended, recorded: None, missing: 0 } };
             let found = recorded.iter().find(|recorded| recorded.sensor == ended.sensor);
-            Sensor {
-                ended: ended.clone(),
-                recorded: found.map_or(0, |found| found.sequences.len()),
-                missing: found.map_or(ended.frames, |found| found.missing(ended.frames)),
-            }
+            let missing = found.map_or(ended.frames, |found| found.missing(ended.frames));
+            Sensor { ended, recorded: Some(found.map_or(0, |found| found.sequences.len())), missing }
         };
         Self {
             sensors: ended.iter().map(of_sensor).collect(),
@@ -62,7 +63,9 @@ impl Report {
             add("frames; readings", "–", format!("{frames}; {readings}"));
             add("dropped before tracking", "0", dropped_before_tracking.to_string());
             add("dropped by the camera; damaged", "–", format!("{dropped_by_camera}; {damaged}"));
-            add("missing in the recording", "0", format!("{missing}; {recorded} are in it"));
+            if let Some(recorded) = recorded {
+                add("missing in the recording", "0", format!("{missing}; {recorded} are in it"));
+            }
         }
         let memory = self.memory.map_or("not measured".to_owned(), |range| {
             let [least, most] = [range.least_bytes, range.most_bytes].map(|bytes| bytes as f64 / 1e6);
@@ -123,7 +126,7 @@ mod tests {
         for bytes in bytes {
             memory.add(10.0, bytes);
         }
-        Report::new(&[ended], &[recorded], &memory, 5.0, &[10.0, 11.0, 30.0])
+        Report::new(&[ended], Some(&[recorded]), &memory, 5.0, &[10.0, 11.0, 30.0])
     }
 
     #[test]
@@ -146,10 +149,19 @@ mod tests {
     }
 
     #[test]
+    fn without_a_recording_nothing_is_missing() {
+        let mut report = report(0, 19, [100, 100]);
+        let ended = report.sensors.remove(0).ended;
+        let other = Report::new(&[ended], None, &Memory::default(), 5.0, &[]);
+        assert_eq!(other.faults(), ["memory was not measured: the run was too short"]);
+        assert!(!other.table().contains("recording"), "{}", other.table());
+    }
+
+    #[test]
     fn a_sensor_that_is_not_in_the_recording_is_a_fault() {
         let mut report = report(0, 19, [100, 100]);
         let ended = report.sensors.remove(0).ended;
-        let other = Report::new(&[ended], &[], &Memory::default(), 5.0, &[]);
+        let other = Report::new(&[ended], Some(&[]), &Memory::default(), 5.0, &[]);
         assert_eq!(other.faults()[0], "left: 20 of 20 frames are missing in the recording");
         assert_eq!(other.faults()[1], "memory was not measured: the run was too short");
     }
