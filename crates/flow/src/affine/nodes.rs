@@ -212,28 +212,33 @@ impl NodeField {
     /// Sets the field to values and central differences of a dense flow at the nodes.
     pub(crate) fn sample(&mut self, flow: &FlowField) {
         let (width, height) = flow.size();
-        let at =
-            |plane: &fingervision_image::Image<f32>, x: usize, y: usize| plane.at(x.min(width - 1), y.min(height - 1));
         let half = STRIDE / 2;
+        let span = |low: usize, high: usize| STRIDE as f32 / high.saturating_sub(low).max(1) as f32;
         for j in 0..self.grid.rows {
-            for i in 0..self.grid.columns {
-                // The node lies between pixels; the mean of the four around it is the value there.
-                let (x, y) = (STRIDE * i + MARGIN - 1, STRIDE * j + MARGIN - 1);
-                for (first, plane) in [(0, &flow.u), (3, &flow.v)] {
-                    let mean = |x: usize, y: usize| {
-                        0.25 * (at(plane, x, y) + at(plane, x + 1, y) + at(plane, x, y + 1) + at(plane, x + 1, y + 1))
-                    };
-                    let n = j * self.grid.columns + i;
+            // The node lies between pixels; the mean of the four around it is the value there.
+            let y = STRIDE * j + MARGIN - 1;
+            let (above, below) = (y.saturating_sub(half), (y + half).min(height - 1));
+            for (first, plane) in [(0, &flow.u), (3, &flow.v)] {
+                let pair = |y: usize| [y, y + 1].map(|y| plane.row(y.min(height - 1)));
+                let (here, upper, lower) = (pair(y), pair(above), pair(below));
+                for i in 0..self.grid.columns {
+                    let x = STRIDE * i + MARGIN - 1;
                     let (left, right) = (x.saturating_sub(half), (x + half).min(width - 1));
-                    let (above, below) = (y.saturating_sub(half), (y + half).min(height - 1));
-                    self.planes[first][n] = mean(x, y);
-                    let span = |low: usize, high: usize| STRIDE as f32 / high.saturating_sub(low).max(1) as f32;
-                    self.planes[first + 1][n] = (mean(right, y) - mean(left, y)) * span(left, right);
-                    self.planes[first + 2][n] = (mean(x, below) - mean(x, above)) * span(above, below);
+                    let n = j * self.grid.columns + i;
+                    self.planes[first][n] = mean(here, x);
+                    self.planes[first + 1][n] = (mean(here, right) - mean(here, left)) * span(left, right);
+                    self.planes[first + 2][n] = (mean(lower, x) - mean(upper, x)) * span(above, below);
                 }
             }
         }
     }
+}
+
+/// The mean of two pixels, those at `x` and to its right, in each of two rows.
+fn mean(rows: [&[f32]; 2], x: usize) -> f32 {
+    let last = rows[0].len() - 1;
+    let (left, right) = (x.min(last), (x + 1).min(last));
+    0.25 * (rows[0][left] + rows[0][right] + rows[1][left] + rows[1][right])
 }
 
 #[cfg(test)]

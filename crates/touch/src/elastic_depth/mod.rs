@@ -24,6 +24,8 @@ mod motion;
 mod nearest;
 mod network;
 mod params;
+mod pixel_sums;
+mod rays;
 mod rigid;
 mod stiffening;
 mod surface;
@@ -46,6 +48,7 @@ use fingervision_flow::FlowField;
 use fingervision_image::Image;
 use fingervision_optics::Camera;
 use held::HeldGel;
+use rays::Rays;
 use surface::{KNOWN, Surface};
 use thresholds::THRESHOLDS;
 
@@ -86,6 +89,7 @@ pub struct ElasticDepth {
     /// Whether the network is switched on, but gel and camera are outside its training range.
     is_outside_training: bool,
     surface: Surface,
+    rays: Rays,
     contact: ContactFinder,
     /// None where the network is not used.
     drag: Option<Drag>,
@@ -125,7 +129,8 @@ impl ElasticDepth {
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
         let cells = vec![[0.0; KNOWN]; surface.grid.len()];
         let is_outside_training = params.is_outside_training(camera, gel);
-        Ok(Self { gel: *gel, is_outside_training, contact, drag, held, cells, surface, fields })
+        let rays = Rays::new(camera, size);
+        Ok(Self { gel: *gel, is_outside_training, contact, drag, held, cells, surface, rays, fields })
     }
 
     /// The fields of one frame, from its flow, px, the deviation of the flow, px, and its validity.
@@ -189,18 +194,7 @@ impl ElasticDepth {
     pub fn displacement_into(&self, flow: &FlowField, displacement_mm: &mut [Image<f32>; 3]) {
         let [x_mm, y_mm, z_mm] = displacement_mm;
         z_mm.copy_from(&self.fields.depth_mm);
-        let width = flow.u.width();
-        let depths = self.fields.depth_mm.values();
-        let flows = flow.u.values().iter().zip(flow.v.values()).zip(depths).enumerate();
-        let targets = x_mm.values_mut().iter_mut().zip(y_mm.values_mut());
-        for ((x_mm, y_mm), (pixel, ((&u, &v), &depth))) in targets.zip(flows) {
-            let at = [(pixel % width) as f64, (pixel / width) as f64];
-            let lateral = self
-                .surface
-                .shows(pixel)
-                .then(|| self.surface.lateral_mm(at, [f64::from(u), f64::from(v)], f64::from(depth)));
-            [*x_mm, *y_mm] = lateral.flatten().unwrap_or([0.0; 2]).map(|value| value as f32);
-        }
+        self.rays.lateral_into(flow, z_mm, |pixel| self.surface.shows(pixel), [x_mm, y_mm]);
     }
 
     /// Forgets the previous frames: the next results are those of a new object, bit for bit. Allocates nothing.

@@ -18,12 +18,11 @@ use fingervision_image::Image;
 use fingervision_optics::Camera;
 
 use super::nearest::{Place, cell_at, is_somewhere, nearest_into};
+use super::pixel_sums::{NOWHERE, Pixels, Run, Sum};
 
 /// If an invalid flow leads to a point nearer to the image's border than this, px, the gel there has left the field of
 /// view.
 const MARGIN_PX: f64 = 8.0;
-/// Marks a pixel that does not show the gel.
-const NOWHERE: u32 = u32::MAX;
 /// Numbers of a cell that are interpolated to the pixels together: two cells of them fill a register.
 pub(super) const KNOWN: usize = 4;
 
@@ -35,6 +34,8 @@ pub(super) struct Surface {
     pub(super) grid: SurfaceGrid,
     /// The cell of each pixel.
     cell_of: Vec<u32>,
+    /// Neighbouring pixels of one cell, row by row.
+    runs: Vec<Run>,
     /// The four cells around each pixel, for linear interpolation between their centres.
     corners: Vec<Corners>,
     /// The mean place of each cell's pixels in the reference image, px, and where that is on the gel, mm.
@@ -66,25 +67,6 @@ struct Corners {
 struct Rest {
     px: [f64; 2],
     gel_mm: [f64; 2],
-}
-
-#[derive(Debug, Clone, Copy, Default)]
-struct Sum {
-    flow: [f32; 2],
-    count: f32,
-    valid: f32,
-    /// Variance of the flow where it is valid, px².
-    variance: f32,
-}
-
-impl Sum {
-    fn add(&mut self, other: Self) {
-        self.flow[0] += other.flow[0];
-        self.flow[1] += other.flow[1];
-        self.count += other.count;
-        self.valid += other.valid;
-        self.variance += other.variance;
-    }
 }
 
 /// The camera's measurement of a cell.
@@ -156,6 +138,7 @@ impl Surface {
             level: Level::new(),
             camera: camera.clone(),
             grid,
+            runs: Run::all(&cell_of),
             cell_of,
             corners: places.into_iter().map(|place| Corners::around(grid, place)).collect(),
             border,
@@ -222,20 +205,11 @@ impl Surface {
     /// displacement of the nearest visible cell.
     pub(super) fn look(&mut self, flow: &FlowField, deviation: &Image<f32>, valid: &Image<u8>) {
         self.sums.fill(Sum::default());
-        let pixels = flow.u.values().iter().zip(flow.v.values()).zip(deviation.values().iter().zip(valid.values()));
-        // Neighbours in a row mostly belong to the same cell: they are summed before they are added to it.
-        let (mut last, mut run) = (0, Sum::default());
-        for (&cell, ((&u, &v), (&deviation, &valid))) in self.cell_of.iter().zip(pixels) {
-            if cell != NOWHERE && u.is_finite() && v.is_finite() {
-                if cell != last {
-                    self.sums[last as usize].add(std::mem::take(&mut run));
-                    last = cell;
-                }
-                let variance = if valid == 1 { deviation * deviation } else { 0.0 };
-                run.add(Sum { flow: [u, v], count: 1.0, valid: f32::from(valid), variance });
-            }
+        let (u, v) = (flow.u.values(), flow.v.values());
+        let pixels = Pixels { u, v, deviation: deviation.values(), valid: valid.values() };
+        for &run in &self.runs {
+            self.sums[run.cell as usize].add(Sum::of(&pixels, run));
         }
-        self.sums[last as usize].add(run);
         let [camera_x, camera_y, height] = self.camera.position_mm();
         let cells = self.seen.iter_mut().zip(&mut self.is_seen).zip(&self.sums).zip(&self.rest);
         for (((seen, is_seen), sum), rest) in cells {
@@ -319,13 +293,6 @@ impl Surface {
             trust: seen.trust,
             deviation_mm: seen.deviation_mm,
         }
-    }
-
-    /// The displacement of a pixel's point along x and y, mm, from its flow, px, and its depth, mm.
-    pub(super) fn lateral_mm(&self, at_px: [f64; 2], flow_px: [f64; 2], depth_mm: f64) -> Option<[f64; 2]> {
-        let rest = self.camera.surface_point(at_px, 0.0)?;
-        let now = self.camera.surface_point([at_px[0] + flow_px[0], at_px[1] + flow_px[1]], depth_mm)?;
-        Some([now[0] - rest[0], now[1] - rest[1]])
     }
 }
 
