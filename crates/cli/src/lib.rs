@@ -43,6 +43,7 @@ mod tracking;
 mod truth;
 mod unfinished;
 mod whole_number;
+mod writer;
 
 use std::ffi::OsString;
 use std::io::{self, Write};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use fingervision_image::Frame;
-use fingervision_sink::{Field, Overlay, Precision, Preview, PreviewOptions, RunFolder, RunOptions, Sink, SinkError};
+use fingervision_sink::{Field, Overlay, Precision, Preview, PreviewOptions, RunFolder, RunOptions, SinkError};
 use fingervision_source::Source;
 use fingervision_touch::{DepthMethod, Fields, Profile, Reading, TRAINING_RANGE, Tracker};
 
@@ -18,6 +18,7 @@ use crate::reader::{Next, Reader};
 use crate::run_record::run_record;
 use crate::skipped::Skipped;
 use crate::summary::{Summary, Tally};
+use crate::writer::{Put, Sinks};
 
 /// Options for tracking a source.
 #[derive(Debug)]
@@ -39,15 +40,6 @@ pub(crate) struct Run {
     /// Whether a frame that cannot be read is skipped instead of ending the run.
     pub(crate) skips_bad_frames: bool,
     pub(crate) output: OutputArgs,
-}
-
-/// A run that has begun: everything that takes its readings.
-struct Sinks {
-    folder: RunFolder,
-    preview: Preview,
-    overlay: Option<Overlay>,
-    tally: Tally,
-    part: Part,
 }
 
 impl Run {
@@ -86,12 +78,13 @@ impl Run {
             preview: Preview::new(pictures),
             overlay: self.overlay.as_deref().map(|path| Overlay::create(path, options.size, pictures)).transpose()?,
             tally: Tally::default(),
-            part: self.part,
         };
         let (skips, part, output) = (self.skips_bad_frames, self.part, self.output);
         let count = part.tracked(source.frame_count());
         let reader = Reader { source, skipped: &mut skipped, skips, part, output };
-        let ended = reader.read(|next_frame| self.stream(first, next_frame, count, &mut tracker, &mut sinks));
+        let ended = reader.read(|next_frame| {
+            sinks.take(&mut tracker, |tracker, put| self.stream(first, (next_frame, put), count, tracker))
+        });
         if sinks.tally.frames == 0
             && let Err(failure) = ended
         {
@@ -251,21 +244,26 @@ impl Run {
     fn stream(
         &self,
         first: Frame,
-        next_frame: &mut Next<'_>,
+        (next_frame, put): (&mut Next<'_>, &mut Put<'_>),
         count: Option<u64>,
         tracker: &mut Tracker,
-        sinks: &mut Sinks,
     ) -> Result<(), Failure> {
         let interrupt = Interrupt::listen();
         let progress = self.output.progress("tracking", count);
         let mut next = Some(first);
+        let mut is_any_written = false;
         while let Some(frame) = next {
-            sinks.write(tracker.track(&frame)?, &frame)?;
+            let sequence = frame.sequence;
+            tracker.track(&frame)?;
+            if self.part.is_written(sequence) {
+                put(tracker, frame)?;
+                is_any_written = true;
+            }
             progress.inc(1);
             if interrupt.is_asked() {
-                return self.interrupted(sinks, progress.position(), count);
+                return self.interrupted(is_any_written, progress.position(), count);
             }
-            if self.part.is_behind(frame.sequence + 1) {
+            if self.part.is_behind(sequence + 1) {
                 break;
             }
             let following = next_frame()?;
@@ -273,13 +271,13 @@ impl Run {
             next = following.filter(|frame| !self.part.is_behind(frame.sequence));
         }
         progress.finish_and_clear();
-        if sinks.tally.frames == 0 { Err(self.part.absent(None)) } else { Ok(()) }
+        if is_any_written { Ok(()) } else { Err(self.part.absent(None)) }
     }
 
     /// A stream without an end ends normally when it is interrupted; one with an end is cut short.
-    fn interrupted(&self, sinks: &Sinks, frames: u64, count: Option<u64>) -> Result<(), Failure> {
+    fn interrupted(&self, is_any_written: bool, frames: u64, count: Option<u64>) -> Result<(), Failure> {
         match count {
-            _ if sinks.tally.frames == 0 => Err(self.part.interrupted()),
+            _ if !is_any_written => Err(self.part.interrupted()),
             Some(count) if frames < count => Err(Failure::new(
                 format!("interrupted after {frames} of {count} frames"),
                 "the frames written so far can be used; --overwrite starts again",
@@ -342,20 +340,5 @@ pub fn fields_to_compute(asked: Option<&[Field]>, method: DepthMethod) -> Fields
         depth: by_default || is_asked(Field::Depth) || is_asked(Field::DepthDeviation) || is_asked(Field::Contact),
         displacement: is_asked(Field::Displacement),
         traction: is_asked(Field::Traction),
-    }
-}
-
-impl Sinks {
-    fn write(&mut self, reading: &Reading, frame: &Frame) -> Result<(), SinkError> {
-        if !self.part.is_written(reading.sequence) {
-            return Ok(());
-        }
-        self.folder.write(reading, frame)?;
-        self.tally.count(reading);
-        self.preview.write(reading, frame)?;
-        if let Some(overlay) = &mut self.overlay {
-            overlay.write(reading, frame)?;
-        }
-        Ok(())
     }
 }

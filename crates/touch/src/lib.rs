@@ -52,4 +52,4 @@ pub use reading::Reading;
 pub use reading_numbers::ReadingNumbers;
 pub use references::{Policy, ReferenceParams};
 pub use stage_times::StageTimes;
-pub use tracker::Tracker;
+pub use tracker::{DeferredDensity, Tracker};

@@ -7,6 +7,7 @@ use crate::health::{Seen, Watch};
 use crate::references::References;
 use crate::stage_times::Stopwatch;
 use crate::{DepthMethod, Fields, Flag, Flags, Profile, Reading, StageTimes, TrackError};
+pub use density_stage::DeferredDensity;
 use density_stage::DensityStage;
 use elastic_stage::ElasticStage;
 use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Levels, Picture, Reference};
@@ -129,6 +130,12 @@ impl Tracker {
         let taken = std::mem::replace(&mut self.reading, spare);
         self.reading.numbers.dropped_frames = taken.dropped_frames;
         taken
+    }
+
+    /// Leaves density, and depth from it, to another place: the readings that follow lack them until they are completed.
+    /// None if the readings have no density, or it was deferred before.
+    pub fn defer_density(&mut self) -> Option<DeferredDensity> {
+        self.density.take().map(DeferredDensity)
     }
 
     /// The number of the frame that the next reading will be relative to, unless its own frame becomes the reference; absent

@@ -19,7 +19,7 @@ const LOAD_SECONDS: &str = "10";
 /// Columns and rows of the images, px.
 const SIZES: [(usize, usize); 4] = [(320, 240), (640, 480), (960, 720), (1280, 960)];
 /// How often the frames of the benchmark's press are repeated for tracking, forwards and backwards.
-const REPETITIONS: usize = 5;
+const REPETITIONS: usize = 17;
 const PRESS_FRAMES: usize = 31;
 /// Frames of the press that is simulated.
 const SIMULATED_FRAMES: &str = "7";

@@ -53,3 +53,20 @@ impl DensityStage {
         }
     }
 }
+
+/// Density of readings, and depth from it, computed apart from tracking: a program can complete a reading while the next
+/// frame is tracked. Made by [`Tracker::defer_density`](crate::Tracker::defer_density).
+#[derive(Debug)]
+pub struct DeferredDensity(pub(super) DensityStage);
+
+impl DeferredDensity {
+    /// Fills density, depth and validity of a reading, and its numbers that follow from them. The reading is then the one
+    /// that the tracker would have given, bit for bit, apart from its latency.
+    ///
+    /// # Panics
+    ///
+    /// If the reading is from a tracker of another size.
+    pub fn complete(&mut self, reading: &mut Reading) {
+        self.0.run(reading);
+    }
+}
