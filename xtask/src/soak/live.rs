@@ -53,11 +53,17 @@ struct Line {
 
 impl Live {
     /// Starts the command, and waits for its page.
-    pub(super) fn start(command: &Path, sources: &[String], recording: Option<&Path>) -> Result<Self> {
+    pub(super) fn start(
+        command: &Path,
+        sources: &[String],
+        (profile, recording): (Option<&Path>, Option<&Path>),
+    ) -> Result<Self> {
         let mut live = Command::new(command);
         live.arg("live").args(sources).args(["--json", "--port", "0"]);
-        if let Some(recording) = recording {
-            live.arg("--record").arg(recording);
+        for (option, file) in [("--profile", profile), ("--record", recording)] {
+            if let Some(file) = file {
+                live.arg(option).arg(file);
+            }
         }
         live.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = live.spawn().with_context(|| format!("{} cannot be run", command.display()))?;

@@ -13,7 +13,7 @@ mod report;
 
 use std::fs;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -49,6 +49,9 @@ pub(crate) struct Args {
     /// What all sensors show instead of a simulated press: a camera, a video or a recording that lasts long enough.
     #[arg(long, conflicts_with = "rate")]
     source: Option<String>,
+    /// The profile of all sensors; without it that of the recording or the simulated press.
+    #[arg(long, value_name = "FILE")]
+    profile: Option<PathBuf>,
     /// Record nothing.
     #[arg(long)]
     no_recording: bool,
@@ -80,7 +83,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         writeln!(out, "; up to {:.1} GB", bytes / 1e9)?;
     }
     let recording = (!args.no_recording).then_some(file.as_path());
-    let mut live = Live::start(&command, &vec![source; usize::from(sensors)], recording)?;
+    let mut live = Live::start(&command, &vec![source; usize::from(sensors)], (args.profile.as_deref(), recording))?;
     let page = PageClient::open(live.host())?;
     let (memory, rest) = watch(&mut live, &page, Duration::from_secs_f64(60.0 * minutes), out)?;
     let seen = page.finish()?;
