@@ -4,9 +4,9 @@ use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
 use super::plane::Plane;
+use super::shape::{LANES, Shape};
+use super::winograd;
 
-/// Output channels computed together: one or two registers.
-const LANES: usize = 16;
 /// Cells of a row computed together: they share the weights that they read, and their sums fill the registers of AVX2.
 pub(super) const CELLS: usize = 6;
 
@@ -30,9 +30,17 @@ pub(super) struct Convolution {
     outputs: usize,
     side: usize,
     stride: usize,
-    /// In blocks of [`LANES`] outputs: `[block][row][column][input][lane]`, zero beyond the last output.
-    weights: Vec<f32>,
+    weights: Weights,
     bias: Vec<f32>,
+}
+
+/// The weights in blocks of [`LANES`] outputs, zero beyond the last output.
+#[derive(Debug, Clone)]
+enum Weights {
+    /// Those of the layer: `[block][row][column][input][lane]`.
+    Plain(Vec<f32>),
+    /// See [`winograd::kernels`].
+    Winograd(Vec<f32>),
 }
 
 impl Convolution {
@@ -41,52 +49,77 @@ impl Convolution {
         let Shape { inputs, outputs, side, stride } = shape;
         let blocks = outputs.div_ceil(LANES);
         let (weights, bias) = values.split_at(outputs * inputs * side * side);
-        let mut ordered = vec![0.0; blocks * side * side * inputs * LANES];
-        for (index, &weight) in weights.iter().enumerate() {
-            let (output, rest) = (index / (inputs * side * side), index % (inputs * side * side));
-            let (input, tap) = (rest / (side * side), rest % (side * side));
-            let (block, lane) = (output / LANES, output % LANES);
-            ordered[((block * side * side + tap) * inputs + input) * LANES + lane] = weight;
-        }
         let mut padded = bias.to_vec();
         padded.resize(blocks * LANES, 0.0);
-        Self { inputs, outputs, side, stride, weights: ordered, bias: padded }
+        let weights = if winograd::applies(shape) {
+            Weights::Winograd(winograd::kernels(shape, weights))
+        } else {
+            Weights::Plain(in_blocks(shape, weights))
+        };
+        Self { inputs, outputs, side, stride, weights, bias: padded }
     }
 
     /// Applies the layer. `to` has a cell for every `stride`-th of `from`.
     pub(super) fn apply(&self, level: Level, from: &Plane, to: &mut Plane, then: Activation<'_>) {
         assert_eq!((from.channels, to.channels), (self.inputs, self.outputs), "channels of the layer");
-        dispatch!(level, simd => self.run(simd, from, to, then));
+        match &self.weights {
+            Weights::Plain(weights) => dispatch!(level, simd => self.run(simd, weights, from, to, then)),
+            Weights::Winograd(kernels) => {
+                let cells = (to.columns, 0..to.rows);
+                let finish = |place: (usize, usize, usize), sums: &[f32; LANES]| {
+                    self.finish(place, sums, from, to, then);
+                };
+                dispatch!(level, simd => winograd::run(simd, (kernels, &self.bias), from, cells, finish));
+            }
+        }
     }
 
     #[simd]
-    fn run<S: Simd>(&self, simd: S, from: &Plane, to: &mut Plane, then: Activation<'_>) {
+    fn run<S: Simd>(&self, simd: S, weights: &[f32], from: &Plane, to: &mut Plane, then: Activation<'_>) {
         let per_block = self.side * self.side * self.inputs * LANES;
         for row in 0..to.rows {
-            for (block, weights) in self.weights.chunks_exact(per_block).enumerate() {
-                let first = block * LANES;
-                let count = LANES.min(self.outputs - first);
-                let bias: &[f32; LANES] = self.bias[first..].first_chunk().expect("biases fill whole blocks");
+            for (block, weights) in weights.chunks_exact(per_block).enumerate() {
                 for column in (0..to.columns).step_by(CELLS) {
                     // The last group of a row overlaps the previous one.
                     let column = column.min(to.columns - CELLS);
-                    let sums = self.sum(simd, weights, bias, from, (column, row));
+                    let sums = self.sum(simd, weights, self.bias(block), from, (column, row));
                     for (cell, sums) in (column..).zip(&sums) {
-                        let channels = |cell: usize| cell * self.outputs + first..cell * self.outputs + first + count;
-                        let to = &mut to.row_mut(row)[channels(cell)];
-                        match then {
-                            Activation::Keep => to.copy_from_slice(&sums[..count]),
-                            Activation::Rectify => write(to, sums, &[0.0; LANES], |sum, _| sum.max(0.0)),
-                            Activation::RectifyAndAdd => {
-                                write(to, sums, &from.row(row)[channels(cell)], |sum, before| sum.max(0.0) + before);
-                            }
-                            Activation::AddGrownAndRectify(coarse) => {
-                                let coarse = &coarse.row(row / 2)[channels(cell / 2)];
-                                write(to, sums, coarse, |sum, coarse| (sum + coarse).max(0.0));
-                            }
-                        }
+                        self.finish((block, cell, row), sums, from, to, then);
                     }
                 }
+            }
+        }
+    }
+
+    /// The biases of a block of outputs.
+    #[inline(always)]
+    fn bias(&self, block: usize) -> &[f32; LANES] {
+        self.bias[block * LANES..].first_chunk().expect("biases fill whole blocks")
+    }
+
+    /// Writes a cell's channels of one block of outputs, given their sums.
+    #[inline(always)]
+    fn finish(
+        &self,
+        (block, column, row): (usize, usize, usize),
+        sums: &[f32; LANES],
+        from: &Plane,
+        to: &mut Plane,
+        then: Activation<'_>,
+    ) {
+        let first = block * LANES;
+        let count = LANES.min(self.outputs - first);
+        let channels = |column: usize| column * self.outputs + first..column * self.outputs + first + count;
+        let to = &mut to.row_mut(row)[channels(column)];
+        match then {
+            Activation::Keep => to.copy_from_slice(&sums[..count]),
+            Activation::Rectify => write(to, sums, &[0.0; LANES], |sum, _| sum.max(0.0)),
+            Activation::RectifyAndAdd => {
+                write(to, sums, &from.row(row)[channels(column)], |sum, before| sum.max(0.0) + before);
+            }
+            Activation::AddGrownAndRectify(coarse) => {
+                let coarse = &coarse.row(row / 2)[channels(column / 2)];
+                write(to, sums, coarse, |sum, coarse| (sum + coarse).max(0.0));
             }
         }
     }
@@ -125,20 +158,16 @@ impl Convolution {
     }
 }
 
-/// The shape of a layer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Shape {
-    pub(super) inputs: usize,
-    pub(super) outputs: usize,
-    pub(super) side: usize,
-    pub(super) stride: usize,
-}
-
-impl Shape {
-    /// Weights and biases.
-    pub(super) fn len(self) -> usize {
-        self.outputs * (self.inputs * self.side * self.side + 1)
+/// Weights `[output][input][row][column]` in blocks: see [`Weights::Plain`].
+fn in_blocks(Shape { inputs, outputs, side, .. }: Shape, weights: &[f32]) -> Vec<f32> {
+    let mut ordered = vec![0.0; outputs.div_ceil(LANES) * side * side * inputs * LANES];
+    for (index, &weight) in weights.iter().enumerate() {
+        let (output, rest) = (index / (inputs * side * side), index % (inputs * side * side));
+        let (input, tap) = (rest / (side * side), rest % (side * side));
+        let (block, lane) = (output / LANES, output % LANES);
+        ordered[((block * side * side + tap) * inputs + input) * LANES + lane] = weight;
     }
+    ordered
 }
 
 /// Writes what `combine` returns for each sum and the value next to it.

@@ -13,18 +13,21 @@ mod global_context;
 #[cfg(test)]
 mod golden;
 mod plane;
+mod shape;
 mod symmetry;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod weights_tests;
+mod winograd;
 
 use fearless_simd::Level;
 use fingervision_elastic::GelBlock;
 
-use convolution::{Activation, Convolution, Shape};
+use convolution::{Activation, Convolution};
 use global_context::GlobalContext;
 use plane::Plane;
+use shape::Shape;
 pub(super) use symmetry::Symmetry;
 
 /// Weights and biases, as `learn/export.py` writes them: three numbers of channels as little-endian u32, then f32.

@@ -1,8 +1,9 @@
 //! Tests of the network.
 
-use super::convolution::{Activation, Convolution, Shape};
+use super::convolution::{Activation, Convolution};
 use super::global_context::GlobalContext;
 use super::plane::Plane;
+use super::shape::Shape;
 use super::*;
 
 /// Numbers without a pattern, from −1 to 1.
@@ -40,16 +41,21 @@ fn slow(shape: Shape, values: &[f32], from: &Plane, (column, row): (usize, usize
 
 #[test]
 fn a_layer_is_the_sum_of_its_definition() {
-    for (side, stride, inputs, outputs) in [(3, 1, 5, 16), (3, 2, 7, 20), (1, 1, 6, 8), (3, 1, 16, 33)] {
+    let shapes = [(3, 1, 5, 16), (3, 2, 7, 20), (1, 1, 6, 8), (3, 1, 16, 33), (3, 1, 22, 16), (3, 1, 64, 4)];
+    for ((side, stride, inputs, outputs), size) in
+        shapes.into_iter().flat_map(|shape| [(shape, (18, 16)), (shape, (17, 15))])
+    {
         let shape = Shape { inputs, outputs, side, stride };
         let values: Vec<_> = (0..shape.len()).map(scatter).collect();
-        let from = filled((18, 16), inputs);
-        let mut to = Plane::new((18 / stride, 16 / stride), outputs);
+        let from = filled(size, inputs);
+        let mut to = Plane::new((size.0 / stride, size.1 / stride), outputs);
         Convolution::new(shape, &values).apply(Level::new(), &from, &mut to, Activation::Keep);
-        for (row, column, output) in [(0, 0, 0), (1, 2, outputs - 1), (to.rows - 1, to.columns - 1, outputs / 2)] {
+        for (row, column) in (0..to.rows).flat_map(|row| (0..to.columns).map(move |column| (row, column))) {
+            let output = (row + column) % outputs;
             let expected = slow(shape, &values, &from, (column, row), output);
             let found = f64::from(to.row(row)[column * outputs + output]);
-            assert!((found - expected).abs() < 1e-4 * (1.0 + expected.abs()), "{shape:?}: {found} {expected}");
+            let is_near = (found - expected).abs() < 1e-5 * (1.0 + expected.abs());
+            assert!(is_near, "{shape:?} {size:?} at {column}, {row}: {found} {expected}");
         }
     }
 }
