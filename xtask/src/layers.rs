@@ -89,7 +89,7 @@ const HEAVY: [(&str, &[&str]); 31] = [
     ("prost", &["recording"]),
     ("prost-types", &["recording"]),
     ("pyo3", &["python"]),
-    ("rayon", &["elastic", "evaluate", "cli"]),
+    ("rayon", &["flow", "elastic", "evaluate", "cli"]),
     ("realfft", &["fourier"]),
     ("rust_h264", &["source"]),
     ("rustfft", &["fourier"]),
@@ -247,7 +247,8 @@ mod tests {
 
     #[test]
     fn what_is_gone_is_found_in_the_tables() {
-        let without_gel = [package("fingervision-flow", &[]), package("fingervision-source", &[("tiff", None)])];
+        let without_gel =
+            [package("fingervision-flow", &[("rayon", None)]), package("fingervision-source", &[("tiff", None)])];
         let found = outdated(&without_gel);
         assert!(found.contains(&"gel is not a crate".into()), "{found:?}");
         assert!(found.contains(&"source may use rust_h264, but does not".into()), "{found:?}");

@@ -13,6 +13,7 @@ use crate::live::sensors::{SensorArgs, SensorOptions};
 use crate::live::status::{self, Beside, SensorSummary};
 use crate::output::OutputArgs;
 use crate::recording_file::{progress_text, refuse_other_names, summary_text};
+use crate::threads;
 
 /// Messages that may wait for the terminal.
 const SHOWN_MESSAGES: usize = 256;
@@ -69,7 +70,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     if args.frames_only {
         sensors = sensors.into_iter().map(Sensor::without_tracking).collect();
     }
-    let pipeline = Pipeline::prepare(sensors);
+    let pipeline = Pipeline::prepare(sensors).with_workers(threads::count());
     let interest = RecorderThread::interest();
     let subscription = if has_camera { pipeline.subscribe(interest) } else { pipeline.subscribe_lossless(interest) };
     let shown = Interest { capacity: SHOWN_MESSAGES, ..Interest::readings() };

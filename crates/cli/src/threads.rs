@@ -25,3 +25,8 @@ impl ThreadArgs {
         })
     }
 }
+
+/// The number of threads that may be used.
+pub(crate) fn count() -> NonZero<usize> {
+    NonZero::new(rayon::current_num_threads()).unwrap_or(NonZero::<usize>::MIN)
+}

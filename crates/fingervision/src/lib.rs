@@ -60,8 +60,8 @@ pub use fingervision_source::{FrameFormat, Options, Source, SourceError};
 
 // From a frame to a reading.
 pub use fingervision_touch::{
-    DeferredDensity, Fields, Fingerprint, Flag, Flags, HealthCounts, Reading, ReadingNumbers, TrackError, Tracker,
-    TractionGrid,
+    DeferredDensity, Fields, Fingerprint, Flag, Flags, HealthCounts, Reading, ReadingNumbers, Team, TrackError,
+    Tracker, TractionGrid,
 };
 
 // The sensor.

@@ -4,7 +4,7 @@ use crate::affine::patches::{self, AffinePatches, AffineReference};
 use crate::recovery::Recovery;
 use crate::round_trip::{invert_into, round_trip_error_into};
 use crate::search::{self, InverseSearch, SearchReference};
-use crate::{Estimate, FlowError, FlowField, FlowHistory, FlowParams, Levels, Picture, Preset};
+use crate::{Estimate, FlowError, FlowField, FlowHistory, FlowParams, Levels, Picture, Preset, Team};
 use fearless_simd::Level;
 use fingervision_image::Image;
 
@@ -160,6 +160,12 @@ impl FlowEstimator {
         if let Some(kept) = &mut reference.picture {
             kept.copy_from(picture);
         }
+    }
+
+    /// Shares the work of an estimate among the threads of a team, on one of which it should be called ([`Team::run`]). The flow
+    /// is the same, bit for bit.
+    pub fn share(&mut self, team: &Team) {
+        self.affine.set_team(team);
     }
 
     /// Forgets the previous frames: the next estimates are those of a new estimator, bit for bit. Allocates nothing.

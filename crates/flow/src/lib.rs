@@ -52,6 +52,7 @@ mod picture;
 mod recovery;
 mod round_trip;
 mod search;
+mod team;
 
 pub use error::FlowError;
 pub use estimate::Estimate;
@@ -63,3 +64,4 @@ pub use params::{AffineParams, FlowParams, Preset, ValidityParams};
 pub use picture::Picture;
 pub use round_trip::{invert_into, round_trip_error_into};
 pub use search::{RefineParams, SearchParams};
+pub use team::Team;

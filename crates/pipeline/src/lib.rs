@@ -2,8 +2,8 @@
 //!
 //! Every sensor has a thread that *captures*: it takes frames from a camera as they arrive, or from a file or a simulation at their
 //! recorded times. As many threads as there are cores decode and *track* them for all sensors together: a free thread takes the
-//! sensor that has waited longest, for one frame. A frame is tracked by one thread, with the same tracker as offline, so the same
-//! frames give the same readings, bit for bit.
+//! sensor that has waited longest, for one frame. Where there are two cores for each sensor, two threads share a frame. The tracker
+//! is the same as offline, so the same frames give the same readings, bit for bit.
 //!
 //! Before each tracker is a queue of two frames. If tracking is slower than the camera, the oldest frame is dropped and counted, and
 //! the next reading is flagged `dropped`. So a frame waits for at most two others, and the delay does not grow. Files and simulations

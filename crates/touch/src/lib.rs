@@ -53,3 +53,5 @@ pub use reading_numbers::ReadingNumbers;
 pub use references::{Policy, ReferenceParams};
 pub use stage_times::StageTimes;
 pub use tracker::{DeferredDensity, Tracker};
+
+pub use fingervision_flow::Team;

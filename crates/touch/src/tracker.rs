@@ -10,7 +10,7 @@ use crate::{DepthMethod, Fields, Flag, Flags, Profile, Reading, StageTimes, Trac
 pub use density_stage::DeferredDensity;
 use density_stage::DensityStage;
 use elastic_stage::ElasticStage;
-use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Levels, Picture, Reference};
+use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Levels, Picture, Reference, Team};
 use fingervision_image::{Frame, Image, Rect};
 use std::time::Instant;
 
@@ -38,6 +38,7 @@ pub struct Tracker {
     reference: Option<(u64, u64)>,
     reading: Reading,
     times: StageTimes,
+    team: Team,
 }
 
 /// Tracking is lost if less than this part of the textured patches match.
@@ -96,6 +97,7 @@ impl Tracker {
             reference: None,
             reading,
             times: StageTimes::default(),
+            team: Team::default(),
             density,
             elastic,
         })
@@ -138,6 +140,16 @@ impl Tracker {
         self.density.take().map(DeferredDensity)
     }
 
+    /// Shares the work of a frame among the threads of a team, so that its reading comes earlier. The readings are the same, bit
+    /// for bit. A program with several trackers, each in a thread of its own, does not need it.
+    pub fn share(&mut self, team: &Team) {
+        self.estimator.share(team);
+        if let Some(stage) = &mut self.elastic {
+            stage.share(team);
+        }
+        self.team = team.clone();
+    }
+
     /// The number of the frame that the next reading will be relative to, unless its own frame becomes the reference; absent
     /// before the first frame.
     #[must_use]
@@ -172,7 +184,15 @@ impl Tracker {
     ///
     /// [`TrackError::SizeChanged`] and [`TrackError::OutOfOrder`]; the tracker stays usable.
     pub fn track(&mut self, frame: &Frame) -> Result<&Reading, TrackError> {
-        let (arrival, mut watch) = (Instant::now(), Stopwatch::start());
+        let (arrival, team) = (Instant::now(), self.team.clone());
+        team.run(|| self.compute(frame))?;
+        self.reading.numbers.latency_ms = arrival.elapsed().as_secs_f64() * 1e3;
+        Ok(&self.reading)
+    }
+
+    /// Fills the reading of a frame.
+    fn compute(&mut self, frame: &Frame) -> Result<(), TrackError> {
+        let mut watch = Stopwatch::start();
         let dropped = self.check_order(frame)?;
         self.picture
             .load(&frame.pixels, self.region)
@@ -229,8 +249,7 @@ impl Tracker {
             stage.run(&mut self.reading);
         }
         self.times.density_ms = if self.density.is_some() { watch.lap_ms() } else { 0.0 };
-        self.reading.numbers.latency_ms = arrival.elapsed().as_secs_f64() * 1e3;
-        Ok(&self.reading)
+        Ok(())
     }
 
     /// Runs the checks that need the picture or more than one frame.

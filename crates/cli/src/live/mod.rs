@@ -20,6 +20,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
 use crate::recording_file::refuse_other_names;
+use crate::threads;
 pub(crate) use actions::LiveActions;
 use sensors::SensorArgs;
 pub(crate) use sensors::fields;
@@ -105,7 +106,7 @@ pub(crate) fn run_sensors(
     output: OutputArgs,
     out: &mut impl Write,
 ) -> Result<(), Failure> {
-    let pipeline = Pipeline::prepare(sensors);
+    let pipeline = Pipeline::prepare(sensors).with_workers(threads::count());
     let messages = pipeline.subscribe(Interest::readings());
     let page_messages = pipeline.subscribe(Interest { capacity: PAGE_MESSAGES, ..Interest::readings() });
     let running = pipeline.start()?;

@@ -34,18 +34,22 @@ pub(crate) struct Expander {
     basis: HermiteBasis,
     /// Mixed second derivative of u and v at the nodes, per stride².
     twist: [Vec<f32>; 2],
-    /// Value and x slope of u and v along one row of pixels, with one extrapolated node on either side.
-    line: [Vec<f32>; 4],
+}
+
+/// Value and x slope of u and v along one row of pixels, with one extrapolated node on either side: scratch memory.
+#[derive(Debug, Clone)]
+pub(crate) struct Line([Vec<f32>; 4]);
+
+impl Line {
+    /// For fields of this grid.
+    pub(crate) fn new(grid: PatchGrid) -> Self {
+        Self(std::array::from_fn(|_| vec![0.0; grid.columns + 2]))
+    }
 }
 
 impl Expander {
     pub(crate) fn new(grid: PatchGrid) -> Self {
-        Self {
-            grid,
-            basis: HermiteBasis::new(),
-            twist: std::array::from_fn(|_| vec![0.0; grid.plane_len()]),
-            line: std::array::from_fn(|_| vec![0.0; grid.columns + 2]),
-        }
+        Self { grid, basis: HermiteBasis::new(), twist: std::array::from_fn(|_| vec![0.0; grid.plane_len()]) }
     }
 
     /// Sets a new field: call before [`Expander::row`].
@@ -70,11 +74,11 @@ impl Expander {
     /// Writes the displacement along padded row `row`: `out[0]` to the right and `out[1]` downwards, px, at every
     /// padded column up to `STRIDE·(columns + 1)`.
     #[inline(always)]
-    pub(crate) fn row(&mut self, field: &NodeField, row: usize, out: [&mut [f32]; 2]) {
-        self.interpolate_line(field, row);
+    pub(crate) fn row(&self, line: &mut Line, field: &NodeField, row: usize, out: [&mut [f32]; 2]) {
+        self.interpolate(line, field, row);
         let HermiteBasis { value_0, slope_0, value_1, slope_1 } = self.basis;
         for (component, out) in out.into_iter().enumerate() {
-            let (value, slope) = (&self.line[2 * component], &self.line[2 * component + 1]);
+            let (value, slope) = (&line.0[2 * component], &line.0[2 * component + 1]);
             let nodes = value.windows(2).zip(slope.windows(2));
             let (cells, _) = out.as_chunks_mut::<STRIDE>();
             for (cell, (value, slope)) in cells.iter_mut().zip(nodes) {
@@ -89,7 +93,7 @@ impl Expander {
 
     /// Interpolates value and x slope vertically at every node column.
     #[inline(always)]
-    fn interpolate_line(&mut self, field: &NodeField, row: usize) {
+    fn interpolate(&self, line: &mut Line, field: &NodeField, row: usize) {
         let columns = self.grid.columns;
         let (below, k) = (row / STRIDE, row % STRIDE);
         let outside = below == 0 || below == self.grid.rows;
@@ -98,7 +102,7 @@ impl Expander {
                 field.planes[3 * component..].first_chunk().expect("three planes of one component");
             let twist = &self.twist[component];
             let (line_value, line_slope) = {
-                let (a, b) = self.line.split_at_mut(2 * component + 1);
+                let (a, b) = line.0.split_at_mut(2 * component + 1);
                 (&mut a[2 * component], &mut b[0])
             };
             let (inner_value, inner_slope) = (&mut line_value[1..][..columns], &mut line_slope[1..][..columns]);
@@ -157,12 +161,12 @@ mod tests {
                 field.planes[2][n] = STRIDE as f32 * (-0.02 + 1e-3 * (-4.0 * y + x));
             }
         }
-        let mut expander = Expander::new(grid);
+        let (mut expander, mut line) = (Expander::new(grid), Line::new(grid));
         expander.prepare(&field);
         let mut out = [vec![0.0; grid.padded_width()], vec![0.0; grid.padded_width()]];
         for row in 2 * STRIDE..STRIDE * (grid.rows - 1) {
             let [a, b] = &mut out;
-            expander.row(&field, row, [a, b]);
+            expander.row(&mut line, &field, row, [a, b]);
             for column in 2 * STRIDE..STRIDE * (grid.columns - 1) {
                 let (x, y) = (column as f32 - MARGIN as f32, row as f32 - MARGIN as f32);
                 assert!((a[column] - u(x, y)).abs() < 1e-3, "({x}, {y}): {} against {}", a[column], u(x, y));
@@ -181,12 +185,12 @@ mod tests {
         let grid = PatchGrid::over(width, height);
         let mut field = NodeField::zero(grid);
         field.sample(&flow);
-        let mut expander = Expander::new(grid);
+        let (mut expander, mut line) = (Expander::new(grid), Line::new(grid));
         expander.prepare(&field);
         let mut out = [vec![0.0; grid.padded_width()], vec![0.0; grid.padded_width()]];
         for y in 0..height {
             let [a, b] = &mut out;
-            expander.row(&field, y + MARGIN, [a, b]);
+            expander.row(&mut line, &field, y + MARGIN, [a, b]);
             for x in 0..width - MARGIN {
                 let expected = v(x as f32, y as f32);
                 assert!((b[x + MARGIN] - expected).abs() < 0.08, "({x}, {y}): {} against {expected}", b[x + MARGIN]);

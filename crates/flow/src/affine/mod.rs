@@ -7,6 +7,7 @@ mod expander;
 mod fine;
 pub(crate) mod grid;
 mod judge;
+pub(crate) mod measurement;
 pub(crate) mod moments;
 pub(crate) mod nodes;
 mod own_variance;

@@ -9,12 +9,13 @@ use super::bonds::Stiffness;
 use super::fine::{FinePatches, FineTemplate, Rough};
 use super::grid::PatchGrid;
 use super::judge::{mark_pixels, spread_variance};
+use super::measurement::Current;
 use super::nodes::NodeField;
-use super::refinement::{Current, Refinement};
+use super::refinement::Refinement;
 use super::template::Template;
 use super::texel::Texel;
 use crate::search::local::CellMotion;
-use crate::{Estimate, FlowField, FlowParams, Picture, ValidityParams};
+use crate::{Estimate, FlowField, FlowParams, Picture, Team, ValidityParams};
 use fearless_simd::{Level, dispatch};
 
 /// The reference on every level.
@@ -342,6 +343,11 @@ impl AffinePatches {
         (out.matched, out.residual_levels, out.unexplained) = (found.part, found.residual_levels, found.unexplained);
         let (grid, trust) = (field.grid, refinement.trust());
         dispatch!(self.simd, simd => mark_pixels(simd, grid, variance, trust, limit, out));
+    }
+
+    /// Sets the threads that share the work at full size.
+    pub(crate) fn set_team(&mut self, team: &Team) {
+        self.levels[0].refinement.set_team(team);
     }
 
     /// Forgets the previous frames.

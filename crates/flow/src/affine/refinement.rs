@@ -7,26 +7,16 @@
 use super::bonds::Stiffness;
 use super::coupling::{Coupling, System};
 use super::expander::Expander;
-use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
-use super::moments::{Band, Window, sum_columns, sum_rows, sum_rows_twice};
+use super::grid::{PatchGrid, STRIDE};
+use super::measurement::{Current, Measurement, Strip, Sums};
+use super::moments::Window;
 use super::nodes::{NodeField, UNKNOWNS};
 use super::own_variance::own_variances;
 use super::template::{BlurredTemplate, Template};
-use super::texel::{Texel, locate, products};
-use crate::FlowField;
-use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
-use fearless_simd_macros::simd;
+use super::texel::Texel;
+use crate::{FlowField, Team};
+use fearless_simd::{Level, Simd, dispatch};
 use fingervision_image::Image;
-
-/// The current picture on one level, and the gain that brings its mean to the reference's.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Current<'a, T> {
-    pub(crate) image: &'a Image<T>,
-    pub(crate) gain: f32,
-}
-
-/// Number of products that are summed over every patch: two for the gradient, two for light, one for the energy.
-const PRODUCTS: usize = 5;
 
 /// A patch's step is divided by its contrast, limited to this range. If the contrast is much lower, the patch has a
 /// wrong position and its step is unreliable.
@@ -55,9 +45,9 @@ pub(crate) struct Refinement {
     pub(super) noise_variance: f32,
     expander: Expander,
     pub(super) coupling: Coupling,
-    bands: [[Vec<f32>; PRODUCTS]; 2],
-    positions: [Vec<f32>; 2],
-    row_sums: [Vec<f32>; 2],
+    /// Memory for the upper and the lower half of the picture.
+    strips: [Strip; 2],
+    team: Team,
     pub(super) gradient: [Vec<f32>; UNKNOWNS],
     pub(super) light: [Vec<f32>; 2],
     /// Contrast of each patch relative to the template's: 1 if only the light of the whole picture changed.
@@ -76,8 +66,6 @@ pub(crate) struct Refinement {
 impl Refinement {
     pub(crate) fn new(grid: PatchGrid, level: Level, noise: f32, stiffness: Stiffness) -> Self {
         let plane = || vec![0.0; grid.plane_len()];
-        let line = || vec![0.0; grid.padded_width()];
-        let band = || std::array::from_fn(|_| vec![0.0; STRIDE * grid.padded_width()]);
         Self {
             grid,
             level,
@@ -86,9 +74,8 @@ impl Refinement {
             noise_variance: 2.0 * noise * noise,
             expander: Expander::new(grid),
             coupling: Coupling::new(grid, stiffness),
-            bands: [band(), band()],
-            positions: [line(), line()],
-            row_sums: [line(), line()],
+            strips: std::array::from_fn(|_| Strip::new(grid)),
+            team: Team::default(),
             gradient: std::array::from_fn(|_| plane()),
             light: [plane(), plane()],
             contrast: vec![1.0; grid.plane_len()],
@@ -140,8 +127,7 @@ impl Refinement {
         field: &mut NodeField,
         iterations: usize,
     ) {
-        let level = self.level;
-        dispatch!(level, simd => self.solve(simd, template, current, field, iterations));
+        self.solve(template, current, field, iterations);
         self.discard_leaps();
         self.set_remaining_error(REMAINING_ERROR);
         field.compose(&self.increment);
@@ -169,11 +155,10 @@ impl Refinement {
         field: &NodeField,
         other: &NodeField,
     ) -> impl Fn(usize) -> bool {
-        let level = self.level;
         for field in [other, field] {
             std::mem::swap(&mut self.energy, &mut self.mean_energy);
             self.expander.prepare(field);
-            dispatch!(level, simd => self.measure(simd, template, current, field));
+            self.measure(template, current, field);
         }
         |node| self.energy[node] > CLEARLY_WORSE * self.mean_energy[node]
     }
@@ -186,9 +171,8 @@ impl Refinement {
         field: &NodeField,
         iterations: usize,
     ) {
-        let level = self.level;
         self.trust_all();
-        dispatch!(level, simd => self.solve(simd, template, current, field, iterations));
+        self.solve(template, current, field, iterations);
         self.set_remaining_error(SEARCH_ERROR);
         for plane in &mut self.increment.planes {
             plane.fill(0.0);
@@ -196,17 +180,15 @@ impl Refinement {
     }
 
     /// Writes the increment of a step from `field`.
-    #[inline(always)]
-    fn solve<S: Simd, T: Texel>(
-        &mut self,
-        simd: S,
-        template: &Template,
-        current: Current<'_, T>,
-        field: &NodeField,
-        iterations: usize,
-    ) {
+    fn solve<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, field: &NodeField, iterations: usize) {
         self.expander.prepare(field);
-        self.measure(simd, template, current, field);
+        self.measure(template, current, field);
+        let level = self.level;
+        dispatch!(level, simd => self.solve_simd(simd, template, field, iterations));
+    }
+
+    #[inline(always)]
+    fn solve_simd<S: Simd>(&mut self, simd: S, template: &Template, field: &NodeField, iterations: usize) {
         self.form_right(template);
         let system = System {
             normal: &template.normal,
@@ -241,60 +223,16 @@ impl Refinement {
         }
     }
 
-    /// Sums the products of residual and template over every patch.
-    #[inline(always)]
-    fn measure<S: Simd, T: Texel>(&mut self, simd: S, template: &Template, current: Current<'_, T>, field: &NodeField) {
-        self.fill_band(simd, template, current, field, 0);
-        for j in 0..self.grid.rows {
-            self.fill_band(simd, template, current, field, j + 1);
-            let nodes = j * self.grid.columns..(j + 1) * self.grid.columns;
-            let step = template.row_step;
-            let upper = &self.bands[j % 2];
-            let lower = &self.bands[(j + 1) % 2];
-            for component in 0..2 {
-                let [plain, first] = &mut self.row_sums;
-                let band = Band { halves: [&upper[component], &lower[component]], step };
-                sum_rows_twice(simd, &self.window, band, [plain, first]);
-                let gradient = &mut self.gradient[3 * component..];
-                sum_columns(simd, &self.window, 0, plain, &mut gradient[0][nodes.clone()]);
-                sum_columns(simd, &self.window, 1, plain, &mut gradient[1][nodes.clone()]);
-                sum_columns(simd, &self.window, 0, first, &mut gradient[2][nodes.clone()]);
-            }
-            let [gain, offset] = &mut self.light;
-            let [sums, _] = &mut self.row_sums;
-            for (k, plane) in [gain, offset, &mut self.energy].into_iter().enumerate() {
-                let band = Band { halves: [&upper[2 + k], &lower[2 + k]], step };
-                sum_rows(simd, &self.window, 0, band, sums);
-                sum_columns(simd, &self.window, 0, sums, &mut plane[nodes.clone()]);
-            }
-        }
-    }
-
-    /// Warps the current picture onto one row of cells and multiplies the residual with the template.
-    #[inline(always)]
-    fn fill_band<S: Simd, T: Texel>(
-        &mut self,
-        simd: S,
-        template: &Template,
-        current: Current<'_, T>,
-        field: &NodeField,
-        cell_row: usize,
-    ) {
-        for k in (0..STRIDE).step_by(template.row_step) {
-            let row = cell_row * STRIDE + k;
-            let band = &mut self.bands[cell_row % 2];
-            let start = k * self.grid.padded_width();
-            if !(MARGIN..MARGIN + self.grid.height).contains(&row) {
-                for plane in band {
-                    plane[start..][..self.grid.padded_width()].fill(0.0);
-                }
-                continue;
-            }
-            let [xs, ys] = &mut self.positions;
-            self.expander.row(field, row, [xs, ys]);
-            to_positions(self.grid, row, xs, ys);
-            multiply_row(simd, template, current, row, [xs, ys], band, start);
-        }
+    /// Sums the products of residual and template over every patch at a field for which the expander is prepared.
+    fn measure<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, field: &NodeField) {
+        let Self { level, team, window, expander, strips, gradient, light, energy, .. } = self;
+        let measurement = Measurement { window, expander, template, current, field };
+        let sums = Sums {
+            gradient: gradient.each_mut().map(Vec::as_mut_slice),
+            light: light.each_mut().map(Vec::as_mut_slice),
+            energy,
+        };
+        measurement.run(*level, team, strips, sums);
     }
 
     /// Eliminates the change of light from the gradient sums and scales them by the noise.
@@ -321,58 +259,26 @@ impl Refinement {
 
     /// Writes the flow at every pixel.
     pub(crate) fn expand(&mut self, field: &NodeField, flow: &mut FlowField) {
-        let level = self.level;
-        dispatch!(level, simd => self.expand_simd(simd, field, flow));
-    }
-
-    #[inline(always)]
-    fn expand_simd<S: Simd>(&mut self, simd: S, field: &NodeField, flow: &mut FlowField) {
-        let _ = simd;
         self.expander.prepare(field);
-        let [u, v] = &mut self.positions;
-        for y in 0..self.grid.height {
-            self.expander.row(field, y + MARGIN, [u, v]);
-            flow.u.row_mut(y).copy_from_slice(&u[MARGIN..][..self.grid.width]);
-            flow.v.row_mut(y).copy_from_slice(&v[MARGIN..][..self.grid.width]);
-        }
+        let Self { grid, level, team, expander, strips, .. } = self;
+        let PatchGrid { width, height, .. } = *grid;
+        let middle = height / 2;
+        let (upper_u, lower_u) = flow.u.values_mut().split_at_mut(middle * width);
+        let (upper_v, lower_v) = flow.v.values_mut().split_at_mut(middle * width);
+        let [upper, lower] = strips;
+        team.join(
+            || upper.expand(*level, (expander, field), 0..middle, [upper_u, upper_v]),
+            || lower.expand(*level, (expander, field), middle..height, [lower_u, lower_v]),
+        );
     }
-}
 
-/// Converts displacements along padded row `row` to positions in the current picture. Padding gets a position outside
-/// it.
-#[inline(always)]
-#[expect(clippy::cast_possible_wrap, reason = "the columns of an image")]
-fn to_positions(grid: PatchGrid, row: usize, xs: &mut [f32], ys: &mut [f32]) {
-    let y = row as f32 - MARGIN as f32;
-    for (column, (x, v)) in xs.iter_mut().zip(ys.iter_mut()).enumerate() {
-        *x += (column as i32 - MARGIN as i32) as f32; // integers of 32 bits are converted in one instruction
-        *v += y;
+    /// The threads that share the work.
+    pub(crate) fn team(&self) -> &Team {
+        &self.team
     }
-    xs[..MARGIN].fill(-1.0);
-    xs[MARGIN + grid.width..].fill(-1.0);
-    ys[MARGIN + grid.width..].fill(0.0);
-}
 
-#[simd]
-fn multiply_row<S: Simd, T: Texel>(
-    simd: S,
-    template: &Template,
-    current: Current<'_, T>,
-    row: usize,
-    [xs, ys]: [&[f32]; 2],
-    band: &mut [Vec<f32>; PRODUCTS],
-    start: usize,
-) {
-    for column in (0..xs.len()).step_by(LANES) {
-        let x = f32x16::from_slice(simd, &xs[column..][..LANES]);
-        let y = f32x16::from_slice(simd, &ys[column..][..LANES]);
-        let (taps, inside) = locate(simd, x, y, current.image.size());
-        let products =
-            products(simd, current.image, current.gain, &taps, |channel| template.block(channel, column, row));
-        let [gx, gy] = products.gradient;
-        let [gain, offset] = products.light;
-        for (plane, product) in band.iter_mut().zip([gx, gy, gain, offset, products.energy]) {
-            (product * inside).store_slice(&mut plane[start + column..][..LANES]);
-        }
+    /// Sets the threads that share the work.
+    pub(crate) fn set_team(&mut self, team: &Team) {
+        self.team = team.clone();
     }
 }

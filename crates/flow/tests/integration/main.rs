@@ -4,4 +4,5 @@
 
 mod blur;
 mod recovery;
+mod team;
 mod validity;

@@ -1,6 +1,7 @@
 //! Finds where the gel is touched, and how deep.
 
 use fingervision_elastic::{GelBlock, SurfaceGrid};
+use fingervision_flow::Team;
 
 use super::coarse::Around;
 use super::face_search::{self, FaceLimits, Scratch};
@@ -97,6 +98,13 @@ impl ContactFinder {
             inner: Vec::with_capacity(cells),
             eroded: [vec![false; cells], vec![false; cells]],
             scratch: Vec::with_capacity(cells),
+        }
+    }
+
+    /// Sets the threads that share the work.
+    pub(super) fn share(&mut self, team: &Team) {
+        if let Some(network) = &mut self.network {
+            network.share(team);
         }
     }
 

@@ -44,11 +44,12 @@ pub use traction::{Limits, Tractions};
 use contact::ContactFinder;
 use drag::Drag;
 use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
-use fingervision_flow::FlowField;
+use fingervision_flow::{FlowField, Team};
 use fingervision_image::Image;
 use fingervision_optics::Camera;
 use held::HeldGel;
 use rays::Rays;
+use std::ops::Range;
 use surface::{KNOWN, Surface};
 use thresholds::THRESHOLDS;
 
@@ -98,6 +99,7 @@ pub struct ElasticDepth {
     /// fills the lanes.
     cells: Vec<[f32; KNOWN]>,
     fields: ElasticFields,
+    team: Team,
 }
 
 impl ElasticDepth {
@@ -130,7 +132,26 @@ impl ElasticDepth {
         let cells = vec![[0.0; KNOWN]; surface.grid.len()];
         let is_outside_training = params.is_outside_training(camera, gel);
         let rays = Rays::new(camera, size);
-        Ok(Self { gel: *gel, is_outside_training, contact, drag, held, cells, surface, rays, fields })
+        Ok(Self {
+            gel: *gel,
+            is_outside_training,
+            contact,
+            drag,
+            held,
+            cells,
+            surface,
+            rays,
+            fields,
+            team: Team::default(),
+        })
+    }
+
+    /// Shares the work of a frame among the threads of a team, on one of which [`Self::solve`] should be called ([`Team::run`]).
+    /// The result is the same, bit for bit.
+    pub fn share(&mut self, team: &Team) {
+        self.contact.share(team);
+        self.surface.share(team);
+        self.team = team.clone();
     }
 
     /// The fields of one frame, from its flow, px, the deviation of the flow, px, and its validity.
@@ -224,13 +245,23 @@ impl ElasticDepth {
             *values = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
         }
         let ElasticFields { depth_mm, deviation_mm, contact, .. } = &mut self.fields;
-        let depths = depth_mm.values_mut().iter_mut().zip(deviation_mm.values_mut());
-        let targets = depths.zip(contact.values_mut());
-        self.surface.to_pixels(&self.cells, targets, |((depth_mm, deviation_mm), contact), values| {
-            let [depth, deviation, share, _] = values.unwrap_or([0.0, f32::INFINITY, 0.0, 0.0]);
-            let deviation = if is_known { deviation } else { f32::INFINITY };
-            (*depth_mm, *deviation_mm, *contact) = (depth, deviation, u8::from(share > 0.5));
-        });
+        let write = |pixels: Range<usize>, depth_mm: &mut [f32], deviation_mm: &mut [f32], contact: &mut [u8]| {
+            let targets = depth_mm.iter_mut().zip(deviation_mm).zip(contact);
+            self.surface.to_pixels(pixels, &self.cells, targets, |((depth_mm, deviation_mm), contact), values| {
+                let [depth, deviation, share, _] = values.unwrap_or([0.0, f32::INFINITY, 0.0, 0.0]);
+                let deviation = if is_known { deviation } else { f32::INFINITY };
+                (*depth_mm, *deviation_mm, *contact) = (depth, deviation, u8::from(share > 0.5));
+            });
+        };
+        let pixels = contact.values().len();
+        let middle = pixels / 2;
+        let (depth_mm, other_depth_mm) = depth_mm.values_mut().split_at_mut(middle);
+        let (deviation_mm, other_deviation_mm) = deviation_mm.values_mut().split_at_mut(middle);
+        let (contact, other_contact) = contact.values_mut().split_at_mut(middle);
+        self.team.join(
+            || write(0..middle, depth_mm, deviation_mm, contact),
+            || write(middle..pixels, other_depth_mm, other_deviation_mm, other_contact),
+        );
     }
 
     /// Writes area, flags and force.

@@ -80,3 +80,11 @@ pub(super) struct Pixels<'a> {
     pub(super) deviation: &'a [f32],
     pub(super) valid: &'a [u8],
 }
+
+/// Sets the sums of every cell over the pixels of some runs.
+pub(super) fn add_up(pixels: &Pixels<'_>, runs: &[Run], sums: &mut [Sum]) {
+    sums.fill(Sum::default());
+    for &run in runs {
+        sums[run.cell as usize].add(Sum::of(pixels, run));
+    }
+}

@@ -13,12 +13,13 @@
 use fearless_simd::{Level, dispatch, f32x4, f32x8, prelude::*};
 use fearless_simd_macros::simd;
 use fingervision_elastic::{GelBlock, SurfaceGrid};
-use fingervision_flow::FlowField;
+use fingervision_flow::{FlowField, Team};
 use fingervision_image::Image;
 use fingervision_optics::Camera;
+use std::ops::Range;
 
 use super::nearest::{Place, cell_at, is_somewhere, nearest_into};
-use super::pixel_sums::{NOWHERE, Pixels, Run, Sum};
+use super::pixel_sums::{NOWHERE, Pixels, Run, Sum, add_up};
 
 /// If an invalid flow leads to a point nearer to the image's border than this, px, the gel there has left the field of
 /// view.
@@ -47,7 +48,10 @@ pub(super) struct Surface {
     /// Whether each cell is visible in the last frame, and the nearest visible cell.
     is_seen: Vec<bool>,
     nearest: Vec<Place>,
-    sums: Vec<Sum>,
+    /// Sums over the pixels of each cell, in the first and in the second half of the runs: always the same two halves, so that
+    /// the number of threads does not change the bits.
+    sums: [Vec<Sum>; 2],
+    team: Team,
     /// Size of a pixel on the undeformed surface, mm: the square root of the mean area that a pixel on the gel sees.
     pub(super) mm_per_px: f64,
     /// The measurements of the last frame, one for each cell.
@@ -145,7 +149,8 @@ impl Surface {
             size,
             is_seen,
             nearest,
-            sums: vec![Sum::default(); grid.len()],
+            sums: std::array::from_fn(|_| vec![Sum::default(); grid.len()]),
+            team: Team::default(),
             mm_per_px: cell_mm * (cells_seen as f64 / pixels as f64).sqrt(),
             seen: vec![Seen::default(); grid.len()],
             rest,
@@ -204,14 +209,14 @@ impl Surface {
     /// Takes a frame's flow, px, its deviation, px, and its validity. Cells outside the field of view take the
     /// displacement of the nearest visible cell.
     pub(super) fn look(&mut self, flow: &FlowField, deviation: &Image<f32>, valid: &Image<u8>) {
-        self.sums.fill(Sum::default());
         let (u, v) = (flow.u.values(), flow.v.values());
         let pixels = Pixels { u, v, deviation: deviation.values(), valid: valid.values() };
-        for &run in &self.runs {
-            self.sums[run.cell as usize].add(Sum::of(&pixels, run));
-        }
+        let (upper, lower) = self.runs.split_at(self.runs.len() / 2);
+        let [sums, others] = &mut self.sums;
+        self.team.join(|| add_up(&pixels, upper, sums), || add_up(&pixels, lower, others));
+        sums.iter_mut().zip(others).for_each(|(sum, other)| sum.add(*other));
         let [camera_x, camera_y, height] = self.camera.position_mm();
-        let cells = self.seen.iter_mut().zip(&mut self.is_seen).zip(&self.sums).zip(&self.rest);
+        let cells = self.seen.iter_mut().zip(&mut self.is_seen).zip(&self.sums[0]).zip(&self.rest);
         for (((seen, is_seen), sum), rest) in cells {
             let Some(rest) = rest else { continue };
             let flow = sum.flow.map(|total| f64::from(total / sum.count.max(1.0)));
@@ -241,28 +246,35 @@ impl Surface {
         }
     }
 
-    /// Interpolates values of the cells to the pixels, linear between centres: calls `write` for every pixel and its
-    /// target, row by row, with `None` where the pixel does not show the gel.
+    /// Sets the threads that share the work.
+    pub(super) fn share(&mut self, team: &Team) {
+        self.team = team.clone();
+    }
+
+    /// Interpolates values of the cells to some pixels, counted row by row, linear between centres: calls `write` for each
+    /// pixel and its target, with `None` where the pixel does not show the gel.
     pub(super) fn to_pixels<T>(
         &self,
+        pixels: Range<usize>,
         cells: &[[f32; KNOWN]],
         targets: impl Iterator<Item = T>,
         write: impl FnMut(T, Option<[f32; KNOWN]>),
     ) {
-        dispatch!(self.level, simd => self.blend(simd, cells, targets, write));
+        dispatch!(self.level, simd => self.blend(simd, &self.corners[pixels], cells, targets, write));
     }
 
     #[simd]
     fn blend<S: Simd, T>(
         &self,
         simd: S,
+        corners: &[Corners],
         cells: &[[f32; KNOWN]],
         targets: impl Iterator<Item = T>,
         mut write: impl FnMut(T, Option<[f32; KNOWN]>),
     ) {
         // Two adjacent cells fill one register.
         let pair = |cell: usize| f32x8::from_slice(simd, cells[cell..cell + 2].as_flattened());
-        for (&Corners { cell, right, down }, target) in self.corners.iter().zip(targets) {
+        for (&Corners { cell, right, down }, target) in corners.iter().zip(targets) {
             if cell == NOWHERE {
                 write(target, None);
                 continue;

@@ -1,5 +1,6 @@
 //! Depth, contact, displacement and force from the flow, by the gel's elasticity.
 
+use fingervision_flow::Team;
 use fingervision_image::Image;
 
 use crate::{ElasticDepth, ElasticFields, Fields, Flag, Profile, Reading, TrackError};
@@ -27,6 +28,11 @@ impl ElasticStage {
         reading.displacement = fields.displacement.then(|| [(); 3].map(|()| plane(0.0)));
         reading.traction = inverse.fields().traction_mpa.clone().filter(|_| fields.traction);
         Ok(Self { inverse })
+    }
+
+    /// Sets the threads that share the work.
+    pub(super) fn share(&mut self, team: &Team) {
+        self.inverse.share(team);
     }
 
     /// Forgets the previous frames.

@@ -3,7 +3,7 @@
 use fingervision_elastic::GelBlock;
 use fingervision_gel::{Scene, Simulation};
 use fingervision_image::{Frame, Pixels};
-use fingervision_touch::{Fields, Flag, Profile, Reading, Tracker};
+use fingervision_touch::{ElasticMode, Fields, Flag, Profile, Reading, Team, Tracker};
 
 use crate::solved::solve;
 
@@ -239,6 +239,28 @@ fn a_scaled_sensor_gives_scaled_depths_and_the_same_flags() {
             let [found, expected] = [&*reading, &whole].map(|reading| reading.depth_deviation.as_ref().unwrap());
             let both = found.values().iter().zip(expected.values()).filter(|(_, expected)| expected.is_finite());
             both.for_each(|(found, expected)| same(*found, *expected, *scale));
+        }
+    }
+}
+
+#[test]
+fn threads_that_share_a_frame_give_the_same_bits() {
+    let mut press = Press::of_a_ball("poissons_ratio = 0.48", 1.5);
+    let team = Team::new(2).unwrap();
+    for mode in [ElasticMode::Live, ElasticMode::Exact] {
+        press.profile.elastic.mode = mode;
+        let (mut alone, mut shared) = (press.tracker(), press.tracker());
+        shared.share(&team);
+        for pose in 0..9 {
+            let frame = press.frame(pose);
+            let (alone, shared) = (alone.track(&frame).unwrap(), shared.track(&frame).unwrap());
+            assert_eq!(shared.flow, alone.flow, "pose {pose}");
+            assert_eq!(shared.depth, alone.depth, "pose {pose}");
+            assert_eq!(shared.depth_deviation, alone.depth_deviation, "pose {pose}");
+            assert_eq!(shared.contact, alone.contact, "pose {pose}");
+            assert_eq!(shared.traction, alone.traction, "pose {pose}");
+            assert_eq!(shared.numbers.force_n, alone.numbers.force_n, "pose {pose}");
+            assert!(pose < 8 || alone.max_depth_mm.is_some_and(|depth_mm| depth_mm > 1.0), "the ball presses");
         }
     }
 }

@@ -7,13 +7,13 @@ mod search;
 mod trial;
 
 use std::io::Write;
-use std::num::NonZero;
 use std::path::PathBuf;
 
 use fingervision_touch::{DepthMethod, Fields, Profile};
 
 use super::Args;
 use crate::failure::Failure;
+use crate::threads;
 use film::Film;
 use report::SensorsReport;
 use trial::Load;
@@ -66,7 +66,7 @@ pub(super) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let film = Film::make(wanted, &args.profile, output)?;
     let fields = fields(&film.profile);
     args.profile.expect_effect(&film.profile, fields, false, output)?;
-    let workers = NonZero::new(rayon::current_num_threads()).unwrap_or(NonZero::<usize>::MIN);
+    let workers = threads::count();
     let sensors = wanted.sensors.map_or(1, usize::from);
     let load = Load { sensors, rate: wanted.rate, seconds: wanted.seconds, fields, workers };
     let (found, measured) = match (wanted.find, wanted.sensors) {

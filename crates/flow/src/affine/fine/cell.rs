@@ -2,7 +2,7 @@
 
 use super::grid::{CELL, CORNERS, CornerWeights, STRIDE};
 use crate::affine::grid::MARGIN;
-use crate::affine::refinement::Current;
+use crate::affine::measurement::Current;
 use crate::affine::template::{MOMENTS, Template};
 use crate::affine::texel::{MID_LEVEL, TemplateBlock, Texel, locate, products};
 use fearless_simd::{Simd, f32x16, prelude::*};

@@ -5,7 +5,7 @@
 //! it.
 
 use super::{AffinePatches, AffineReference, LevelState};
-use crate::affine::refinement::Current;
+use crate::affine::measurement::Current;
 use crate::{FlowHistory, Picture};
 
 /// Pyramid level on which a prediction is compared with the flow of the last frame.
@@ -15,10 +15,13 @@ impl AffinePatches {
     /// Sets the flow of the last frame as the current flow. Where it changes fast, its last change is added, unless the
     /// picture then matches clearly worse. Returns whether the prediction holds everywhere.
     pub(crate) fn predict(&mut self, reference: &AffineReference, current: &Picture, history: &FlowHistory) -> bool {
-        self.start(history.last());
-        let Some(earlier) = history.earlier() else { return false };
-        let LevelState { field, before, .. } = &mut self.levels[0];
-        before.sample(earlier);
+        let Some(earlier) = history.earlier() else {
+            self.start(history.last());
+            return false;
+        };
+        self.blur.begin();
+        let LevelState { refinement, field, before, .. } = &mut self.levels[0];
+        refinement.team().join(|| field.sample(history.last()), || before.sample(earlier));
         if !before.extrapolate(field) {
             return true;
         }

@@ -2,13 +2,17 @@
 
 use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
+use fingervision_flow::Team;
 
-use super::plane::Plane;
+use super::plane::{Plane, Rows};
 use super::shape::{LANES, Shape};
 use super::winograd;
 
 /// Cells of a row computed together: they share the weights that they read, and their sums fill the registers of AVX2.
 pub(super) const CELLS: usize = 6;
+
+/// Least number of cells of a layer that two threads share: each then has more tiles than are computed together.
+const LEAST_SHARED: usize = 96;
 
 /// The operation on the sums of a layer.
 #[derive(Debug, Clone, Copy)]
@@ -60,14 +64,27 @@ impl Convolution {
     }
 
     /// Applies the layer. `to` has a cell for every `stride`-th of `from`.
-    pub(super) fn apply(&self, level: Level, from: &Plane, to: &mut Plane, then: Activation<'_>) {
+    pub(super) fn apply(&self, level: Level, team: &Team, from: &Plane, to: &mut Plane, then: Activation<'_>) {
         assert_eq!((from.channels, to.channels), (self.inputs, self.outputs), "channels of the layer");
+        let (cells, rows) = (to.rows * to.columns, to.rows);
+        let to = to.rows_mut();
+        if !team.is_shared() || cells < LEAST_SHARED {
+            self.apply_to(level, from, to, then);
+            return;
+        }
+        // Tiles are two rows high.
+        let (upper, lower) = to.split_at((rows / 2).next_multiple_of(2));
+        team.join(|| self.apply_to(level, from, upper, then), || self.apply_to(level, from, lower, then));
+    }
+
+    /// Applies the layer to some rows.
+    fn apply_to(&self, level: Level, from: &Plane, mut to: Rows<'_>, then: Activation<'_>) {
         match &self.weights {
             Weights::Plain(weights) => dispatch!(level, simd => self.run(simd, weights, from, to, then)),
             Weights::Winograd(kernels) => {
-                let cells = (to.columns, 0..to.rows);
+                let cells = (to.columns, to.range());
                 let finish = |place: (usize, usize, usize), sums: &[f32; LANES]| {
-                    self.finish(place, sums, from, to, then);
+                    self.finish(place, sums, from, &mut to, then);
                 };
                 dispatch!(level, simd => winograd::run(simd, (kernels, &self.bias), from, cells, finish));
             }
@@ -75,16 +92,16 @@ impl Convolution {
     }
 
     #[simd]
-    fn run<S: Simd>(&self, simd: S, weights: &[f32], from: &Plane, to: &mut Plane, then: Activation<'_>) {
+    fn run<S: Simd>(&self, simd: S, weights: &[f32], from: &Plane, mut to: Rows<'_>, then: Activation<'_>) {
         let per_block = self.side * self.side * self.inputs * LANES;
-        for row in 0..to.rows {
+        for row in to.range() {
             for (block, weights) in weights.chunks_exact(per_block).enumerate() {
                 for column in (0..to.columns).step_by(CELLS) {
                     // The last group of a row overlaps the previous one.
                     let column = column.min(to.columns - CELLS);
                     let sums = self.sum(simd, weights, self.bias(block), from, (column, row));
                     for (cell, sums) in (column..).zip(&sums) {
-                        self.finish((block, cell, row), sums, from, to, then);
+                        self.finish((block, cell, row), sums, from, &mut to, then);
                     }
                 }
             }
@@ -104,7 +121,7 @@ impl Convolution {
         (block, column, row): (usize, usize, usize),
         sums: &[f32; LANES],
         from: &Plane,
-        to: &mut Plane,
+        to: &mut Rows<'_>,
         then: Activation<'_>,
     ) {
         let first = block * LANES;

@@ -23,6 +23,7 @@ mod winograd;
 
 use fearless_simd::Level;
 use fingervision_elastic::GelBlock;
+use fingervision_flow::Team;
 
 use convolution::{Activation, Convolution};
 use global_context::GlobalContext;
@@ -97,6 +98,7 @@ const MOST_CHANNELS: usize = 4096;
 #[derive(Debug, Clone)]
 pub(super) struct ContactNetwork {
     level: Level,
+    team: Team,
     layers: Layers,
     input: Plane,
     fine: [Plane; 2],
@@ -127,6 +129,7 @@ impl ContactNetwork {
         let pair = |part: usize, channels: usize| [plane(part, channels), plane(part, channels)];
         Self {
             level: Level::new(),
+            team: Team::default(),
             input: plane(2, 4 * INPUTS + CONSTANTS),
             fine: pair(2, fine),
             middle: pair(4, middle),
@@ -136,6 +139,11 @@ impl ContactNetwork {
             output: plane(2, 4 * OUTPUTS),
             layers,
         }
+    }
+
+    /// Sets the threads that share the work.
+    pub(super) fn share(&mut self, team: &Team) {
+        self.team = team.clone();
     }
 
     /// Depth, mm, the logarithm of the odds of contact and that of the depth's expected error, mm, for every cell;
@@ -176,25 +184,25 @@ impl ContactNetwork {
 
     fn forward(&mut self) {
         use Activation::{AddGrownAndRectify, Keep, Rectify, RectifyAndAdd};
-        let (level, layers) = (self.level, &mut self.layers);
+        let (level, team, layers) = (self.level, &self.team, &mut self.layers);
         let [fine, fine_kept] = &mut self.fine;
         let [middle, middle_kept] = &mut self.middle;
         let [coarse, coarse_kept] = &mut self.coarse;
-        layers.enter[0].apply(level, &self.input, fine, Rectify);
-        layers.enter[1].apply(level, fine, fine_kept, RectifyAndAdd);
-        layers.down[0].apply(level, fine_kept, middle, Rectify);
-        layers.down[1].apply(level, middle, middle_kept, RectifyAndAdd);
-        layers.deep[0].apply(level, middle_kept, coarse, Rectify);
-        layers.deep[1].apply(level, coarse, coarse_kept, RectifyAndAdd);
-        layers.deep[2].apply(level, coarse_kept, coarse, RectifyAndAdd);
+        layers.enter[0].apply(level, team, &self.input, fine, Rectify);
+        layers.enter[1].apply(level, team, fine, fine_kept, RectifyAndAdd);
+        layers.down[0].apply(level, team, fine_kept, middle, Rectify);
+        layers.down[1].apply(level, team, middle, middle_kept, RectifyAndAdd);
+        layers.deep[0].apply(level, team, middle_kept, coarse, Rectify);
+        layers.deep[1].apply(level, team, coarse, coarse_kept, RectifyAndAdd);
+        layers.deep[2].apply(level, team, coarse_kept, coarse, RectifyAndAdd);
         layers.whole.apply(coarse);
-        layers.up[0].apply(level, coarse, &mut self.middle_lifted, Keep);
-        layers.up[1].apply(level, middle_kept, middle, AddGrownAndRectify(&self.middle_lifted));
-        layers.up[2].apply(level, middle, middle_kept, RectifyAndAdd);
-        layers.leave[0].apply(level, middle_kept, &mut self.fine_lifted, Keep);
-        layers.leave[1].apply(level, fine_kept, fine, AddGrownAndRectify(&self.fine_lifted));
-        layers.leave[2].apply(level, fine, fine_kept, RectifyAndAdd);
-        layers.output.apply(level, fine_kept, &mut self.output, Keep);
+        layers.up[0].apply(level, team, coarse, &mut self.middle_lifted, Keep);
+        layers.up[1].apply(level, team, middle_kept, middle, AddGrownAndRectify(&self.middle_lifted));
+        layers.up[2].apply(level, team, middle, middle_kept, RectifyAndAdd);
+        layers.leave[0].apply(level, team, middle_kept, &mut self.fine_lifted, Keep);
+        layers.leave[1].apply(level, team, fine_kept, fine, AddGrownAndRectify(&self.fine_lifted));
+        layers.leave[2].apply(level, team, fine, fine_kept, RectifyAndAdd);
+        layers.output.apply(level, team, fine_kept, &mut self.output, Keep);
     }
 }
 

@@ -1,5 +1,7 @@
 //! A stack of channels over a grid, with a rim of zeros.
 
+use std::ops::Range;
+
 /// `channels` values at every cell of a grid, side by side, and one ring of cells around it that stays zero, because a
 /// convolution of 3×3 reads one cell beyond the border.
 #[derive(Debug, Clone)]
@@ -33,6 +35,45 @@ impl Plane {
     /// The cells of a row without its rim, to be written.
     pub(super) fn row_mut(&mut self, row: usize) -> &mut [f32] {
         let start = (row + 1) * self.stride() + self.channels;
+        &mut self.values[start..][..self.columns * self.channels]
+    }
+
+    /// All rows, to be written.
+    pub(super) fn rows_mut(&mut self) -> Rows<'_> {
+        let Self { columns, rows, channels, .. } = *self;
+        let stride = self.stride();
+        Rows { first: 0, count: rows, columns, channels, values: &mut self.values[stride..] }
+    }
+}
+
+/// Some rows of a plane, to be written.
+#[derive(Debug)]
+pub(super) struct Rows<'a> {
+    first: usize,
+    count: usize,
+    pub(super) columns: usize,
+    channels: usize,
+    /// From the rim of the first row on.
+    values: &'a mut [f32],
+}
+
+impl Rows<'_> {
+    /// The rows before one and those from it on; rows are counted from the top of the plane.
+    pub(super) fn split_at(self, row: usize) -> (Self, Self) {
+        let upper = row - self.first;
+        let (values, lower) = self.values.split_at_mut(upper * (self.columns + 2) * self.channels);
+        let lower = Self { first: row, count: self.count - upper, values: lower, ..self };
+        (Self { count: upper, values, ..self }, lower)
+    }
+
+    /// The rows, counted from the top of the plane.
+    pub(super) fn range(&self) -> Range<usize> {
+        self.first..self.first + self.count
+    }
+
+    /// The cells of a row, counted from the top of the plane, without its rim.
+    pub(super) fn row_mut(&mut self, row: usize) -> &mut [f32] {
+        let start = (row - self.first) * (self.columns + 2) * self.channels + self.channels;
         &mut self.values[start..][..self.columns * self.channels]
     }
 }

@@ -49,7 +49,7 @@ fn a_layer_is_the_sum_of_its_definition() {
         let values: Vec<_> = (0..shape.len()).map(scatter).collect();
         let from = filled(size, inputs);
         let mut to = Plane::new((size.0 / stride, size.1 / stride), outputs);
-        Convolution::new(shape, &values).apply(Level::new(), &from, &mut to, Activation::Keep);
+        Convolution::new(shape, &values).apply(Level::new(), &Team::default(), &from, &mut to, Activation::Keep);
         for (row, column) in (0..to.rows).flat_map(|row| (0..to.columns).map(move |column| (row, column))) {
             let output = (row + column) % outputs;
             let expected = slow(shape, &values, &from, (column, row), output);
@@ -61,11 +61,34 @@ fn a_layer_is_the_sum_of_its_definition() {
 }
 
 #[test]
+fn two_threads_give_the_same_bits() {
+    let input = |column: usize, row: usize| std::array::from_fn(|k| 0.1 * scatter(977 * row + 31 * column + k));
+    for size in [(120, 120), (120, 104), (72, 64)] {
+        let run = |team: &Team| {
+            let mut network = ContactNetwork::new(size);
+            network.share(team);
+            let mut results = Vec::new();
+            team.run(|| network.run([0.2, 0.0], input, |_, _, outputs| results.extend(outputs.map(f32::to_bits))));
+            results
+        };
+        let team = Team::new(2).unwrap();
+        assert!(team.is_shared());
+        assert_eq!(run(&team), run(&Team::default()), "{size:?}");
+    }
+}
+
+#[test]
 fn a_layer_that_adds_keeps_what_went_in() {
     let shape = Shape { inputs: 16, outputs: 16, side: 3, stride: 1 };
     let from = filled((8, 8), 16);
     let mut to = Plane::new((8, 8), 16);
-    Convolution::new(shape, &vec![0.0; shape.len()]).apply(Level::new(), &from, &mut to, Activation::RectifyAndAdd);
+    Convolution::new(shape, &vec![0.0; shape.len()]).apply(
+        Level::new(),
+        &Team::default(),
+        &from,
+        &mut to,
+        Activation::RectifyAndAdd,
+    );
     assert_eq!(to.row(3), from.row(3));
 }
 
@@ -75,7 +98,7 @@ fn a_coarser_plane_is_added_to_two_by_two_cells() {
     let (from, coarse) = (filled((8, 8), 16), filled((4, 4), 16));
     let mut to = Plane::new((8, 8), 16);
     let layer = Convolution::new(shape, &vec![0.0; shape.len()]);
-    layer.apply(Level::new(), &from, &mut to, Activation::AddGrownAndRectify(&coarse));
+    layer.apply(Level::new(), &Team::default(), &from, &mut to, Activation::AddGrownAndRectify(&coarse));
     for (row, column) in [(0, 0), (3, 6), (7, 7)] {
         let grown = coarse.row(row / 2)[column / 2 * 16..][..16].iter().map(|value| value.max(0.0));
         assert!(to.row(row)[column * 16..][..16].iter().copied().eq(grown), "row {row}, column {column}");
