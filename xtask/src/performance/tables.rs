@@ -174,7 +174,7 @@ const PIXELS_RATIO: f64 = (640.0 * 480.0) / (610.0 * 450.0);
 fn roofline(program: &Program) -> Result<String> {
     let record = Record::read(&record_path())?;
     let limits = Limits::measure();
-    let single = program.report(&["bench", "--sensors", "1", "--rate", "20", "--seconds", "5"])?;
+    let single = program.report(&["bench", "--sensors", "1", "--threads", "1", "--rate", "20", "--seconds", "5"])?;
     let bench = program.report(&["bench", "--frames", "60"])?;
     let mut rows = Vec::new();
     for stage in Stage::ALL {
