@@ -2,8 +2,8 @@
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::io;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Parts of a frame.
 const PARTS: usize = 2;
@@ -11,10 +11,19 @@ const PARTS: usize = 2;
 /// Threads that share the work of one frame, so that it takes less time; without threads of its own, the work is done by the
 /// thread that asks for it. The results are the same bits.
 ///
-/// Several sensors need no team: each of them can have a thread.
+/// A team does one work at a time: of several trackers with the same team, one waits for the other. Several sensors need no
+/// team: each of them can have a thread.
 #[derive(Debug, Clone, Default)]
 pub struct Team {
-    pool: Option<Arc<ThreadPool>>,
+    threads: Option<Arc<Threads>>,
+}
+
+#[derive(Debug)]
+struct Threads {
+    pool: ThreadPool,
+    /// Locked while a work is done: a thread that waits for its parts would otherwise begin another work, and the first one would
+    /// have to wait for all of that.
+    is_busy: Mutex<()>,
 }
 
 impl Team {
@@ -29,36 +38,21 @@ impl Team {
             return Ok(Self::default());
         }
         let name = |index: usize| format!("team-{}", index + 1);
-        let pool = ThreadPoolBuilder::new().num_threads(PARTS).thread_name(name).build();
-        Ok(Self { pool: Some(Arc::new(pool.map_err(io::Error::other)?)) })
+        let pool = ThreadPoolBuilder::new().num_threads(PARTS).thread_name(name).build().map_err(io::Error::other)?;
+        Ok(Self { threads: Some(Arc::new(Threads { pool, is_busy: Mutex::new(()) })) })
     }
 
     /// Whether work is divided among several threads.
     #[must_use]
     pub fn is_shared(&self) -> bool {
-        self.pool.is_some()
+        self.threads.is_some()
     }
 
     /// Does the work on a thread of the team, where [`Team::join`] takes little time.
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        match &self.pool {
-            Some(pool) => pool.install(|| {
-                let is_done = AtomicBool::new(false);
-                let work = || {
-                    let _done = Done(&is_done);
-                    work()
-                };
-                // A thread that sleeps takes long to wake up, so the other one waits for its parts awake.
-                let wait = || {
-                    while !is_done.load(Ordering::Acquire) {
-                        if rayon::yield_now() != Some(rayon::Yield::Executed) {
-                            std::thread::yield_now();
-                        }
-                    }
-                };
-                rayon::join(work, wait).0
-            }),
-            None => work(),
+        match &self.threads {
+            Some(threads) if threads.pool.current_thread_index().is_none() => threads.run(work),
+            _ => work(),
         }
     }
 
@@ -68,10 +62,30 @@ impl Team {
         first: impl FnOnce() -> A + Send,
         second: impl FnOnce() -> B + Send,
     ) -> (A, B) {
-        match &self.pool {
-            Some(pool) => pool.join(first, second),
+        match &self.threads {
+            Some(threads) => threads.pool.join(first, second),
             None => (first(), second()),
         }
+    }
+}
+
+impl Threads {
+    /// Does the work on one thread, while the other one waits for its parts awake: a thread that sleeps takes long to wake up.
+    fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        let _busy = self.is_busy.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_done = AtomicBool::new(false);
+        let work = || {
+            let _done = Done(&is_done);
+            work()
+        };
+        let wait = || {
+            while !is_done.load(Ordering::Acquire) {
+                if rayon::yield_now() != Some(rayon::Yield::Executed) {
+                    std::thread::yield_now();
+                }
+            }
+        };
+        self.pool.join(work, wait).0
     }
 }
 

@@ -56,6 +56,23 @@ fn the_flow_has_the_same_bits() {
 }
 
 #[test]
+fn works_that_share_a_team_wait_for_each_other() {
+    // Long enough for the other thread to take a part.
+    const LENGTH: u64 = 30_000;
+    let team = Team::new(2).unwrap();
+    let half = |first: u64| (first..first + LENGTH).map(std::hint::black_box).sum::<u64>();
+    let work = || team.run(|| (0..20).map(|_| team.join(|| half(0), || half(LENGTH))).map(|(a, b)| a + b).sum::<u64>());
+    // A work may contain another one.
+    assert_eq!(team.run(work), 20 * half(0) + 20 * half(LENGTH));
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..4).map(|_| scope.spawn(|| (0..200).map(|_| work()).sum::<u64>())).collect();
+        for thread in threads {
+            assert_eq!(thread.join().unwrap(), 200 * 20 * (half(0) + half(LENGTH)));
+        }
+    });
+}
+
+#[test]
 fn a_panic_leaves_no_thread_waiting() {
     let team = Team::new(2).unwrap();
     let panicked = catch_unwind(AssertUnwindSafe(|| team.run(|| -> u8 { panic!("on purpose") })));
