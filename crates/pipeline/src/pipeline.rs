@@ -80,11 +80,11 @@ impl Pipeline {
         let (handles, count) = (self.handles(), self.sensors.len());
         let (is_stopped, ready) = (Arc::new(AtomicBool::new(false)), Arc::new(Ready::new(count)));
         let (mut captures, mut tracks) = (Vec::new(), Vec::new());
-        let team = |error| PipelineError::Thread { sensor: "the trackers".into(), error };
+        let no_thread = |error| PipelineError::Thread { sensor: "the trackers".into(), error };
         let shared = self.workers / count.max(1);
         for (index, mut sensor) in self.sensors.into_iter().enumerate() {
             if let Some(tracker) = &mut sensor.tracker {
-                tracker.share(&Team::new(shared).map_err(team)?);
+                tracker.share(&Team::new(shared).map_err(no_thread)?);
             }
             let (capture, track) = parts(index, sensor, &self.hub, &ready, &is_stopped);
             captures.push(capture);
@@ -93,7 +93,7 @@ impl Pipeline {
         // What fails ends with the sensors that it dropped: a worker and a capture end with them.
         let workers = Workers::start(self.workers.min(count), tracks, Arc::clone(&ready));
         let mut running = Running { handles, hub: self.hub, threads: Vec::new(), is_stopped };
-        running.threads = workers.map_err(|error| PipelineError::Thread { sensor: "the trackers".into(), error })?;
+        running.threads = workers.map_err(no_thread)?;
         let mut captures = captures.into_iter();
         while let Some(capture) = captures.next() {
             let (name, queue, index) = (capture.handle.name().to_owned(), Arc::clone(&capture.queue), capture.index);

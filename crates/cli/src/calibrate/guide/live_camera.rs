@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::live::{LiveActions, PageArgs};
 use crate::output::OutputArgs;
 use crate::place::Place;
+use crate::threads;
 
 /// Frames that may wait while an image is written.
 const FRAMES: usize = 64;
@@ -43,7 +44,7 @@ impl LiveCamera {
         for remark in sensor.remarks() {
             output.note(&remark);
         }
-        let pipeline = Pipeline::prepare(vec![sensor]);
+        let pipeline = Pipeline::prepare(vec![sensor]).with_workers(threads::count());
         let frames = pipeline.subscribe(Interest { frames: true, capacity: FRAMES, ..Interest::readings() });
         let messages = pipeline.subscribe(Interest::readings());
         let running = pipeline.start()?;
