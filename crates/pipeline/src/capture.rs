@@ -33,8 +33,8 @@ pub(crate) struct Capture {
 impl Capture {
     pub(crate) fn run(mut self) {
         let mut pool = Pool::new(MOST_FRAMES);
+        self.count(1);
         self.publish(&self.first);
-        self.count(false);
         while !self.is_stopped.load(Ordering::Acquire) && self.step(&mut pool) {}
         self.queue.close();
         self.ready.announce(self.index);
@@ -68,11 +68,14 @@ impl Capture {
         true
     }
 
+    /// Counts a frame before anyone sees it, then hands it on.
     fn hand_on(&self, captured: Captured) {
+        self.count(1);
         self.publish(&captured);
-        let dropped = self.handle.is_tracked() && self.queue.push(captured).is_some();
+        if self.handle.is_tracked() && self.queue.push(captured).is_some() {
+            self.handle.shared.count(|counts| counts.dropped += 1);
+        }
         self.ready.announce(self.index);
-        self.count(dropped);
     }
 
     fn publish(&self, captured: &Captured) {
@@ -84,17 +87,18 @@ impl Capture {
         }
     }
 
-    /// Counts a frame, and the older one that was dropped for it, if any.
-    fn count(&self, dropped: bool) {
+    /// Adds to the count of frames and takes over what the camera has counted.
+    fn count(&self, frames: u64) {
         let camera = self.input.camera_counts();
         self.handle.shared.count(|counts| {
-            counts.captured += 1;
-            counts.dropped += u64::from(dropped);
+            counts.captured += frames;
             counts.camera = camera.unwrap_or_default();
         });
     }
 
+    /// Publishes a sentence after what it is about was counted.
     fn event(&self, text: String) {
+        self.count(0);
         self.hub.publish(&Message::Event { sensor: self.index, host_time_s: host_time_s(), text });
     }
 }
