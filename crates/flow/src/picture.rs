@@ -1,7 +1,9 @@
 //! A picture prepared for matching: its grey pyramid and, if needed, its colours.
 
 use crate::Levels;
-use fingervision_image::{Image, ImageError, Pixels, Pyramid, Rect, grey_into, rgbx_into};
+use fearless_simd::{Level, Simd, dispatch, f32x4, prelude::*, u32x4};
+use fearless_simd_macros::simd;
+use fingervision_image::{Image, ImageError, Pixels, Pyramid, Rect, grey_into, rgbx_into, words};
 
 /// One image at every pyramid level. Made once per stream and reloaded for every frame.
 #[derive(Debug, Clone)]
@@ -28,7 +30,13 @@ impl Picture {
     pub fn load(&mut self, pixels: &Pixels, region: Rect) -> Result<(), ImageError> {
         grey_into(pixels, region, self.grey.base_mut())?;
         if let Some(colour) = &mut self.colour {
-            rgbx_into(pixels, region, colour)?;
+            match pixels {
+                Pixels::Rgb8(image) if colour.size() == (region.width, region.height) => {
+                    let level = Level::new();
+                    dispatch!(level, simd => rgbx_of_bytes(simd, image, region, colour));
+                }
+                _ => rgbx_into(pixels, region, colour)?,
+            }
         }
         self.grey.build();
         Ok(())
@@ -85,6 +93,27 @@ impl Picture {
     }
 }
 
+/// As [`rgbx_into`], for a region inside an image of 8 bits a channel.
+#[simd]
+fn rgbx_of_bytes<S: Simd>(simd: S, image: &Image<[u8; 3]>, region: Rect, rgbx: &mut Image<[f32; 4]>) {
+    let masks = u32x4::from_slice(simd, &[0xff, 0xff00, 0xff_0000, 0]);
+    let scales = f32x4::from_slice(simd, &[1.0, 1.0 / 256.0, 1.0 / 65536.0, 0.0]);
+    for (y, to) in rgbx.rows_mut().enumerate() {
+        let row = &image.row(region.y + y)[region.x..][..region.width];
+        let (blocks, rest) = row.as_chunks::<4>();
+        let (to_blocks, to_rest) = to.as_chunks_mut::<4>();
+        for (pixels, to) in blocks.iter().zip(to_blocks) {
+            for (word, to) in words(pixels).into_iter().zip(to) {
+                let channels: f32x4<S> = (u32x4::splat(simd, word) & masks).to_float();
+                (channels * scales).store_slice(to);
+            }
+        }
+        for (&[red, green, blue], to) in rest.iter().zip(to_rest) {
+            *to = [red, green, blue, 0].map(f32::from);
+        }
+    }
+}
+
 /// Mean squared difference between neighbours in every `step`-th row, grey levels².
 fn roughness(image: &Image<f32>, step: usize) -> f32 {
     let rows = image.rows().step_by(step);
@@ -93,4 +122,26 @@ fn roughness(image: &Image<f32>, step: usize) -> f32 {
         (sum + differences.sum::<f32>(), count + row.len() - 1)
     });
     sum / count as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_become_the_same_values_as_any_other_pixels() {
+        let image = Image::from_fn(23, 9, |x, y| [(11 * x + y) as u8, (250 - 7 * x) as u8, (29 * y + 3 * x) as u8]);
+        let region = Rect { x: 2, y: 1, width: 19, height: 7 };
+        let pixels = Pixels::Rgb8(image);
+        let mut picture = Picture::new(region.width, region.height, 0, true);
+        picture.load(&pixels, region).unwrap();
+        let mut expected = Image::filled(1, 1, [0.0; 4]);
+        rgbx_into(&pixels, region, &mut expected).unwrap();
+        assert_eq!(picture.colour, Some(expected));
+        let pixels_grey = Image::from_fn(region.width, region.height, |x, y| {
+            let [red, green, blue] = pixels.levels(region.x + x, region.y + y);
+            0.299 * red + 0.587 * green + 0.114 * blue
+        });
+        assert_eq!(picture.grey(), &pixels_grey);
+    }
 }

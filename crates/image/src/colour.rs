@@ -18,7 +18,7 @@ const LEVELS_PER_VALUE_16: f32 = 1.0 / 257.0;
 pub fn grey_into(pixels: &Pixels, region: Rect, grey: &mut Image<f32>) -> Result<(), ImageError> {
     match pixels {
         Pixels::Grey8(image) => convert(image, region, grey, f32::from),
-        Pixels::Rgb8(image) => convert(image, region, grey, |rgb| luma(rgb.map(f32::from))),
+        Pixels::Rgb8(image) => convert_rows(image, region, grey, luma_row),
         Pixels::Grey16(image) => convert(image, region, grey, |value| f32::from(value) * LEVELS_PER_VALUE_16),
         Pixels::Rgb16(image) => convert(image, region, grey, |rgb| luma(rgb.map(f32::from)) * LEVELS_PER_VALUE_16),
     }
@@ -48,29 +48,64 @@ fn luma([red, green, blue]: [f32; 3]) -> f32 {
     LUMA_WEIGHTS[0] * red + LUMA_WEIGHTS[1] * green + LUMA_WEIGHTS[2] * blue
 }
 
+/// The grey levels of a row, four pixels at once.
+fn luma_row(row: &[[u8; 3]], grey: &mut [f32]) {
+    let (blocks, rest) = row.as_chunks::<4>();
+    let (grey_blocks, grey_rest) = grey.as_chunks_mut::<4>();
+    for (pixels, grey) in blocks.iter().zip(grey_blocks) {
+        let words = words(pixels);
+        let channel = |mask: u32, scale: f32| words.map(|word| (word & mask).cast_signed() as f32 * scale);
+        // Factors that are powers of two do not change the result.
+        let [red, green, blue] = [channel(0xff, 1.0), channel(0xff00, 1.0 / 256.0), channel(0xff_0000, 1.0 / 65536.0)];
+        *grey = std::array::from_fn(|k| luma([red[k], green[k], blue[k]]));
+    }
+    for (grey, &rgb) in grey_rest.iter_mut().zip(rest) {
+        *grey = luma(rgb.map(f32::from));
+    }
+}
+
+/// Red, green and blue of four pixels in the lower three bytes of a word each. The fourth byte is any value.
+#[must_use]
+#[inline(always)]
+pub fn words(pixels: &[[u8; 3]; 4]) -> [u32; 4] {
+    let bytes = pixels.as_flattened();
+    // As a whole: single bytes would be loaded one by one.
+    let word = |first: usize| bytes[first..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
+    [word(0), word(3), word(6), word(8) >> 8]
+}
+
 fn padded([red, green, blue]: [f32; 3]) -> [f32; 4] {
     [red, green, blue, 0.0]
 }
 
-fn convert<T: Copy, U: Copy>(
+fn convert<T: Copy, U: Copy + Default>(
     from: &Image<T>,
     region: Rect,
     to: &mut Image<U>,
     convert_pixel: impl Fn(T) -> U,
+) -> Result<(), ImageError> {
+    convert_rows(from, region, to, |from, to| {
+        for (to, &from) in to.iter_mut().zip(from) {
+            *to = convert_pixel(from);
+        }
+    })
+}
+
+fn convert_rows<T: Copy, U: Copy + Default>(
+    from: &Image<T>,
+    region: Rect,
+    to: &mut Image<U>,
+    convert_row: impl Fn(&[T], &mut [U]),
 ) -> Result<(), ImageError> {
     let (width, height) = from.size();
     if !region.is_inside(width, height) {
         return Err(ImageError::RegionOutside { region, width, height });
     }
     if to.size() != (region.width, region.height) {
-        let fill = convert_pixel(from.at(region.x, region.y));
-        *to = Image::filled(region.width, region.height, fill);
+        *to = Image::filled(region.width, region.height, U::default());
     }
     for (y, to) in to.rows_mut().enumerate() {
-        let from = &from.row(region.y + y)[region.x..][..region.width];
-        for (to, &from) in to.iter_mut().zip(from) {
-            *to = convert_pixel(from);
-        }
+        convert_row(&from.row(region.y + y)[region.x..][..region.width], to);
     }
     Ok(())
 }

@@ -225,13 +225,23 @@ impl NodeField {
                     let x = STRIDE * i + MARGIN - 1;
                     let (left, right) = (x.saturating_sub(half), (x + half).min(width - 1));
                     let n = j * self.grid.columns + i;
-                    self.planes[first][n] = mean(here, x);
-                    self.planes[first + 1][n] = (mean(here, right) - mean(here, left)) * span(left, right);
+                    let inner = if x >= half { means(here, left) } else { None };
+                    let [at_left, centre, at_right] = inner.unwrap_or_else(|| [left, x, right].map(|x| mean(here, x)));
+                    self.planes[first][n] = centre;
+                    self.planes[first + 1][n] = (at_right - at_left) * span(left, right);
                     self.planes[first + 2][n] = (mean(lower, x) - mean(upper, x)) * span(above, below);
                 }
             }
         }
     }
+}
+
+/// As [`mean`], at `left`, half a stride to its right and a stride to its right; none if this is not all in the rows. Checked once, it
+/// takes a third of the time of three means.
+fn means(rows: [&[f32]; 2], left: usize) -> Option<[f32; 3]> {
+    let [upper, lower]: [Option<&[f32; STRIDE + 2]>; 2] = rows.map(|row| row.get(left..)?.first_chunk());
+    let (upper, lower) = (upper?, lower?);
+    Some([0, STRIDE / 2, STRIDE].map(|x| 0.25 * (upper[x] + upper[x + 1] + lower[x] + lower[x + 1])))
 }
 
 /// The mean of two pixels, those at `x` and to its right, in each of two rows.
@@ -244,6 +254,26 @@ fn mean(rows: [&[f32]; 2], x: usize) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fingervision_image::Image;
+
+    #[test]
+    fn samples_of_an_affine_flow_are_its_values_and_slopes() {
+        let (width, height) = (80, 64);
+        let plane = |a: f32, b: f32| Image::from_fn(width, height, |x, y| a * x as f32 + b * y as f32);
+        let flow = FlowField { u: plane(0.5, -0.25), v: plane(0.125, 1.0) };
+        let mut field = NodeField::zero(PatchGrid::over(width, height));
+        field.sample(&flow);
+        for (i, j) in [(0, 0), (1, 3), (4, 4), (0, 5), (8, 2)] {
+            let n = j * field.grid.columns + i;
+            let [x, y] = [i, j].map(PatchGrid::centre);
+            let values = field.planes.each_ref().map(|plane| plane[n]);
+            let slope = STRIDE as f32;
+            let expected = [0.5 * x - 0.25 * y, 0.5 * slope, -0.25 * slope, 0.125 * x + y, 0.125 * slope, slope];
+            for (k, (value, expected)) in values.into_iter().zip(expected).enumerate() {
+                assert!((value - expected).abs() < 1e-3, "node ({i}, {j}), value {k}: {value} instead of {expected}");
+            }
+        }
+    }
 
     #[test]
     fn failed_nodes_are_filled_from_the_field_around_them() {

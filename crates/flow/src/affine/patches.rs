@@ -132,7 +132,7 @@ impl AffinePatches {
         };
         let levels: Vec<_> = (0..=coarsest_level(width, height, params)).map(level).collect();
         let nodes = levels[0].field.grid.plane_len();
-        let blur = MotionBlur::new(&full_template(levels[0].field.grid, params), &levels[0].refinement);
+        let blur = MotionBlur::new(full_template(levels[0].field.grid, params), &levels[0].refinement);
         Self {
             blur,
             params: *params,

@@ -25,9 +25,9 @@ pub(crate) struct BlurredTemplate {
 }
 
 impl BlurredTemplate {
-    /// For references like `sharp`.
-    pub(crate) fn like(sharp: &Template) -> Self {
-        Self { template: sharp.clone(), sums: PatchSums::new(sharp.grid) }
+    /// For references like this empty one.
+    pub(crate) fn new(empty: Template) -> Self {
+        Self { sums: PatchSums::new(empty.grid), template: empty }
     }
 
     /// Sets the mean of `sharp` along paths that have `part` of the way from `last` to `now`.
@@ -185,7 +185,7 @@ mod tests {
         let still = FlowField::zero(SIZE.0, SIZE.1);
         for level in levels() {
             for (u, v, part) in [(12.0, 0.0, 0.5), (-6.0, 3.0, 1.0), (0.0, 9.0, 1.0)] {
-                let mut blurred = BlurredTemplate::like(&sharp);
+                let mut blurred = BlurredTemplate::new(sharp.clone());
                 blurred.set(level, &sharp, (&still, &flow(u, v)), part);
                 // The mean of a wave along a path is the wave times the sine cardinal of half the path's phase.
                 let phase = PI * part * u / WAVE_PX;
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn without_motion_the_template_is_the_sharp_one() {
         let sharp = sharp();
-        let mut blurred = BlurredTemplate::like(&sharp);
+        let mut blurred = BlurredTemplate::new(sharp.clone());
         blurred.set(Level::new(), &sharp, (&flow(0.0, 0.0), &flow(9.0, 0.0)), 1.0);
         assert_ne!(blurred.template.normal, sharp.normal);
         blurred.set(Level::new(), &sharp, (&flow(3.0, 1.0), &flow(3.0, 1.0)), 1.0);

@@ -56,9 +56,11 @@ pub(in crate::affine::patches) struct MotionBlur {
 }
 
 impl MotionBlur {
-    pub(in crate::affine::patches) fn new(template: &Template, refinement: &Refinement) -> Self {
-        let nodes = template.grid.nodes();
-        let mut reference = BlurredTemplate::like(template);
+    /// For references like this empty one.
+    pub(in crate::affine::patches) fn new(empty: Template, refinement: &Refinement) -> Self {
+        let grid = empty.grid;
+        let nodes = grid.nodes();
+        let mut reference = BlurredTemplate::new(empty);
         // Allocates what depends on the refinement.
         refinement.complete(&mut reference.template);
         Self {
@@ -69,8 +71,8 @@ impl MotionBlur {
             motion: vec![0.0; nodes],
             blurred: Vec::with_capacity(nodes),
             path_error: vec![0.0; nodes],
-            sharp: NodeField::zero(template.grid),
-            best: NodeField::zero(template.grid),
+            sharp: NodeField::zero(grid),
+            best: NodeField::zero(grid),
         }
     }
 
