@@ -44,6 +44,8 @@ pub struct ElasticFields {
     pub is_untracked: bool,
     /// Whether the flow's deviation is more than 1.8 times that of the network's training images.
     pub is_flow_uncertain: bool,
+    /// Whether nothing moves: depth is 0 and there is no contact.
+    pub(crate) is_at_rest: bool,
     /// Deviation of depth at rest in images of the usual noise, mm.
     rest_deviation_mm: f32,
 }
@@ -93,6 +95,7 @@ impl ElasticFields {
             is_outside_training: false,
             is_untracked: false,
             is_flow_uncertain: false,
+            is_at_rest: true,
             rest_deviation_mm: (THRESHOLDS.rest_deviation * gel.thickness_mm) as f32,
         };
         fields.rest(1.0);
@@ -109,6 +112,7 @@ impl ElasticFields {
         }
         self.contact.values_mut().fill(0);
         self.contact_area_mm2 = 0.0;
+        self.is_at_rest = true;
         if let Some(grid) = &mut self.traction_mpa {
             grid.traction_mpa.fill([0.0; 3]);
         }

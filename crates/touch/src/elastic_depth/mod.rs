@@ -166,6 +166,7 @@ impl ElasticDepth {
             self.rest(still_mm);
             return &self.fields;
         }
+        self.fields.is_at_rest = false;
         self.find_contact();
         self.held.hold(&self.surface, &self.contact);
         self.write_fields();

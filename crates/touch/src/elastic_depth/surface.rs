@@ -19,7 +19,7 @@ use fingervision_optics::Camera;
 use std::ops::Range;
 
 use super::nearest::{Place, cell_at, is_somewhere, nearest_into};
-use super::pixel_sums::{NOWHERE, Pixels, Run, Sum, add_up};
+use super::pixel_sums::{CellPixels, NOWHERE, Pixels, Sum};
 
 /// If an invalid flow leads to a point nearer to the image's border than this, px, the gel there has left the field of
 /// view.
@@ -35,8 +35,8 @@ pub(super) struct Surface {
     pub(super) grid: SurfaceGrid,
     /// The cell of each pixel.
     cell_of: Vec<u32>,
-    /// Neighbouring pixels of one cell, row by row.
-    runs: Vec<Run>,
+    /// The pixels of each cell.
+    pixels: CellPixels,
     /// The four cells around each pixel, for linear interpolation between their centres.
     corners: Vec<Corners>,
     /// The mean place of each cell's pixels in the reference image, px, and where that is on the gel, mm.
@@ -48,9 +48,8 @@ pub(super) struct Surface {
     /// Whether each cell is visible in the last frame, and the nearest visible cell.
     is_seen: Vec<bool>,
     nearest: Vec<Place>,
-    /// Sums over the pixels of each cell, in the first and in the second half of the runs: always the same two halves, so that
-    /// the number of threads does not change the bits.
-    sums: [Vec<Sum>; 2],
+    /// Sums over the pixels of each cell.
+    sums: Vec<Sum>,
     team: Team,
     /// Size of a pixel on the undeformed surface, mm: the square root of the mean area that a pixel on the gel sees.
     pub(super) mm_per_px: f64,
@@ -142,14 +141,14 @@ impl Surface {
             level: Level::new(),
             camera: camera.clone(),
             grid,
-            runs: Run::all(&cell_of),
+            pixels: CellPixels::new(Level::new(), &cell_of, grid.len()),
             cell_of,
             corners: places.into_iter().map(|place| Corners::around(grid, place)).collect(),
             border,
             size,
             is_seen,
             nearest,
-            sums: std::array::from_fn(|_| vec![Sum::default(); grid.len()]),
+            sums: vec![Sum::default(); grid.len()],
             team: Team::default(),
             mm_per_px: cell_mm * (cells_seen as f64 / pixels as f64).sqrt(),
             seen: vec![Seen::default(); grid.len()],
@@ -211,12 +210,13 @@ impl Surface {
     pub(super) fn look(&mut self, flow: &FlowField, deviation: &Image<f32>, valid: &Image<u8>) {
         let (u, v) = (flow.u.values(), flow.v.values());
         let pixels = Pixels { u, v, deviation: deviation.values(), valid: valid.values() };
-        let (upper, lower) = self.runs.split_at(self.runs.len() / 2);
-        let [sums, others] = &mut self.sums;
-        self.team.join(|| add_up(&pixels, upper, sums), || add_up(&pixels, lower, others));
-        sums.iter_mut().zip(others).for_each(|(sum, other)| sum.add(*other));
+        let middle = self.sums.len() / 2;
+        let (upper, lower) = self.sums.split_at_mut(middle);
+        let cells = &self.pixels;
+        self.team.join(|| cells.add_up(&pixels, 0, upper), || cells.add_up(&pixels, middle, lower));
         let [camera_x, camera_y, height] = self.camera.position_mm();
-        let cells = self.seen.iter_mut().zip(&mut self.is_seen).zip(&self.sums[0]).zip(&self.rest);
+        let cells = self.seen.iter_mut().zip(&mut self.is_seen).zip(&self.sums).zip(&self.rest);
+        let mut is_changed = false;
         for (((seen, is_seen), sum), rest) in cells {
             let Some(rest) = rest else { continue };
             let flow = sum.flow.map(|total| f64::from(total / sum.count.max(1.0)));
@@ -229,14 +229,18 @@ impl Surface {
                 trust: if now.is_some() { sum.valid / sum.count.max(1.0) } else { 0.0 },
                 deviation_mm: (sum.variance / sum.valid.max(1.0)).sqrt() * self.mm_per_px as f32,
             };
-            *is_seen = sum.count > 0.0 && (seen.trust >= 0.5 || is_within(self.size, px));
+            let was_seen =
+                std::mem::replace(is_seen, sum.count > 0.0 && (seen.trust >= 0.5 || is_within(self.size, px)));
+            is_changed |= was_seen != *is_seen;
+        }
+        if is_changed {
+            nearest_into(self.grid.columns, &self.is_seen, &mut self.nearest);
         }
         self.fill();
     }
 
     /// Cells that are not visible take the measurement of the nearest visible cell.
     fn fill(&mut self) {
-        nearest_into(self.grid.columns, &self.is_seen, &mut self.nearest);
         if !is_somewhere(self.nearest[0]) {
             return;
         }

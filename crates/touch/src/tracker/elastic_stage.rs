@@ -72,7 +72,8 @@ impl ElasticStage {
 
 /// Moves the results into the reading. Planes are exchanged: the next frame overwrites all of them.
 fn take(found: &mut ElasticFields, reading: &mut Reading) {
-    reading.numbers.max_depth_mm = super::largest_valid(&found.depth_mm, &found.on_gel);
+    let deepest = || super::largest_valid(&found.depth_mm, &found.on_gel);
+    reading.numbers.max_depth_mm = if found.is_at_rest { Some(0.0) } else { deepest() };
     if let Some(depth) = &mut reading.depth {
         std::mem::swap(depth, &mut found.depth_mm);
     }
