@@ -4,8 +4,8 @@ use crate::workspace;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use fingervision_evaluate::recordings::{FOLDER_VARIABLE, Punyo, Recordings, measure_pairs};
-use fingervision_evaluate::{Table, motion, pairs, resolution, sequences};
-use fingervision_gel::{MeshParams, PressCache, Resolution};
+use fingervision_evaluate::{Table, elasticity, motion, pairs, resolution, sequences};
+use fingervision_gel::{PressCache, Resolution};
 use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
@@ -19,10 +19,10 @@ pub(crate) struct Args {
     /// Only these tables.
     #[arg(long)]
     only: Option<Tables>,
-    /// Presses at several speeds on a coarse mesh: minutes instead of hours.
-    #[arg(long)]
-    draft: bool,
-    /// Presses at several speeds: only this ready-made scene; may be repeated.
+    /// Presses on a mesh of this resolution. Finer ones take much longer.
+    #[arg(long, default_value = "fine")]
+    mesh: Mesh,
+    /// Only presses of this ready-made scene; may be repeated.
     #[arg(long, value_name = "SCENE")]
     scene: Vec<String>,
     /// Also write the tables to this file.
@@ -42,6 +42,26 @@ enum Tables {
     Resolution,
     /// Presses at several speeds, and the rim of their contact: takes hours, so only on request.
     Motion,
+    /// Depth and force of presses, stuck and sliding: takes hours on the fine mesh, so only on request.
+    Elasticity,
+}
+
+/// The cells of the mesh: 0.75, 0.45 or 0.3 mm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Mesh {
+    Draft,
+    Medium,
+    Fine,
+}
+
+impl From<Mesh> for Resolution {
+    fn from(mesh: Mesh) -> Self {
+        match mesh {
+            Mesh::Draft => Self::Draft,
+            Mesh::Medium => Self::Medium,
+            Mesh::Fine => Self::Fine,
+        }
+    }
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
@@ -73,12 +93,17 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         show(resolution::measure()?, out)?;
     }
     if args.only == Some(Tables::Motion) {
-        let mesh = if args.draft { Resolution::Draft } else { MeshParams::default().resolution };
-        let options = motion::Options { mesh, scenes: args.scene.clone() };
+        let options = motion::Options { mesh: args.mesh.into(), scenes: args.scene.clone() };
         let measured = motion::measure(&options, &PressCache::standard(), &mut |press| eprintln!("{press}"))?;
         for table in [measured.motion, measured.rim, measured.deviation, measured.disturbed] {
             show(table, out)?;
         }
+    }
+    if args.only == Some(Tables::Elasticity) {
+        let options = elasticity::Options { mesh: args.mesh.into(), scenes: args.scene.clone() };
+        let measured = elasticity::measure(&options, &PressCache::standard(), &|press| eprintln!("{press}"))?;
+        show(measured.presses, out)?;
+        show(measured.over_all, out)?;
     }
     let short = tables.iter().flat_map(Table::short).count();
     let asked = tables.iter().flat_map(|table| &table.rows).filter(|row| row.asked.is_some()).count();

@@ -1,6 +1,6 @@
 //! Compares readings with the truth, and makes the accuracy tables of the tracker.
 //!
-//! Five kinds of test images, each with the required and the measured figure:
+//! Six kinds of test images, each with the required and the measured figure:
 //!
 //! - [`pairs`]: simulated pairs with exact truth, several patterns each, and a check of the predicted deviation.
 //! - [`recordings`]: recorded pairs and a recorded press, in a folder that is not part of the project. If it is
@@ -9,6 +9,7 @@
 //! - [`resolution`]: a star pattern with exact truth, which shows the smallest period of a displacement that is
 //!   resolved, and the noise.
 //! - [`motion`]: simulated presses at several speeds: errors of the flow in contact, at its rim and elsewhere.
+//! - [`elasticity`]: simulated presses, stuck and sliding: errors of depth, contact and force.
 //!
 //! Everything is seeded: the same code gives the same tables.
 //!
@@ -26,6 +27,7 @@
 
 pub mod benchmark;
 pub mod dots;
+pub mod elasticity;
 mod end_point;
 mod error;
 pub mod experiment;

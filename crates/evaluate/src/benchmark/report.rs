@@ -17,13 +17,13 @@ pub struct MethodScore {
     pub score: DepthScore,
     /// Intersection over union of estimated and true contact, 0 to 1; none if the method does not estimate contact.
     pub contact_overlap: Option<f64>,
-    /// Error of the normal force over the true one, dimensionless; none if it does not estimate force.
+    /// Absolute error of the normal force over the true one, dimensionless; none if it does not estimate force.
     pub normal_force: Option<f64>,
     /// Length of the error of the shear force over the true shear force, dimensionless; none where the true one is
     /// below 5 % of the normal force.
     pub shear_force: Option<f64>,
-    /// Error of the torque about z over the true torque, dimensionless; none where the true one is below the normal
-    /// force times an arm of 0.1 mm.
+    /// Absolute error of the torque about z over the true torque, dimensionless; none where the true one is below the
+    /// normal force times an arm of 0.1 mm.
     pub torque: Option<f64>,
 }
 
@@ -37,9 +37,14 @@ impl MethodScore {
 
 impl From<ElasticScore> for MethodScore {
     fn from(elastic: ElasticScore) -> Self {
-        let ElasticScore { depth, contact_overlap, normal_force, shear_force, torque } = elastic;
-        let method = Method::Elastic.name().into();
-        Self { method, score: depth, contact_overlap: Some(contact_overlap), normal_force, shear_force, torque }
+        Self {
+            method: Method::Elastic.name().into(),
+            score: elastic.depth,
+            contact_overlap: Some(elastic.contact_overlap),
+            normal_force: elastic.normal_force.map(f64::abs),
+            shear_force: elastic.shear_force,
+            torque: elastic.torque.map(f64::abs),
+        }
     }
 }
 

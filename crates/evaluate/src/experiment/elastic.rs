@@ -15,13 +15,14 @@ pub struct ElasticScore {
     pub depth: DepthScore,
     /// Intersection over union of estimated and true contact, 0 to 1.
     pub contact_overlap: f64,
-    /// Error of the normal force over the true one, dimensionless; none for a frame that does not fit the gel.
+    /// Error of the normal force over the true one, dimensionless, positive where the estimate is too large; none for a
+    /// frame that does not fit the gel.
     pub normal_force: Option<f64>,
     /// Length of the error of the shear force over the true shear force, dimensionless; none where the true one is
     /// below 5 % of the normal force.
     pub shear_force: Option<f64>,
-    /// Error of the torque about z over the true torque, dimensionless; none where the true one is below the normal
-    /// force times an arm of 0.1 mm.
+    /// Error of the torque about z over the true torque, dimensionless, positive where the estimate is too large; none
+    /// where the true one is below the normal force times an arm of 0.1 mm.
     pub torque: Option<f64>,
 }
 
@@ -64,9 +65,9 @@ impl ElasticScore {
     }
 }
 
-/// An error relative to the true value; none where the true value is not above `least`.
+/// An error relative to the true value; none where the absolute true value is not above `least`.
 fn part(error: f64, truth: f64, least: f64) -> Option<f64> {
-    (truth.abs() > least).then(|| error.abs() / truth.abs())
+    (truth.abs() > least).then(|| error / truth)
 }
 
 /// Intersection over union of both contact masks over the visible pixels; 0 for a frame that does not fit the gel.
@@ -88,8 +89,8 @@ mod tests {
 
     #[test]
     fn an_error_is_no_part_of_nothing() {
-        assert_eq!(part(-0.5, 2.0, 0.1), Some(0.25));
-        assert_eq!(part(0.5, -2.0, 0.1), Some(0.25));
+        assert_eq!(part(-0.5, 2.0, 0.1), Some(-0.25));
+        assert_eq!(part(0.5, -2.0, 0.1), Some(-0.25));
         assert_eq!((part(0.5, 0.05, 0.1), part(0.5, 0.0, 0.0)), (None, None));
     }
 }

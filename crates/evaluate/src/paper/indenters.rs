@@ -209,7 +209,7 @@ fn by_elasticity(setting: Setting, measured: &[Measured]) -> Result<Section, Exp
         ["indenter", "contact, intersection over union", "true force, N", "error of force, %"],
     );
     for Measured { errors: IndenterErrors { indenter, force_n, elastic, .. }, .. } in measured {
-        let error = elastic.normal_force.map_or(f64::NAN, |part| 100.0 * part);
+        let error = elastic.normal_force.map_or(f64::NAN, |part| 100.0 * part.abs());
         let cells = [(elastic.contact_overlap, 2), (*force_n, 2), (error, 1)];
         table.row(*indenter, cells.map(|(value, digits)| Cell::figure(value, digits)));
     }
