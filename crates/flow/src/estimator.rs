@@ -118,7 +118,7 @@ impl FlowEstimator {
             width,
             height,
             params: *params,
-            search: InverseSearch::new(width, height, params.search(), params.finest_patches(), simd),
+            search: InverseSearch::new(width, height, params.search(), simd),
             affine: AffinePatches::new(width, height, params, simd),
             recovery: Recovery::new(width, height),
             found: FlowField::zero(width, height),
@@ -201,9 +201,6 @@ impl FlowEstimator {
                         self.search_and_refine(reference, current, guess, false, out);
                     }
                 }
-                if out.lost_px2 > 0.0 {
-                    self.recover_after_search(reference, current, out);
-                }
             }
             (_, Start::Search(guess)) => self.search_alone(reference, current, guess, out),
             (_, Start::Flow(guess)) => self.search_alone(reference, current, Some(guess), out),
@@ -251,13 +248,6 @@ impl FlowEstimator {
     fn recover(&mut self, reference: &Reference, current: &Picture, last: &FlowField) -> f32 {
         let references = (&reference.search, &reference.affine);
         self.recovery.run(references, current, last, &mut self.search, &mut self.affine)
-    }
-
-    /// Searches at full size what the search of the whole picture, on coarser levels, has not found.
-    fn recover_after_search(&mut self, reference: &Reference, current: &Picture, out: &mut Estimate) {
-        let Self { recovery, search, affine, found, .. } = self;
-        out.lost_px2 = recovery.run((&reference.search, &reference.affine), current, found, search, affine);
-        affine.write(&reference.affine, current, out);
     }
 
     /// Finds the flow by a search and refines it with the affine patches.

@@ -28,7 +28,7 @@ impl Preset {
             Self::Fast => SearchParams::fast(),
             Self::Medium => SearchParams::medium(),
             // The affine patches need the search only for a cold start and for lost areas, so it may take more time.
-            Self::Affine => SearchParams { coarse_reach: 10, ..SearchParams::medium() },
+            Self::Affine => SearchParams { finest_level: 0, coarse_reach: 10, ..SearchParams::medium() },
         }
     }
 }
@@ -76,11 +76,6 @@ impl FlowParams {
     pub fn search(&self) -> SearchParams {
         let search = self.search.unwrap_or_else(|| self.preset.search());
         SearchParams { finest_level: self.finest_level.unwrap_or(search.finest_level), ..search }
-    }
-
-    /// The finest level on which patches are searched: full size where lost areas are searched, so that small ones are found.
-    pub(crate) fn finest_patches(&self) -> usize {
-        if self.preset == Preset::Affine { 0 } else { self.search().finest_level }
     }
 
     /// Checks that every value is in its range.

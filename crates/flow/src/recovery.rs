@@ -75,7 +75,7 @@ impl Recovery {
         let Self { grid, failed, is_core, cells, .. } = self;
         cells.mark(|node| failed[node] && grid.around(node, AREA).any(|near| is_core[near]));
         search.search_lost(searched, current, cells, guess);
-        let finest = search.finest_patches(current);
+        let finest = search.finest_level(current);
         let nodes = cells.is_lost().iter().enumerate().filter(|(_, lost)| **lost);
         let found = nodes.filter_map(|(node, _)| {
             let (i, j) = (node % grid.columns, node / grid.columns);

@@ -95,7 +95,7 @@ impl InverseSearch {
         lost: &Cells,
         guess: &FlowField,
     ) {
-        let finest = self.finest_patches(current);
+        let finest = self.finest_level(current);
         let simd = self.simd;
         for k in (0..self.levels.len()).rev() {
             let (fine, coarse) = self.levels.split_at_mut(k + 1);

@@ -27,7 +27,7 @@ pub use variational::RefineParams;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SearchParams {
-    /// Pyramid level where the search of the whole picture ends; its field is enlarged to full size. 0 is the full size.
+    /// Pyramid level where the search ends; its field is enlarged to full size. 0 is the full size.
     pub finest_level: usize,
     /// Distance between neighbouring patches, px on their level, 1 to 8.
     pub stride: usize,
@@ -135,25 +135,18 @@ pub(crate) struct SearchReference {
 pub(crate) struct InverseSearch {
     params: SearchParams,
     simd: Level,
-    /// From the finest level on which patches are searched to the coarsest.
+    /// From the finest level of the search to the coarsest.
     levels: Vec<SearchLevel>,
-    /// Fields between the finest dense one and full size.
+    /// Fields between the finest level and full size, if the finest level is not 0.
     enlarged: Vec<FlowField>,
 }
 
 #[derive(Debug, Clone)]
 struct SearchLevel {
     layout: PatchLayout,
-    matches: Vec<Match>,
-    /// None on levels on which only lost areas are searched.
-    dense: Option<DenseLevel>,
-}
-
-/// The dense field of a level and its scratch memory: some 25 planes.
-#[derive(Debug, Clone)]
-struct DenseLevel {
     flow: FlowField,
     start: FlowField,
+    matches: Vec<Match>,
     filled: Vec<bool>,
     densifier: Densifier,
     refinement: VariationalRefinement,
@@ -167,9 +160,8 @@ pub(crate) fn coarsest_level(width: usize, height: usize) -> usize {
 }
 
 impl InverseSearch {
-    /// A search on pictures of this size, at least 16 px wide and high. Lost areas are searched down to `finest_patches`, if that is
-    /// finer than the finest level of the whole picture.
-    pub(crate) fn new(width: usize, height: usize, params: SearchParams, finest_patches: usize, simd: Level) -> Self {
+    /// A search on pictures of this size, at least 16 px wide and high.
+    pub(crate) fn new(width: usize, height: usize, params: SearchParams, simd: Level) -> Self {
         let coarsest = coarsest_level(width, height);
         let finest = params.finest_level.min(coarsest);
         let level = |level: usize| {
@@ -177,18 +169,20 @@ impl InverseSearch {
             let layout = PatchLayout::over(width, height, params.stride);
             SearchLevel {
                 layout,
+                flow: FlowField::zero(width, height),
+                start: FlowField::zero(width, height),
                 matches: vec![Match { u: 0.0, v: 0.0, error: f32::INFINITY }; layout.len()],
-                dense: (level >= finest).then(|| DenseLevel::new(width, height, layout)),
+                filled: vec![false; layout.len()],
+                densifier: Densifier::new(width, height),
+                refinement: VariationalRefinement::new(width, height),
             }
         };
         let enlarged = (1..finest).rev().map(|level| FlowField::zero(width >> level, height >> level));
-        let levels = (finest.min(finest_patches)..=coarsest).map(level).collect();
-        Self { params, simd, levels, enlarged: enlarged.collect() }
+        Self { params, simd, levels: (finest..=coarsest).map(level).collect(), enlarged: enlarged.collect() }
     }
 
-    /// The finest level on which patches are searched.
-    pub(crate) fn finest_patches(&self, picture: &Picture) -> usize {
-        coarsest_level(picture.size().0, picture.size().1) + 1 - self.levels.len()
+    pub(crate) fn finest_level(&self, picture: &Picture) -> usize {
+        self.params.finest_level.min(coarsest_level(picture.size().0, picture.size().1))
     }
 
     /// An empty reference.
@@ -198,7 +192,7 @@ impl InverseSearch {
 
     /// Prepares a new reference.
     pub(crate) fn prepare(&self, picture: &Picture, reference: &mut SearchReference) {
-        let finest = self.finest_patches(picture);
+        let finest = self.finest_level(picture);
         for (k, template) in reference.templates.iter_mut().enumerate() {
             template.prepare(picture.grey.level(finest + k), self.params.min_texture);
         }
@@ -214,33 +208,31 @@ impl InverseSearch {
         is_exhaustive: bool,
         flow: &mut FlowField,
     ) {
-        let finest = self.finest_patches(current);
+        let finest = self.finest_level(current);
         let simd = self.simd;
         for k in (0..self.levels.len()).rev() {
             let (fine, coarse) = self.levels.split_at_mut(k + 1);
-            let SearchLevel { layout, matches, dense: Some(dense) } = &mut fine[k] else { break };
-            match coarse.first().and_then(|level| level.dense.as_ref()) {
-                Some(coarse) => double_into(&coarse.flow, &mut dense.flow),
-                None => dense.flow.fill(0.0),
+            let level = &mut fine[k];
+            match coarse.first() {
+                Some(coarse) => double_into(&coarse.flow, &mut level.flow),
+                None => level.flow.fill(0.0),
             }
             if let Some(start) = start {
-                shrink_into(start, finest + k, &mut dense.start);
+                shrink_into(start, finest + k, &mut level.start);
             }
             let (template, image) = (&reference.templates[k], current.grey.level(finest + k));
             let has_start = start.is_some();
             let rules = self.params.rules(is_exhaustive && coarse.is_empty());
-            dispatch!(simd, simd => dense.run(simd, template, image, has_start, rules, (layout, matches)));
-            dense.refinement.refine(&self.params.refine, &template.grey, image, &mut dense.flow);
+            dispatch!(simd, simd => level.run(simd, template, image, has_start, rules));
+            level.refinement.refine(&self.params.refine, &template.grey, image, &mut level.flow);
         }
-        self.enlarge(flow);
+        self.enlarge(finest, flow);
     }
 
-    /// Enlarges the finest dense field to full size.
-    fn enlarge(&mut self, flow: &mut FlowField) {
-        let Some(DenseLevel { flow: found, .. }) = self.levels.iter().find_map(|level| level.dense.as_ref()) else {
-            return;
-        };
-        if found.size() == flow.size() {
+    /// Enlarges the field of the finest level to full size.
+    fn enlarge(&mut self, finest: usize, flow: &mut FlowField) {
+        let found = &self.levels[0].flow;
+        if finest == 0 {
             flow.copy_from(found);
             return;
         }
@@ -253,17 +245,7 @@ impl InverseSearch {
     }
 }
 
-impl DenseLevel {
-    fn new(width: usize, height: usize, layout: PatchLayout) -> Self {
-        Self {
-            flow: FlowField::zero(width, height),
-            start: FlowField::zero(width, height),
-            filled: vec![false; layout.len()],
-            densifier: Densifier::new(width, height),
-            refinement: VariationalRefinement::new(width, height),
-        }
-    }
-
+impl SearchLevel {
     /// Searches all patches, each from the coarser level's flow and from the given one, if any. Then computes the dense
     /// field.
     #[inline(always)]
@@ -274,9 +256,8 @@ impl DenseLevel {
         current: &fingervision_image::Image<f32>,
         has_start: bool,
         rules: SearchRules,
-        (layout, matches): (&PatchLayout, &mut [Match]),
     ) {
-        let Self { flow, start, .. } = self;
+        let Self { layout, flow, start, matches, .. } = self;
         let at = |flow: &FlowField, (left, top): (usize, usize)| {
             let (x, y) = (left + PATCH / 2, top + PATCH / 2);
             (flow.u.at(x, y), flow.v.at(x, y))
