@@ -4,7 +4,7 @@ use crate::workspace;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use fingervision_evaluate::recordings::{FOLDER_VARIABLE, Punyo, Recordings, measure_pairs};
-use fingervision_evaluate::{Table, elasticity, motion, pairs, resolution, sequences};
+use fingervision_evaluate::{PressOptions, Table, elasticity, motion, pairs, resolution, sequences};
 use fingervision_gel::{PressCache, Resolution};
 use std::fs;
 use std::io::Write;
@@ -93,14 +93,14 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         show(resolution::measure()?, out)?;
     }
     if args.only == Some(Tables::Motion) {
-        let options = motion::Options { mesh: args.mesh.into(), scenes: args.scene.clone() };
+        let options = PressOptions { mesh: args.mesh.into(), scenes: args.scene.clone() };
         let measured = motion::measure(&options, &PressCache::standard(), &mut |press| eprintln!("{press}"))?;
         for table in [measured.motion, measured.rim, measured.deviation, measured.disturbed] {
             show(table, out)?;
         }
     }
     if args.only == Some(Tables::Elasticity) {
-        let options = elasticity::Options { mesh: args.mesh.into(), scenes: args.scene.clone() };
+        let options = PressOptions { mesh: args.mesh.into(), scenes: args.scene.clone() };
         let measured = elasticity::measure(&options, &PressCache::standard(), &|press| eprintln!("{press}"))?;
         show(measured.presses, out)?;
         show(measured.over_all, out)?;

@@ -5,8 +5,8 @@
 
 use crate::benchmark::{Case, cases};
 use crate::experiment::{ElasticScore, ExperimentError, Extent, Following, Recording, follow_last};
-use crate::{Asked, Table};
-use fingervision_gel::{PressCache, Resolution, Scene};
+use crate::{Asked, PressOptions, Table};
+use fingervision_gel::{PressCache, Scene};
 use rayon::prelude::*;
 
 /// The variations of the benchmark that are measured, and what the table calls them.
@@ -20,15 +20,6 @@ const VARIATIONS: [(&str, &str); 4] = [
 /// The quantities of a press, in the order of the columns.
 const COLUMNS: [&str; 8] =
     ["depth, mm", "in contact", "at its border", "outside", "contact, IoU", "normal force", "shear force", "torque"];
-
-/// The settings of the measurement.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// Resolution of the meshes. Truth and images come from the same mesh, so any resolution can be used.
-    pub mesh: Resolution,
-    /// The scenes to measure; all presses if empty.
-    pub scenes: Vec<String>,
-}
 
 /// The tables of [`measure`].
 #[derive(Debug, Clone)]
@@ -46,7 +37,7 @@ pub struct Tables {
 ///
 /// [`ExperimentError`] if a scene is not known, or cannot be solved or tracked.
 pub fn measure(
-    options: &Options,
+    options: &PressOptions,
     cache: &PressCache,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Tables, ExperimentError> {
@@ -54,7 +45,7 @@ pub fn measure(
         Scene::find(scene)?;
     }
     let all = cases(Extent::Full, options.mesh)?;
-    let picked = presses(&all, &options.scenes);
+    let picked = presses(&all, options);
     let scored = picked.par_iter().map(|(name, case)| {
         let score = match score(case, cache) {
             Err(ExperimentError::EndedEarly { reason, .. }) => {
@@ -69,11 +60,10 @@ pub fn measure(
     Ok(tables(&scored.collect::<Result<Vec<_>, ExperimentError>>()?))
 }
 
-/// The presses of these scenes, or of all, with their names in the table.
-fn presses<'a>(all: &'a [Case], scenes: &[String]) -> Vec<(String, &'a Case)> {
-    let is_asked = |case: &Case| scenes.is_empty() || scenes.iter().any(|scene| scene == case.base);
+/// The presses to measure with their names in the table.
+fn presses<'a>(all: &'a [Case], options: &PressOptions) -> Vec<(String, &'a Case)> {
     let of_variation = |variation: &str, name: &str| {
-        let cases = all.iter().filter(|case| case.variation.name == variation && is_asked(case));
+        let cases = all.iter().filter(|case| case.variation.name == variation && options.includes(case.base));
         cases.map(|case| (format!("{}, {name}", case.base), case)).collect::<Vec<_>>()
     };
     VARIATIONS.iter().flat_map(|(variation, name)| of_variation(variation, name)).collect()
@@ -121,6 +111,7 @@ fn figures(score: &ElasticScore) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::experiment::DepthScore;
+    use fingervision_gel::Resolution;
 
     fn score(depth_mm: f64, force: f64, torque: Option<f64>) -> ElasticScore {
         let depth = DepthScore {
@@ -153,11 +144,12 @@ mod tests {
     #[test]
     fn every_press_is_measured_stuck_and_sliding_at_two_ratios() {
         let all = cases(Extent::Full, Resolution::Draft).unwrap();
-        assert_eq!(presses(&all, &[]).len(), 13 * 4);
-        let names: Vec<String> = presses(&all, &["letter".into()]).into_iter().map(|(name, _)| name).collect();
+        let options = |scenes: Vec<String>| PressOptions { mesh: Resolution::Draft, scenes };
+        assert_eq!(presses(&all, &options(vec![])).len(), 13 * 4);
+        let letter = presses(&all, &options(vec!["letter".into()]));
+        let names: Vec<String> = letter.into_iter().map(|(name, _)| name).collect();
         let expected = ["ν 0.35, stuck", "ν 0.48, stuck", "ν 0.35, sliding", "ν 0.48, sliding"];
         assert_eq!(names, expected.map(|variation| format!("letter, {variation}")));
-        let options = Options { mesh: Resolution::Draft, scenes: vec!["no such scene".into()] };
-        assert!(measure(&options, &PressCache::OFF, &|_| {}).is_err());
+        assert!(measure(&options(vec!["no such scene".into()]), &PressCache::OFF, &|_| {}).is_err());
     }
 }

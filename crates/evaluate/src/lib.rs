@@ -37,6 +37,7 @@ pub mod motion;
 pub mod page;
 pub mod pairs;
 pub mod paper;
+mod press_options;
 pub mod recordings;
 pub mod resolution;
 pub mod run;
@@ -45,4 +46,5 @@ mod table;
 
 pub use end_point::{Calibration, end_point_errors, mean, quantile, without_border};
 pub use error::EvaluateError;
+pub use press_options::PressOptions;
 pub use table::{Asked, Row, Table};

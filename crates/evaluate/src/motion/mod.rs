@@ -16,21 +16,12 @@ pub use follow::{PACES, Press, Variant};
 pub use tally::{BANDS_MM, Sums, Tally};
 
 use crate::experiment::ExperimentError;
-use crate::{Asked, Table};
-use fingervision_gel::{PressCache, ReadyMade, Resolution};
+use crate::{Asked, PressOptions, Table};
+use fingervision_gel::{PressCache, ReadyMade};
 use rayon::prelude::*;
 
 /// Error of the flow in contact, px, above which a contact may be lost.
 const LOST_PX: f64 = 0.15;
-
-/// The settings of the measurement.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// Resolution of the meshes. Truth and images come from the same mesh, so any resolution can be used.
-    pub mesh: Resolution,
-    /// The scenes to measure; all presses if empty.
-    pub scenes: Vec<String>,
-}
 
 /// The tables of [`measure`].
 #[derive(Debug, Clone)]
@@ -53,13 +44,12 @@ pub struct Tables {
 /// [`ExperimentError::Scene`] for a scene that is not known or cannot be solved; [`ExperimentError::Track`] if a frame
 /// cannot be tracked, which would be a bug.
 pub fn measure(
-    options: &Options,
+    options: &PressOptions,
     cache: &PressCache,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Tables, ExperimentError> {
     let is_press = |name: &str| name != "board" && !name.starts_with("calibration-");
-    let is_asked = |name: &str| options.scenes.is_empty() || options.scenes.iter().any(|scene| scene == name);
-    let names = ReadyMade::ALL.iter().map(|scene| scene.name).filter(|name| is_press(name) && is_asked(name));
+    let names = ReadyMade::ALL.iter().map(|scene| scene.name).filter(|name| is_press(name) && options.includes(name));
     let columns = PACES.map(|pace| if pace == 1 { "1 step".to_owned() } else { format!("{pace} steps") });
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     let mut motion =

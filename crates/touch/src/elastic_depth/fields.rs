@@ -44,7 +44,7 @@ pub struct ElasticFields {
     pub is_untracked: bool,
     /// Whether the flow's deviation is more than 1.8 times that of the network's training images.
     pub is_flow_uncertain: bool,
-    /// Whether nothing moves: depth is 0 and there is no contact.
+    /// Whether the gel is at rest: its depth is 0 everywhere, and it has no contact.
     pub(crate) is_at_rest: bool,
     /// Deviation of depth at rest in images of the usual noise, mm.
     rest_deviation_mm: f32,
