@@ -200,6 +200,18 @@ impl NodeField {
         }
     }
 
+    /// Sets every failed node whose displacement is more than `farthest` px away from that in `filled` to the values there.
+    pub(crate) fn recall(&mut self, trust: &[f32], filled: &Self, farthest: f32) {
+        for (node, _) in trust[..self.grid.nodes()].iter().enumerate().filter(|(_, trust)| **trust <= 0.0) {
+            let [right, down] = [0, 3].map(|plane| self.planes[plane][node] - filled.planes[plane][node]);
+            if right.hypot(down) > farthest {
+                for (plane, filled) in self.planes.iter_mut().zip(&filled.planes) {
+                    plane[node] = filled[node];
+                }
+            }
+        }
+    }
+
     /// Sets the field to `new − old`.
     pub(crate) fn set_difference(&mut self, new: &Self, old: &Self) {
         for (plane, (new, old)) in self.planes.iter_mut().zip(new.planes.iter().zip(&old.planes)) {
@@ -298,5 +310,22 @@ mod tests {
                 assert!((plane[node] - value).abs() < 1e-4, "node {node}: {} against {value}", plane[node]);
             }
         }
+    }
+
+    #[test]
+    fn only_failed_nodes_that_are_far_from_their_neighbours_are_recalled() {
+        let grid = PatchGrid::over(80, 64);
+        let (valid, near, far) = (12, 25, 38);
+        let mut trust = vec![1.0; grid.plane_len()];
+        (trust[near], trust[far]) = (0.0, 0.0);
+        let mut field = NodeField::zero(grid);
+        for (node, right, slope) in [(valid, 9.0, 0.0), (near, 1.5, 0.25), (far, -60.0, 3.0)] {
+            (field.planes[0][node], field.planes[2][node]) = (right, slope);
+        }
+        let mut filled = field.clone();
+        filled.fill_failed(&trust, &mut vec![0; grid.plane_len()]);
+        field.recall(&trust, &filled, 2.0);
+        let values = |node: usize| (field.planes[0][node], field.planes[2][node]);
+        assert_eq!((values(valid), values(near), values(far)), ((9.0, 0.0), (1.5, 0.25), (0.0, 0.0)));
     }
 }

@@ -110,6 +110,10 @@ const QUICK_ITERATIONS: usize = 3;
 /// Finer patches replace a patch whose predicted deviation is above this, px; in smooth flow it is a tenth of this.
 const ROUGH_PX: f32 = 0.1;
 
+/// Farthest that a failed patch may lie from the prediction of its neighbours, px. The weak coupling of a rough field moves
+/// such patches by some px in every step, and in every frame anew.
+const FARTHEST_FAILED_PX: f32 = 2.0;
+
 /// Least width and height of a level that holds patches, px.
 const LEAST_SIZE: usize = 16;
 
@@ -278,6 +282,17 @@ impl AffinePatches {
         field.fill_failed(refinement.trust(), &mut self.rings);
     }
 
+    /// Sets failed patches that strayed from their neighbours to the prediction of these.
+    fn recall_failed(&mut self) {
+        let LevelState { refinement, field, before, .. } = &mut self.levels[0];
+        let trust = refinement.trust();
+        if trust[..field.grid.nodes()].contains(&0.0) {
+            before.copy_from(field);
+            before.fill_failed(trust, &mut self.rings);
+            field.recall(trust, before, FARTHEST_FAILED_PX);
+        }
+    }
+
     fn take_full_steps(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
         self.levels[0].take_full_steps(&self.params, &reference.full, (current, reference.gain(current)), steps);
     }
@@ -308,6 +323,7 @@ impl AffinePatches {
 
     /// Writes the flow, its deviation and its validity, refined where the field is rough.
     pub(crate) fn write(&mut self, reference: &AffineReference, current: &Picture, out: &mut Estimate) {
+        self.recall_failed();
         self.expand(&mut out.flow);
         self.write_validity(reference, out);
         let gain = reference.gain(current);
