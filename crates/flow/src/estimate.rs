@@ -42,6 +42,14 @@ impl Estimate {
         }
     }
 
+    /// Memory for an estimate of pictures of this size that is overwritten before it is read: the deviation, too, is zero. The
+    /// system provides no memory for planes that nothing was written to.
+    #[must_use]
+    pub fn unwritten(width: usize, height: usize) -> Self {
+        let (flow, valid) = (FlowField::zero(width, height), Image::filled(width, height, 0));
+        Self { flow, deviation: Image::filled(width, height, 0.0), valid, ..Self::new(0, 0) }
+    }
+
     /// Copies the values of `other`; allocates nothing if the sizes are equal.
     pub fn copy_from(&mut self, other: &Self) {
         self.flow.copy_from(&other.flow);

@@ -25,6 +25,7 @@ pub struct Tracker {
     estimator: FlowEstimator,
     picture: Picture,
     references: References,
+    /// Has planes only while a frame is matched: those of the reading, which are overwritten.
     estimate: Estimate,
     density: Option<DensityStage>,
     elastic: Option<ElasticStage>,
@@ -89,7 +90,7 @@ impl Tracker {
             picture: estimator.picture(),
             references: References::new(&estimator, (width, height), centre_px, &profile.references)?,
             estimator,
-            estimate: Estimate::new(width, height),
+            estimate: Estimate::new(0, 0),
             watch: Watch::new((width, height), profile),
             rezero_after_s: profile.references.rezero_after_s,
             previous: None,
@@ -203,6 +204,7 @@ impl Tracker {
         if self.rezero_after_s.is_some_and(|after_s| self.watch.is_rezero_due(after_s)) {
             self.rezero();
         }
+        self.exchange_planes();
         let matched = self.references.track(&mut self.estimator, &self.picture, &mut self.estimate);
         if let Some(id) = self.references.first_id().filter(|&id| self.reference.is_none_or(|(known, _)| known != id)) {
             self.reference = Some((id, frame.sequence));
@@ -222,14 +224,11 @@ impl Tracker {
         reading.numbers.reference_id = matched.reference_id;
         reading.numbers.reference_count = matched.reference_count;
         reading.numbers.photometric_error = matched.photometric_error;
-        // The estimate is overwritten for every frame: its fields can be moved out.
-        std::mem::swap(&mut reading.flow, &mut self.estimate.flow);
-        std::mem::swap(&mut reading.deviation, &mut self.estimate.deviation);
-        std::mem::swap(&mut reading.valid, &mut self.estimate.valid);
         reading.numbers.flags = flags;
         reading.numbers.damaged_part = self.watch.damaged_part();
         (reading.numbers.mean_level, reading.numbers.saturated_part) = (levels.mean, levels.saturated);
         reading.numbers.sharpness = sharpness;
+        self.exchange_planes();
         self.times.checks_ms = watch.lap_ms();
         // The elastic inverse uses the validity of the flow alone, so it runs before gaps of the density are marked as
         // not valid.
@@ -250,6 +249,14 @@ impl Tracker {
         }
         self.times.density_ms = if self.density.is_some() { watch.lap_ms() } else { 0.0 };
         Ok(())
+    }
+
+    /// Lends the planes of the reading to the estimate, which overwrites them, or takes them back.
+    fn exchange_planes(&mut self) {
+        let Self { reading, estimate, .. } = self;
+        std::mem::swap(&mut reading.flow, &mut estimate.flow);
+        std::mem::swap(&mut reading.deviation, &mut estimate.deviation);
+        std::mem::swap(&mut reading.valid, &mut estimate.valid);
     }
 
     /// Runs the checks that need the picture or more than one frame.

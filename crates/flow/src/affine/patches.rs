@@ -21,7 +21,8 @@ use fearless_simd::{Level, dispatch};
 /// The reference on every level.
 #[derive(Debug, Clone)]
 pub(crate) struct AffineReference {
-    /// Grey, level 0 to the coarsest. Level 0 has every other row, for the first step at full size.
+    /// Grey, level 0 to the coarsest. Level 0 has every other row, for the first step at full size. Without colour it
+    /// shares the pixels of `full`.
     grey: Vec<Template>,
     /// Level 0 for all other steps: in colour if the pictures have colour.
     full: Template,
@@ -152,9 +153,12 @@ impl AffinePatches {
 
     /// An empty reference.
     pub(crate) fn reference(&self) -> AffineReference {
-        let row_step = |level: usize| if level == 0 { 2 } else { 1 };
         let levels = self.levels.iter().enumerate();
-        let grey = levels.map(|(level, state)| Template::new(state.field.grid, 1, row_step(level)));
+        let grey = levels.map(|(level, LevelState { field, .. })| match (level, self.params.colour) {
+            (0, false) => Template::sharing(field.grid, 1, 2),
+            (0, true) => Template::sparse(field.grid, 1, 2),
+            _ => Template::new(field.grid, 1, 1),
+        });
         AffineReference {
             grey: grey.collect(),
             full: full_template(self.levels[0].field.grid, &self.params),
@@ -166,13 +170,18 @@ impl AffinePatches {
 
     /// Prepares a new reference.
     pub(crate) fn prepare(&self, picture: &Picture, reference: &mut AffineReference) {
-        for (level, (state, template)) in self.levels.iter().zip(&mut reference.grey).enumerate() {
+        reference.mean_level = picture.mean_level();
+        for (level, (state, template)) in self.levels.iter().zip(&mut reference.grey).enumerate().skip(1) {
             state.refinement.prepare(picture.grey.level(level), template);
         }
-        reference.mean_level = picture.mean_level();
-        match &picture.colour {
-            Some(colour) => self.levels[0].refinement.prepare(colour, &mut reference.full),
-            None => self.levels[0].refinement.prepare(picture.grey.level(0), &mut reference.full),
+        let (refinement, first) = (&self.levels[0].refinement, &mut reference.grey[0]);
+        if let Some(colour) = &picture.colour {
+            refinement.prepare(picture.grey.level(0), first);
+            refinement.prepare(colour, &mut reference.full);
+        } else {
+            first.release();
+            refinement.prepare(picture.grey.level(0), &mut reference.full);
+            refinement.prepare_from(&reference.full, first);
         }
         self.fine.prepare(&reference.full, if picture.colour.is_some() { 3 } else { 1 }, &mut reference.fine);
         let nodes = &reference.full.own_variance[..self.levels[0].field.grid.nodes()];

@@ -99,6 +99,12 @@ impl Refinement {
         self.complete(template);
     }
 
+    /// Prepares the reference that `other` was prepared for; its pixels are shared.
+    pub(crate) fn prepare_from(&self, other: &Template, template: &mut Template) {
+        template.prepare_from(self.level, other);
+        self.complete(template);
+    }
+
     /// Computes what follows from the normal equations of a template.
     pub(super) fn complete(&self, template: &mut Template) {
         let scale = self.scale();
@@ -270,11 +276,6 @@ impl Refinement {
             || upper.expand(*level, (expander, field), 0..middle, [upper_u, upper_v]),
             || lower.expand(*level, (expander, field), middle..height, [lower_u, lower_v]),
         );
-    }
-
-    /// The threads that share the work.
-    pub(crate) fn team(&self) -> &Team {
-        &self.team
     }
 
     /// Sets the threads that share the work.

@@ -14,6 +14,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 use fingervision_image::Image;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A reference picture prepared for matching.
 #[derive(Debug, Clone)]
@@ -25,7 +26,9 @@ pub(crate) struct Template {
     /// Values filtered by the spline at whole pixels, their x gradient and their y gradient, row by row and in a row
     /// channel by channel: values that a kernel reads together are adjacent. Padded by the grid's margin; zero outside
     /// the image.
-    lines: Vec<f32>,
+    lines: Arc<Vec<f32>>,
+    /// Every so many rows are stored.
+    stored: usize,
     /// `Σ w J Jᵀ` of every node with the change of light eliminated, packed, in grey levels² per px².
     pub(crate) normal: [Vec<f32>; PACKED],
     /// Inverse blocks of the nodes of coarser grids; see [`super::coarse_grids`].
@@ -45,12 +48,26 @@ pub(crate) struct Template {
 impl Template {
     /// An empty template for pictures of this size and number of channels, matched on every `row_step`-th row.
     pub(crate) fn new(grid: PatchGrid, channels: usize, row_step: usize) -> Self {
+        let lines = vec![0.0; 3 * channels * grid.padded_width() * grid.padded_height()];
+        Self { lines: Arc::new(lines), ..Self::sharing(grid, channels, row_step) }
+    }
+
+    /// As [`Template::new`], but only the rows that are matched are stored.
+    pub(crate) fn sparse(grid: PatchGrid, channels: usize, row_step: usize) -> Self {
+        let rows = grid.padded_height().div_ceil(row_step);
+        let lines = vec![0.0; 3 * channels * grid.padded_width() * rows];
+        Self { lines: Arc::new(lines), stored: row_step, ..Self::sharing(grid, channels, row_step) }
+    }
+
+    /// As [`Template::new`], without pixels of its own: see [`Template::prepare_from`].
+    pub(crate) fn sharing(grid: PatchGrid, channels: usize, row_step: usize) -> Self {
         let plane = || vec![0.0; grid.plane_len()];
         Self {
             grid,
             channels,
             row_step,
-            lines: vec![0.0; 3 * channels * grid.padded_width() * grid.padded_height()],
+            lines: Arc::default(),
+            stored: 1,
             normal: std::array::from_fn(|_| plane()),
             coarse: CoarseBlocks::new(),
             light_gain: std::array::from_fn(|_| std::array::from_fn(|_| plane())),
@@ -77,12 +94,28 @@ impl Template {
     /// Where the three lines of a channel begin for a padded row.
     #[inline(always)]
     fn line(&self, row: usize, channel: usize) -> usize {
-        3 * (row * self.channels + channel) * self.grid.padded_width()
+        3 * (row / self.stored * self.channels + channel) * self.grid.padded_width()
     }
 
     /// Prepares a new reference of the grid's size.
     pub(crate) fn prepare<T: Texel>(&mut self, level: Level, picture: &Image<T>) {
         self.smooth(picture);
+        self.sum(level);
+    }
+
+    /// Prepares the reference that another template was prepared for, whose pixels are then shared.
+    pub(crate) fn prepare_from(&mut self, level: Level, other: &Self) {
+        self.lines = Arc::clone(&other.lines);
+        self.sum(level);
+    }
+
+    /// Gives up pixels that are shared, so that the other template can be prepared again without a copy of them.
+    pub(crate) fn release(&mut self) {
+        self.lines = Arc::default();
+    }
+
+    /// Sums the moments of all patches and sets their equations.
+    fn sum(&mut self, level: Level) {
         let mut sums = PatchSums::new(self.grid);
         let rows = 0..self.grid.rows;
         dispatch!(level, simd => sums.fill(simd, self, rows));
@@ -97,7 +130,8 @@ impl Template {
         const SLOPE: [f32; 3] = [-0.5, 0.0, 0.5];
         let (width, height) = picture.size();
         let padded = self.grid.padded_width();
-        for y in 0..height {
+        let lines = Arc::make_mut(&mut self.lines);
+        for y in (0..height).filter(|y| (y + MARGIN).is_multiple_of(self.stored)) {
             let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| picture.row(y));
             for x in 0..width {
                 let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
@@ -106,10 +140,10 @@ impl Template {
                 let gradient_x = weigh(&texels, SLOPE, VALUE);
                 let gradient_y = weigh(&texels, VALUE, SLOPE);
                 for channel in 0..self.channels {
-                    let place = self.line(y + MARGIN, channel) + x + MARGIN;
-                    self.lines[place] = value[channel];
-                    self.lines[place + padded] = gradient_x[channel];
-                    self.lines[place + 2 * padded] = gradient_y[channel];
+                    let place = 3 * ((y + MARGIN) / self.stored * self.channels + channel) * padded + x + MARGIN;
+                    lines[place] = value[channel];
+                    lines[place + padded] = gradient_x[channel];
+                    lines[place + 2 * padded] = gradient_y[channel];
                 }
             }
         }

@@ -7,6 +7,7 @@
 mod densify;
 pub(crate) mod local;
 mod patches;
+mod residual;
 mod resize;
 mod sweep;
 mod variational;

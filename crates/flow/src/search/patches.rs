@@ -5,21 +5,19 @@
 //! belong to the template and are computed once per reference. The gradient is a derivative per px, so a step has the
 //! full Gauss–Newton length.
 
-use fearless_simd::{Simd, f32x8, prelude::*};
+pub(crate) use super::residual::PATCH;
+use super::residual::{PatchGradient, compare};
+use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 use fingervision_image::Image;
-
-/// Width and height of a patch, px.
-pub(crate) const PATCH: usize = 8;
 
 /// A level of the reference prepared for the search.
 #[derive(Debug, Clone)]
 pub(crate) struct PatchTemplate {
     pub(crate) layout: PatchLayout,
     pub(crate) grey: Image<f32>,
-    gradient_x: Image<f32>,
-    gradient_y: Image<f32>,
-    patches: Vec<PatchNormal>,
+    /// A patch has no texture if its mean structure tensor has an eigenvalue below this, grey levels² per px².
+    min_texture: f32,
 }
 
 /// Inverse structure tensor of a patch, and the gradient sums that eliminate a change of the mean.
@@ -101,34 +99,52 @@ pub(crate) fn fill_unfound(layout: &PatchLayout, matches: &mut [Match], filled: 
 impl PatchTemplate {
     /// An empty template over a level.
     pub(crate) fn new(layout: PatchLayout) -> Self {
-        let plane = || Image::filled(layout.width, layout.height, 0.0);
-        Self {
-            layout,
-            grey: plane(),
-            gradient_x: plane(),
-            gradient_y: plane(),
-            patches: vec![PatchNormal::default(); layout.len()],
-        }
+        Self { layout, grey: Image::filled(layout.width, layout.height, 0.0), min_texture: 0.0 }
     }
 
-    /// Prepares a new reference. A patch has no texture if its mean structure tensor has an eigenvalue below
-    /// `min_texture`, grey levels² per px².
+    /// Prepares a new reference.
     pub(crate) fn prepare(&mut self, grey: &Image<f32>, min_texture: f32) {
         self.grey.copy_from(grey);
-        differentiate(grey, &mut self.gradient_x, &mut self.gradient_y);
-        for j in 0..self.layout.rows {
-            for i in 0..self.layout.columns {
-                let normal = self.normal(self.layout.corner(i, j), min_texture);
-                self.patches[j * self.layout.columns + i] = normal;
-            }
-        }
+        self.min_texture = min_texture;
     }
 
-    fn normal(&self, (left, top): (usize, usize), min_texture: f32) -> PatchNormal {
+    /// The gradient of a patch: central differences, one-sided at the image's border.
+    #[inline(always)]
+    fn gradient(&self, (left, top): (usize, usize)) -> PatchGradient {
+        let PatchLayout { width, height, .. } = self.layout;
+        let mut gradient = PatchGradient { x: [[0.0; PATCH]; PATCH], y: [[0.0; PATCH]; PATCH] };
+        let is_inner = left > 0 && left + PATCH < width;
+        for (k, (x, y)) in gradient.x.iter_mut().zip(&mut gradient.y).enumerate() {
+            let at = top + k;
+            let [above, row, below] = [at.saturating_sub(1), at, (at + 1).min(height - 1)].map(|y| self.grey.row(y));
+            let span = if at == 0 || at + 1 == height { 1.0 } else { 0.5 };
+            let columns = above[left..][..PATCH].iter().zip(&below[left..][..PATCH]);
+            for (y, (above, below)) in y.iter_mut().zip(columns) {
+                *y = span * (below - above);
+            }
+            if is_inner {
+                let row = &row[left - 1..][..PATCH + 2];
+                for (x, (left, right)) in x.iter_mut().zip(row.iter().zip(&row[2..])) {
+                    *x = 0.5 * (right - left);
+                }
+                continue;
+            }
+            for (x, column) in x.iter_mut().zip(left..) {
+                let (left, right) = (column.saturating_sub(1), (column + 1).min(width - 1));
+                *x = (row[right] - row[left]) / (right - left) as f32;
+            }
+        }
+        gradient
+    }
+}
+
+impl PatchNormal {
+    /// That of a patch with this gradient.
+    #[inline(always)]
+    fn of(PatchGradient { x, y }: &PatchGradient, min_texture: f32) -> Self {
         let (mut xx, mut xy, mut yy, mut sum_x, mut sum_y) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for y in top..top + PATCH {
-            let row = self.gradient_x.row(y)[left..][..PATCH].iter().zip(&self.gradient_y.row(y)[left..][..PATCH]);
-            for (gx, gy) in row {
+        for (row_x, row_y) in x.iter().zip(y) {
+            for (gx, gy) in row_x.iter().zip(row_y) {
                 xx += gx * gx;
                 xy += gx * gy;
                 yy += gy * gy;
@@ -141,10 +157,10 @@ impl PatchTemplate {
         let determinant = xx * yy - xy * xy;
         let smallest = 0.5 * (xx + yy) - (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
         if smallest <= n * min_texture || determinant <= 0.0 {
-            return PatchNormal { is_textured: false, ..PatchNormal::default() };
+            return Self { is_textured: false, ..Self::default() };
         }
         let inverse = [yy / determinant, -xy / determinant, xx / determinant];
-        PatchNormal { inverse, sum_x, sum_y, is_textured: true }
+        Self { inverse, sum_x, sum_y, is_textured: true }
     }
 }
 
@@ -173,10 +189,12 @@ pub(crate) fn search<S: Simd>(
     rules: SearchRules,
 ) -> Match {
     let corner = template.layout.corner(i, j);
-    let normal = &template.patches[j * template.layout.columns + i];
+    let gradient = template.gradient(corner);
+    let normal = PatchNormal::of(&gradient, template.min_texture);
     let mut start = Match { u: starts[0].0, v: starts[0].1, error: f32::INFINITY };
     for &(u, v) in starts {
-        let error = compare(simd, template, current, corner, (u, v)).map_or(f32::INFINITY, |sums| sums.error());
+        let error =
+            compare(simd, &template.grey, current, corner, (u, v), None).map_or(f32::INFINITY, |sums| sums.error());
         if error < start.error {
             start = Match { u, v, error };
         }
@@ -187,7 +205,7 @@ pub(crate) fn search<S: Simd>(
     let mut best = start;
     let (mut u, mut v) = (start.u, start.v);
     for _ in 0..rules.iterations {
-        let Some(sums) = compare(simd, template, current, corner, (u, v)) else { break };
+        let Some(sums) = compare(simd, &template.grey, current, corner, (u, v), Some(&gradient)) else { break };
         let error = sums.error();
         if error < best.error {
             best = Match { u, v, error };
@@ -229,7 +247,8 @@ pub(crate) fn search_exhaustively<S: Simd>(
     for down in -reach..=reach {
         for right in -reach..=reach {
             let shifted = (start.0 + right as f32, start.1 + down as f32);
-            let error = compare(simd, template, current, corner, shifted).map_or(f32::INFINITY, |sums| sums.error());
+            let error = compare(simd, &template.grey, current, corner, shifted, None)
+                .map_or(f32::INFINITY, |sums| sums.error());
             if error < best.1 {
                 best = (shifted, error);
             }
@@ -253,97 +272,15 @@ pub(crate) fn improve<S: Simd>(
     let is_better = |&start: &(f32, f32)| {
         // A neighbour with a similar displacement gives no new start.
         let differs = (start.0 - found.u).abs().max((start.1 - found.v).abs()) > 0.5;
-        differs && compare(simd, template, current, corner, start).is_some_and(|sums| sums.error() < found.error)
+        differs
+            && compare(simd, &template.grey, current, corner, start, None)
+                .is_some_and(|sums| sums.error() < found.error)
     };
     if !starts.iter().any(is_better) {
         return *found;
     }
     let new = search(simd, template, current, patch, &starts, rules);
     if new.error < found.error { new } else { *found }
-}
-
-/// Sums over a patch of the residual `I(x + u) − T(x)`.
-struct Sums {
-    residual: f32,
-    squared: f32,
-    gradient_x: f32,
-    gradient_y: f32,
-}
-
-impl Sums {
-    fn error(&self) -> f32 {
-        let n = (PATCH * PATCH) as f32;
-        ((self.squared - self.residual * self.residual / n) / n).max(0.0)
-    }
-}
-
-/// The sums at a displacement, by bilinear sampling; none if the patch is not completely in the current image.
-#[inline(always)]
-fn compare<S: Simd>(
-    simd: S,
-    template: &PatchTemplate,
-    current: &Image<f32>,
-    (left, top): (usize, usize),
-    (u, v): (f32, f32),
-) -> Option<Sums> {
-    let (x, y) = (left as f32 + u, top as f32 + v);
-    let (width, height) = current.size();
-    let is_inside = x >= 0.0 && y >= 0.0 && x < (width - PATCH) as f32 && y < (height - PATCH) as f32;
-    if !is_inside {
-        return None;
-    }
-    let (column, row) = (x as usize, y as usize);
-    let (fx, fy) = (x - column as f32, y - row as f32);
-    let zero = f32x8::splat(simd, 0.0);
-    let (mut residual, mut squared, mut gradient_x, mut gradient_y) = (zero, zero, zero, zero);
-    let mut above = between(simd, &current.row(row)[column..], fx);
-    for k in 0..PATCH {
-        let below = between(simd, &current.row(row + k + 1)[column..], fx);
-        let r = (below - above).mul_add(fy, above) - first(simd, &template.grey.row(top + k)[left..]);
-        residual += r;
-        squared = r.mul_add(r, squared);
-        gradient_x = r.mul_add(first(simd, &template.gradient_x.row(top + k)[left..]), gradient_x);
-        gradient_y = r.mul_add(first(simd, &template.gradient_y.row(top + k)[left..]), gradient_y);
-        above = below;
-    }
-    Some(Sums {
-        residual: residual.reduce_sum(),
-        squared: squared.reduce_sum(),
-        gradient_x: gradient_x.reduce_sum(),
-        gradient_y: gradient_y.reduce_sum(),
-    })
-}
-
-/// The first values of a row. A function, because a closure lacks the instruction set unless it is inlined.
-#[inline(always)]
-fn first<S: Simd>(simd: S, row: &[f32]) -> f32x8<S> {
-    f32x8::from_slice(simd, &row[..PATCH])
-}
-
-/// The first values of a row, sampled at a fraction of a pixel to their right.
-#[inline(always)]
-fn between<S: Simd>(simd: S, row: &[f32], fraction: f32) -> f32x8<S> {
-    let row = &row[..=PATCH];
-    let (near, far) = (first(simd, row), first(simd, &row[1..]));
-    (far - near).mul_add(fraction, near)
-}
-
-/// Central differences; one-sided at the border.
-pub(crate) fn differentiate(image: &Image<f32>, gradient_x: &mut Image<f32>, gradient_y: &mut Image<f32>) {
-    let (width, height) = image.size();
-    for y in 0..height {
-        let (row, above, below) = (image.row(y), image.row(y.saturating_sub(1)), image.row((y + 1).min(height - 1)));
-        let span_y = if y == 0 || y + 1 == height { 1.0 } else { 0.5 };
-        for (gradient, (below, above)) in gradient_y.row_mut(y).iter_mut().zip(below.iter().zip(above)) {
-            *gradient = span_y * (below - above);
-        }
-        let gradient = gradient_x.row_mut(y);
-        for (gradient, sides) in gradient[1..].iter_mut().zip(row.windows(3)) {
-            *gradient = 0.5 * (sides[2] - sides[0]);
-        }
-        gradient[0] = row[1] - row[0];
-        gradient[width - 1] = row[width - 1] - row[width - 2];
-    }
 }
 
 #[cfg(test)]

@@ -50,6 +50,7 @@ use fingervision_optics::Camera;
 use held::HeldGel;
 use rays::Rays;
 use std::ops::Range;
+use std::sync::OnceLock;
 use surface::{KNOWN, Surface};
 use thresholds::THRESHOLDS;
 
@@ -90,7 +91,8 @@ pub struct ElasticDepth {
     /// Whether the network is switched on, but gel and camera are outside its training range.
     is_outside_training: bool,
     surface: Surface,
-    rays: Rays,
+    /// Made when displacement is asked for the first time.
+    rays: OnceLock<Rays>,
     contact: ContactFinder,
     /// None where the network is not used.
     drag: Option<Drag>,
@@ -131,7 +133,6 @@ impl ElasticDepth {
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
         let cells = vec![[0.0; KNOWN]; surface.grid.len()];
         let is_outside_training = params.is_outside_training(camera, gel);
-        let rays = Rays::new(camera, size);
         Ok(Self {
             gel: *gel,
             is_outside_training,
@@ -140,7 +141,7 @@ impl ElasticDepth {
             held,
             cells,
             surface,
-            rays,
+            rays: OnceLock::new(),
             fields,
             team: Team::default(),
         })
@@ -216,7 +217,17 @@ impl ElasticDepth {
     pub fn displacement_into(&self, flow: &FlowField, displacement_mm: &mut [Image<f32>; 3]) {
         let [x_mm, y_mm, z_mm] = displacement_mm;
         z_mm.copy_from(&self.fields.depth_mm);
-        self.rays.lateral_into(flow, z_mm, |pixel| self.surface.shows(pixel), [x_mm, y_mm]);
+        self.rays().lateral_into(flow, z_mm, |pixel| self.surface.shows(pixel), [x_mm, y_mm]);
+    }
+
+    /// Makes the rays of the pixels, which only the displacement needs. Otherwise its first call does, which takes as long as
+    /// some frames.
+    pub(crate) fn prepare_displacement(&self) {
+        self.rays();
+    }
+
+    fn rays(&self) -> &Rays {
+        self.rays.get_or_init(|| self.surface.rays())
     }
 
     /// Forgets the previous frames: the next results are those of a new object, bit for bit. Allocates nothing.

@@ -20,6 +20,7 @@ use std::ops::Range;
 
 use super::nearest::{Place, cell_at, is_somewhere, nearest_into};
 use super::pixel_sums::{CellPixels, NOWHERE, Pixels, Sum};
+use super::rays::Rays;
 
 /// If an invalid flow leads to a point nearer to the image's border than this, px, the gel there has left the field of
 /// view.
@@ -154,6 +155,11 @@ impl Surface {
             seen: vec![Seen::default(); grid.len()],
             rest,
         })
+    }
+
+    /// The rays of the pixels.
+    pub(super) fn rays(&self) -> Rays {
+        Rays::new(&self.camera, self.size)
     }
 
     /// Whether a pixel, counted row by row, shows the gel.

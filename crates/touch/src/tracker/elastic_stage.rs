@@ -20,11 +20,17 @@ impl ElasticStage {
     pub(super) fn new(profile: &Profile, fields: Fields, reading: &mut Reading) -> Result<Self, TrackError> {
         let (camera, gel) = profile.elastic_sensor()?;
         let size = reading.flow.size();
-        let inverse = ElasticDepth::new(&camera, &gel, size, &profile.elastic)?;
+        let mut inverse = ElasticDepth::new(&camera, &gel, size, &profile.elastic)?;
         let plane = |value: f32| Image::filled(size.0, size.1, value);
-        reading.depth = fields.depth.then(|| plane(0.0));
-        reading.depth_deviation = Some(plane(f32::INFINITY));
-        reading.contact = Some(Image::filled(size.0, size.1, 0));
+        // Between two frames the planes belong to the reading.
+        reading.depth = fields.depth.then(|| Image::filled(0, 0, 0.0));
+        reading.depth_deviation = Some(Image::filled(0, 0, 0.0));
+        reading.contact = Some(Image::filled(0, 0, 0));
+        exchange_planes(inverse.fields_mut(), reading);
+        clear(reading);
+        if fields.displacement {
+            inverse.prepare_displacement();
+        }
         reading.displacement = fields.displacement.then(|| [(); 3].map(|()| plane(0.0)));
         reading.traction = inverse.fields().traction_mpa.clone().filter(|_| fields.traction);
         Ok(Self { inverse })
@@ -46,6 +52,7 @@ impl ElasticStage {
             clear(reading);
             return;
         }
+        exchange_planes(self.inverse.fields_mut(), reading);
         let found = self.inverse.solve(&reading.flow, &reading.deviation, &reading.valid);
         for (flag, holds) in [
             (Flag::BeyondLinear, found.is_beyond_linear),
@@ -60,20 +67,27 @@ impl ElasticStage {
             }
         }
         if found.is_unexplained {
+            exchange_planes(self.inverse.fields_mut(), reading);
             clear(reading);
             return;
         }
         if let Some(displacement) = &mut reading.displacement {
             self.inverse.displacement_into(&reading.flow, displacement);
         }
-        take(self.inverse.fields_mut(), reading);
+        let found = self.inverse.fields_mut();
+        let deepest = || super::largest_valid(&found.depth_mm, &found.on_gel);
+        reading.numbers.max_depth_mm = if found.is_at_rest { Some(0.0) } else { deepest() };
+        exchange_planes(found, reading);
+        if let (Some(traction), Some(found)) = (&mut reading.traction, &found.traction_mpa) {
+            traction.traction_mpa.copy_from_slice(&found.traction_mpa);
+        }
+        reading.numbers.contact_area_mm2 = Some(found.contact_area_mm2);
+        (reading.numbers.force_n, reading.numbers.torque_nmm) = (found.force_n, found.torque_nmm);
     }
 }
 
-/// Moves the results into the reading. Planes are exchanged: the next frame overwrites all of them.
-fn take(found: &mut ElasticFields, reading: &mut Reading) {
-    let deepest = || super::largest_valid(&found.depth_mm, &found.on_gel);
-    reading.numbers.max_depth_mm = if found.is_at_rest { Some(0.0) } else { deepest() };
+/// Lends the planes of the reading to the solver, which overwrites them, or takes them back.
+fn exchange_planes(found: &mut ElasticFields, reading: &mut Reading) {
     if let Some(depth) = &mut reading.depth {
         std::mem::swap(depth, &mut found.depth_mm);
     }
@@ -83,11 +97,6 @@ fn take(found: &mut ElasticFields, reading: &mut Reading) {
     if let Some(contact) = &mut reading.contact {
         std::mem::swap(contact, &mut found.contact);
     }
-    if let (Some(traction), Some(found)) = (&mut reading.traction, &found.traction_mpa) {
-        traction.traction_mpa.copy_from_slice(&found.traction_mpa);
-    }
-    reading.numbers.contact_area_mm2 = Some(found.contact_area_mm2);
-    (reading.numbers.force_n, reading.numbers.torque_nmm) = (found.force_n, found.torque_nmm);
 }
 
 /// Clears the fields: infinite deviation, no contact, no force.

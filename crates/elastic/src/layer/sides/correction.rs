@@ -2,6 +2,7 @@
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use super::mesh::CoarseMesh;
 use super::near::Near;
@@ -40,7 +41,31 @@ struct Part {
 #[derive(Debug, Clone)]
 pub(super) struct Scratch([Vec<f32>; 2]);
 
+/// The corrections in use, each with its block.
+static IN_USE: Mutex<Vec<(GelBlock, Weak<Correction>)>> = Mutex::new(Vec::new());
+
 impl Correction {
+    /// The correction of a block: the one that is in use for this block, if there is any.
+    pub(super) fn shared(block: &GelBlock, layer: &Layer) -> Arc<Self> {
+        // It does not depend on Young's modulus.
+        let block = GelBlock { youngs_modulus_mpa: None, ..*block };
+        let in_use = || IN_USE.lock().unwrap_or_else(PoisonError::into_inner);
+        let find = |known: &[(GelBlock, Weak<Self>)]| {
+            known.iter().find(|(other, _)| *other == block).and_then(|(_, correction)| correction.upgrade())
+        };
+        if let Some(found) = find(&in_use()) {
+            return found;
+        }
+        let new = Arc::new(Self::new(&block, layer));
+        let mut known = in_use();
+        // Another thread may have been faster.
+        find(&known).unwrap_or_else(|| {
+            known.retain(|(_, correction)| correction.strong_count() > 0);
+            known.push((block, Arc::downgrade(&new)));
+            new
+        })
+    }
+
     pub(super) fn new(block: &GelBlock, layer: &Layer) -> Self {
         let mesh = CoarseMesh::new(block);
         let near = Near::new(&mesh);

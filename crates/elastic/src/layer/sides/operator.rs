@@ -21,8 +21,8 @@ use crate::layer::{Layer, LayerError, SurfaceGrid};
 /// constant and has no meaning.
 ///
 /// Small strain. The coarse cell next to a side (an eighth of the thickness wide, or a 24th of the block's longer side
-/// if that is more) is not resolved. Single precision inside. Made once per block and grid, most of it once per block
-/// ([`BlockOperator::on_grid`]); no call allocates.
+/// if that is more) is not resolved. Single precision inside. Made once per block and grid. Operators of one block share most of their
+/// memory; no call allocates.
 #[derive(Debug)]
 pub struct BlockOperator {
     layer: Layer,
@@ -49,7 +49,7 @@ impl BlockOperator {
         let layer = Layer::of_unit_modulus(block)?;
         // An impossible grid is reported before the work.
         grid.validate()?;
-        Self::assemble(layer, grid, Arc::new(Correction::new(block, &layer)))
+        Self::assemble(layer, grid, Correction::shared(block, &layer))
     }
 
     /// The operator of the same block on another grid, in a fraction of the time.

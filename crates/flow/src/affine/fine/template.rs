@@ -17,14 +17,10 @@ pub(crate) struct FineTemplate {
 }
 
 impl FineTemplate {
-    /// An empty template for pictures of this size.
+    /// An empty template for pictures of this size. Nothing is written to its memory until a reference is prepared.
     pub(crate) fn new(width: usize, height: usize) -> Self {
         let grid = FineGrid::over(width, height);
-        Self {
-            grid,
-            equations: vec![PatchEquations::default(); grid.nodes()],
-            own_variance: vec![f32::MAX; grid.nodes()],
-        }
+        Self { grid, equations: Vec::with_capacity(grid.nodes()), own_variance: Vec::with_capacity(grid.nodes()) }
     }
 
     /// Prepares a new reference, whose texels are in `template`. `scale` is one over the noise variance and the
@@ -40,11 +36,12 @@ impl FineTemplate {
         let weights = window_weights();
         let mut sums = vec![[0.0_f32; MOMENTS]; self.grid.nodes()];
         dispatch!(level, simd => self.sum(simd, template, channels, &weights, &mut sums));
-        for (node, sums) in sums.iter().enumerate() {
-            let equations = PatchEquations::new(|moment| sums[moment]);
-            self.own_variance[node] = own_variance(|entry| equations.normal[entry], scale, slope_stiffness);
-            self.equations[node] = equations;
-        }
+        self.equations.clear();
+        self.equations.extend(sums.iter().map(|sums| PatchEquations::new(|moment| sums[moment])));
+        let variance =
+            |equations: &PatchEquations| own_variance(|entry| equations.normal[entry], scale, slope_stiffness);
+        self.own_variance.clear();
+        self.own_variance.extend(self.equations.iter().map(variance));
     }
 
     /// Sums the moments over the windows.

@@ -15,13 +15,11 @@ impl AffinePatches {
     /// Sets the flow of the last frame as the current flow. Where it changes fast, its last change is added, unless the
     /// picture then matches clearly worse. Returns whether the prediction holds everywhere.
     pub(crate) fn predict(&mut self, reference: &AffineReference, current: &Picture, history: &FlowHistory) -> bool {
-        let Some(earlier) = history.earlier() else {
-            self.start(history.last());
-            return false;
-        };
         self.blur.begin();
-        let LevelState { refinement, field, before, .. } = &mut self.levels[0];
-        refinement.team().join(|| field.sample(history.last()), || before.sample(earlier));
+        let LevelState { field, before, .. } = &mut self.levels[0];
+        field.copy_from(history.last_nodes());
+        let Some(earlier) = history.earlier_nodes() else { return false };
+        before.copy_from(earlier);
         if !before.extrapolate(field) {
             return true;
         }

@@ -5,6 +5,7 @@ use crate::FlowField;
 use crate::affine::grid::{MARGIN, STRIDE};
 use fearless_simd::{Level, Simd, dispatch, f32x8, prelude::*};
 use fearless_simd_macros::simd;
+use std::sync::Arc;
 
 /// Shortest path of a pixel that changes it, px.
 const SHORTEST_PX: f32 = 0.25;
@@ -34,10 +35,11 @@ impl BlurredTemplate {
     pub(crate) fn set(&mut self, level: Level, sharp: &Template, motion: (&FlowField, &FlowField), part: f32) {
         let Self { template, sums } = self;
         template.copy_from(sharp);
+        let lines = Arc::make_mut(&mut template.lines);
         let grid = sharp.grid;
         let (mut first, mut last) = (grid.height, 0);
         for y in 0..grid.height {
-            if dispatch!(level, simd => blur_row(simd, template, sharp, y, motion, part)) {
+            if dispatch!(level, simd => blur_row(simd, lines, sharp, y, motion, part)) {
                 (first, last) = (first.min(y), y);
             }
         }
@@ -54,7 +56,7 @@ impl BlurredTemplate {
 #[simd]
 fn blur_row<S: Simd>(
     simd: S,
-    template: &mut Template,
+    lines: &mut [f32],
     sharp: &Template,
     y: usize,
     (last, now): (&FlowField, &FlowField),
@@ -73,7 +75,7 @@ fn blur_row<S: Simd>(
         let path = [mean(u, last_u), mean(v, last_v)];
         if path[0] * path[0] + path[1] * path[1] > SHORTEST_PX * SHORTEST_PX {
             is_moving = true;
-            blur_block(simd, template, sharp, (start, y), path);
+            blur_block(simd, lines, sharp, (start, y), path);
         }
     }
     is_moving
@@ -81,7 +83,7 @@ fn blur_row<S: Simd>(
 
 /// Sets [`BLOCK`] pixels to the means of `sharp` along a path around each.
 #[inline(always)]
-fn blur_block<S: Simd>(simd: S, template: &mut Template, sharp: &Template, (x, y): (usize, usize), path: [f32; 2]) {
+fn blur_block<S: Simd>(simd: S, lines: &mut [f32], sharp: &Template, (x, y): (usize, usize), path: [f32; 2]) {
     let grid = sharp.grid;
     let padded = grid.padded_width();
     // A path that leaves the image is shortened on both sides: its middle stays where it is.
@@ -111,9 +113,9 @@ fn blur_block<S: Simd>(simd: S, template: &mut Template, sharp: &Template, (x, y
         }
     }
     for (channel, sums) in sums.into_iter().enumerate().take(sharp.channels) {
-        let place = template.line(y + MARGIN, channel) + x + MARGIN;
+        let place = sharp.line(y + MARGIN, channel) + x + MARGIN;
         for (line, sum) in sums.into_iter().enumerate() {
-            (sum * (1.0 / count)).store_slice(&mut template.lines[place + line * padded..][..BLOCK]);
+            (sum * (1.0 / count)).store_slice(&mut lines[place + line * padded..][..BLOCK]);
         }
     }
 }
@@ -125,6 +127,7 @@ impl Template {
             grid: _,
             channels: _,
             row_step: _,
+            stored: _,
             lines,
             normal,
             coarse,
@@ -134,7 +137,7 @@ impl Template {
             variance,
             own_variance,
         } = self;
-        lines.copy_from_slice(&other.lines);
+        Arc::make_mut(lines).copy_from_slice(&other.lines);
         coarse.clone_from(&other.coarse);
         let light_gain = light_gain.as_flattened_mut().iter_mut().zip(other.light_gain.as_flattened());
         let planes = normal.iter_mut().zip(&other.normal).chain(light_gain);
