@@ -43,7 +43,6 @@ mod error;
 mod estimate;
 mod estimator;
 mod field;
-mod history;
 #[cfg(test)]
 mod instruction_sets;
 mod levels;
@@ -54,11 +53,11 @@ mod round_trip;
 mod search;
 mod team;
 
+pub use affine::FlowHistory;
 pub use error::FlowError;
 pub use estimate::Estimate;
 pub use estimator::{FlowEstimator, Reference, Start};
 pub use field::FlowField;
-pub use history::FlowHistory;
 pub use levels::Levels;
 pub use params::{AffineParams, FlowParams, Preset, ValidityParams};
 pub use picture::Picture;

@@ -6,6 +6,7 @@ pub(crate) mod coupling;
 mod expander;
 mod fine;
 pub(crate) mod grid;
+mod history;
 mod judge;
 pub(crate) mod measurement;
 pub(crate) mod moments;
@@ -16,3 +17,5 @@ pub(crate) mod refinement;
 mod symmetric;
 pub(crate) mod template;
 pub(crate) mod texel;
+
+pub use self::history::FlowHistory;

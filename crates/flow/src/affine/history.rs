@@ -1,8 +1,8 @@
 //! The flows of the last frames, from which the next one is predicted.
 
+use super::grid::PatchGrid;
+use super::nodes::NodeField;
 use crate::FlowField;
-use crate::affine::grid::PatchGrid;
-use crate::affine::nodes::NodeField;
 
 /// The flow of the last frame and of the one before, from one reference.
 #[derive(Debug, Clone, PartialEq)]
