@@ -151,10 +151,14 @@ impl NodeField {
     pub(crate) fn take(&mut self, other: &Self, is_selected: impl Fn(usize, usize) -> bool) {
         for j in 0..self.grid.rows {
             for i in (0..self.grid.columns).filter(|&i| is_selected(i, j)) {
-                for (plane, other) in self.planes.iter_mut().zip(&other.planes) {
-                    plane[j * self.grid.columns + i] = other[j * self.grid.columns + i];
-                }
+                self.take_node(j * self.grid.columns + i, other);
             }
+        }
+    }
+
+    fn take_node(&mut self, node: usize, other: &Self) {
+        for (plane, other) in self.planes.iter_mut().zip(&other.planes) {
+            plane[node] = other[node];
         }
     }
 
@@ -205,9 +209,7 @@ impl NodeField {
         for (node, _) in trust[..self.grid.nodes()].iter().enumerate().filter(|(_, trust)| **trust <= 0.0) {
             let [right, down] = [0, 3].map(|plane| self.planes[plane][node] - filled.planes[plane][node]);
             if right.hypot(down) > farthest {
-                for (plane, filled) in self.planes.iter_mut().zip(&filled.planes) {
-                    plane[node] = filled[node];
-                }
+                self.take_node(node, filled);
             }
         }
     }

@@ -174,14 +174,19 @@ impl AffinePatches {
         for (level, (state, template)) in self.levels.iter().zip(&mut reference.grey).enumerate().skip(1) {
             state.refinement.prepare(picture.grey.level(level), template);
         }
-        let (refinement, first) = (&self.levels[0].refinement, &mut reference.grey[0]);
-        if let Some(colour) = &picture.colour {
-            refinement.prepare(picture.grey.level(0), first);
-            refinement.prepare(colour, &mut reference.full);
-        } else {
+        let (refinement, first, grey) = (&self.levels[0].refinement, &mut reference.grey[0], picture.grey.level(0));
+        let shares_pixels = !self.params.colour;
+        if shares_pixels {
             first.release();
-            refinement.prepare(picture.grey.level(0), &mut reference.full);
+        }
+        match &picture.colour {
+            Some(colour) => refinement.prepare(colour, &mut reference.full),
+            None => refinement.prepare(grey, &mut reference.full),
+        }
+        if shares_pixels {
             refinement.prepare_from(&reference.full, first);
+        } else {
+            refinement.prepare(grey, first);
         }
         self.fine.prepare(&reference.full, if picture.colour.is_some() { 3 } else { 1 }, &mut reference.fine);
         let nodes = &reference.full.own_variance[..self.levels[0].field.grid.nodes()];

@@ -48,15 +48,18 @@ pub(crate) struct Template {
 impl Template {
     /// An empty template for pictures of this size and number of channels, matched on every `row_step`-th row.
     pub(crate) fn new(grid: PatchGrid, channels: usize, row_step: usize) -> Self {
-        let lines = vec![0.0; 3 * channels * grid.padded_width() * grid.padded_height()];
-        Self { lines: Arc::new(lines), ..Self::sharing(grid, channels, row_step) }
+        Self::storing(grid, channels, row_step, 1)
     }
 
     /// As [`Template::new`], but only the rows that are matched are stored.
     pub(crate) fn sparse(grid: PatchGrid, channels: usize, row_step: usize) -> Self {
-        let rows = grid.padded_height().div_ceil(row_step);
-        let lines = vec![0.0; 3 * channels * grid.padded_width() * rows];
-        Self { lines: Arc::new(lines), stored: row_step, ..Self::sharing(grid, channels, row_step) }
+        Self::storing(grid, channels, row_step, row_step)
+    }
+
+    fn storing(grid: PatchGrid, channels: usize, row_step: usize, stored: usize) -> Self {
+        let rows = grid.padded_height().div_ceil(stored);
+        let lines = Arc::new(vec![0.0; 3 * channels * grid.padded_width() * rows]);
+        Self { lines, stored, ..Self::sharing(grid, channels, row_step) }
     }
 
     /// As [`Template::new`], without pixels of its own: see [`Template::prepare_from`].
@@ -130,7 +133,8 @@ impl Template {
         const SLOPE: [f32; 3] = [-0.5, 0.0, 0.5];
         let (width, height) = picture.size();
         let padded = self.grid.padded_width();
-        let lines = Arc::make_mut(&mut self.lines);
+        let mut pixels = std::mem::take(&mut self.lines);
+        let lines = Arc::make_mut(&mut pixels);
         for y in (0..height).filter(|y| (y + MARGIN).is_multiple_of(self.stored)) {
             let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| picture.row(y));
             for x in 0..width {
@@ -140,13 +144,14 @@ impl Template {
                 let gradient_x = weigh(&texels, SLOPE, VALUE);
                 let gradient_y = weigh(&texels, VALUE, SLOPE);
                 for channel in 0..self.channels {
-                    let place = 3 * ((y + MARGIN) / self.stored * self.channels + channel) * padded + x + MARGIN;
+                    let place = self.line(y + MARGIN, channel) + x + MARGIN;
                     lines[place] = value[channel];
                     lines[place + padded] = gradient_x[channel];
                     lines[place + 2 * padded] = gradient_y[channel];
                 }
             }
         }
+        self.lines = pixels;
     }
 
     /// Sets a node's normal equations from its moments.

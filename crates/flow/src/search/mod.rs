@@ -5,6 +5,7 @@
 //! [Brox2004].
 
 mod densify;
+mod differences;
 pub(crate) mod local;
 mod patches;
 mod residual;

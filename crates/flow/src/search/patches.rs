@@ -5,6 +5,7 @@
 //! belong to the template and are computed once per reference. The gradient is a derivative per px, so a step has the
 //! full Gauss–Newton length.
 
+use super::differences::differentiate_row;
 pub(crate) use super::residual::PATCH;
 use super::residual::{PatchGradient, compare};
 use fearless_simd::Simd;
@@ -108,31 +109,12 @@ impl PatchTemplate {
         self.min_texture = min_texture;
     }
 
-    /// The gradient of a patch: central differences, one-sided at the image's border.
+    /// The gradient of a patch.
     #[inline(always)]
     fn gradient(&self, (left, top): (usize, usize)) -> PatchGradient {
-        let PatchLayout { width, height, .. } = self.layout;
         let mut gradient = PatchGradient { x: [[0.0; PATCH]; PATCH], y: [[0.0; PATCH]; PATCH] };
-        let is_inner = left > 0 && left + PATCH < width;
         for (k, (x, y)) in gradient.x.iter_mut().zip(&mut gradient.y).enumerate() {
-            let at = top + k;
-            let [above, row, below] = [at.saturating_sub(1), at, (at + 1).min(height - 1)].map(|y| self.grey.row(y));
-            let span = if at == 0 || at + 1 == height { 1.0 } else { 0.5 };
-            let columns = above[left..][..PATCH].iter().zip(&below[left..][..PATCH]);
-            for (y, (above, below)) in y.iter_mut().zip(columns) {
-                *y = span * (below - above);
-            }
-            if is_inner {
-                let row = &row[left - 1..][..PATCH + 2];
-                for (x, (left, right)) in x.iter_mut().zip(row.iter().zip(&row[2..])) {
-                    *x = 0.5 * (right - left);
-                }
-                continue;
-            }
-            for (x, column) in x.iter_mut().zip(left..) {
-                let (left, right) = (column.saturating_sub(1), (column + 1).min(width - 1));
-                *x = (row[right] - row[left]) / (right - left) as f32;
-            }
+            differentiate_row(&self.grey, top + k, left, x, y);
         }
         gradient
     }

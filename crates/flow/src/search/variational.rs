@@ -9,6 +9,7 @@
 //! with `ψ(s) = √(s + ε²)`, `n = 1/(|∇|² + ζ²)`, `I_t` the current image warped back minus the reference. The robust
 //! weights are fixed while successive over-relaxation solves the linear system, and updated in every outer pass.
 
+use super::differences::differentiate;
 use crate::FlowField;
 use fingervision_image::{Between, Image};
 use serde::{Deserialize, Serialize};
@@ -239,24 +240,6 @@ pub(crate) fn warp_back(current: &Image<f32>, flow: &FlowField, warped: &mut Ima
         for (x, (warped, (u, v))) in warped.row_mut(y).iter_mut().zip(displacements).enumerate() {
             *warped = Between::clamped((x as f32 + u, y as f32 + v), current.size()).sample(current);
         }
-    }
-}
-
-/// Central differences; one-sided at the border.
-fn differentiate(image: &Image<f32>, gradient_x: &mut Image<f32>, gradient_y: &mut Image<f32>) {
-    let (width, height) = image.size();
-    for y in 0..height {
-        let (row, above, below) = (image.row(y), image.row(y.saturating_sub(1)), image.row((y + 1).min(height - 1)));
-        let span_y = if y == 0 || y + 1 == height { 1.0 } else { 0.5 };
-        for (gradient, (below, above)) in gradient_y.row_mut(y).iter_mut().zip(below.iter().zip(above)) {
-            *gradient = span_y * (below - above);
-        }
-        let gradient = gradient_x.row_mut(y);
-        for (gradient, sides) in gradient[1..].iter_mut().zip(row.windows(3)) {
-            *gradient = 0.5 * (sides[2] - sides[0]);
-        }
-        gradient[0] = row[1] - row[0];
-        gradient[width - 1] = row[width - 1] - row[width - 2];
     }
 }
 

@@ -66,7 +66,7 @@ impl Correction {
         })
     }
 
-    pub(super) fn new(block: &GelBlock, layer: &Layer) -> Self {
+    fn new(block: &GelBlock, layer: &Layer) -> Self {
         let mesh = CoarseMesh::new(block);
         let near = Near::new(&mesh);
         let mut endless = EndlessMesh::new(&mesh);
