@@ -22,6 +22,10 @@ pub(crate) enum Arrival {
     Duplicate,
 }
 
+/// Largest difference between time stamps of one frame that is delivered twice, as a fraction of the period between
+/// frames.
+const SAME_STAMP: f64 = 0.05;
+
 #[derive(Debug, Clone, Copy)]
 struct Last {
     /// Absent after a restart.
@@ -59,8 +63,9 @@ impl Numbering {
         let by_time = (elapsed_s / self.period_s).round().max(1.0) as u64;
         let steps = match last.driver_sequence.map(|before| driver_sequence.wrapping_sub(before)) {
             None => by_time,
-            // Some drivers do not count at all.
-            Some(0) if driver_sequence == 0 && elapsed_s > 0.5 * self.period_s => by_time,
+            // Some drivers do not count at all, or begin to count late: as long as the number is 0, a new time stamp
+            // is a new frame.
+            Some(0) if driver_sequence == 0 && elapsed_s > SAME_STAMP * self.period_s => by_time,
             Some(0) => return Arrival::Duplicate,
             Some(ahead) if ahead < 1 << 31 => u64::from(ahead),
             Some(_) if elapsed_s > 0.5 * self.period_s => by_time,
@@ -121,6 +126,13 @@ mod tests {
         let mut numbering = Numbering::new(100.0);
         let found = arrivals(&mut numbering, &[(0, 1.0), (0, 1.01), (0, 1.01), (0, 1.04)]);
         assert_eq!(found, [Some((0, 0)), Some((1, 0)), None, Some((4, 2))]);
+    }
+
+    #[test]
+    fn a_driver_that_begins_to_count_late_loses_no_frame() {
+        let mut numbering = Numbering::new(100.0);
+        let found = arrivals(&mut numbering, &[(0, 1.0), (0, 1.003), (0, 1.003), (1, 1.013), (1, 1.023), (3, 1.033)]);
+        assert_eq!(found, [Some((0, 0)), Some((1, 0)), None, Some((2, 0)), None, Some((4, 1))]);
     }
 
     #[test]
