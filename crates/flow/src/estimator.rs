@@ -52,6 +52,8 @@ pub enum Start<'a> {
     /// Cold start: the dense inverse search finds the flow, even if it is large. The search also tries the given flow,
     /// if any.
     Search(Option<&'a FlowField>),
+    /// Cold start of a frame that follows others: the search also tries the last flow.
+    SearchHistory(&'a FlowHistory),
     /// Warm start: from a flow with errors of a few px at most, such as that of the previous frame.
     Flow(&'a FlowField),
     /// Warm start of a frame that follows others: from the last flow and its last change, or from the last flow alone where
@@ -69,6 +71,8 @@ pub struct FlowEstimator {
     affine: AffinePatches,
     recovery: Recovery,
     found: FlowField,
+    /// The last flow of a history at every pixel, where it is needed.
+    last: FlowField,
     backward: Option<Box<Backward>>,
 }
 
@@ -122,6 +126,7 @@ impl FlowEstimator {
             affine: AffinePatches::new(width, height, params, simd),
             recovery: Recovery::new(width, height),
             found: FlowField::zero(width, height),
+            last: FlowField::zero(width, height),
             backward: None,
         };
         estimator.backward = params.validity.max_round_trip_px.is_some().then(|| {
@@ -181,13 +186,14 @@ impl FlowEstimator {
                 self.affine.start(flow);
                 let affine = &self.params.affine;
                 self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
-                out.lost_px2 = self.recover(reference, current, flow);
+                out.lost_px2 = self.recover(reference, current, start);
                 self.affine.write(&reference.affine, current, out);
             }
             (Preset::Affine, Start::History(history)) => {
                 self.follow_history(reference, current, history);
-                out.lost_px2 = self.recover(reference, current, history.last());
-                if self.affine.follow_blur(&reference.affine, current, history.last(), &mut self.found) {
+                out.lost_px2 = self.recover(reference, current, start);
+                let scratch = [&mut self.last, &mut self.found];
+                if self.affine.follow_blur(&reference.affine, current, history, scratch) {
                     out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
                 }
                 self.affine.write(&reference.affine, current, out);
@@ -202,9 +208,17 @@ impl FlowEstimator {
                     }
                 }
             }
+            (Preset::Affine, Start::SearchHistory(history)) => {
+                let again = |estimator: &mut Self, last: &_| {
+                    estimator.estimate(reference, current, Start::Search(Some(last)), out);
+                };
+                return self.with_last(history, again);
+            }
             (_, Start::Search(guess)) => self.search_alone(reference, current, guess, out),
             (_, Start::Flow(guess)) => self.search_alone(reference, current, Some(guess), out),
-            (_, Start::History(history)) => self.search_alone(reference, current, Some(history.last()), out),
+            (_, Start::History(history) | Start::SearchHistory(history)) => {
+                self.with_last(history, |estimator, last| estimator.search_alone(reference, current, Some(last), out));
+            }
         }
         if let (Some(limit), Some(picture)) = (self.params.validity.max_round_trip_px, &reference.picture) {
             self.check_round_trip(picture, current, limit, out);
@@ -244,10 +258,28 @@ impl FlowEstimator {
         }
     }
 
-    /// Searches the areas that are lost from `last`; returns the area that is still lost, px².
-    fn recover(&mut self, reference: &Reference, current: &Picture, last: &FlowField) -> f32 {
-        let references = (&reference.search, &reference.affine);
-        self.recovery.run(references, current, last, &mut self.search, &mut self.affine)
+    /// Searches the areas that are lost after a warm start; returns the area that is still lost, px².
+    fn recover(&mut self, reference: &Reference, current: &Picture, start: Start<'_>) -> f32 {
+        let Self { search, affine, recovery, last, .. } = self;
+        let (lost_px2, is_searched) = recovery.find(affine, &reference.affine);
+        let guess = match start {
+            _ if !is_searched => return lost_px2,
+            Start::History(history) | Start::SearchHistory(history) => {
+                affine.expand_last(history, last);
+                &*last
+            }
+            Start::Flow(flow) | Start::Search(Some(flow)) => flow,
+            Start::Search(None) => return lost_px2,
+        };
+        recovery.run((&reference.search, &reference.affine), current, guess, search, affine)
+    }
+
+    /// Runs something with the last flow of a history at every pixel.
+    fn with_last(&mut self, history: &FlowHistory, run: impl FnOnce(&mut Self, &FlowField)) {
+        let mut last = std::mem::replace(&mut self.last, FlowField::zero(0, 0));
+        self.affine.expand_last(history, &mut last);
+        run(self, &last);
+        self.last = last;
     }
 
     /// Finds the flow by a search and refines it with the affine patches.

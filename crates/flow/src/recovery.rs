@@ -58,8 +58,14 @@ impl Recovery {
         self.skips_next = false;
     }
 
-    /// Searches the lost areas after a warm start from `guess`, and refines the patches from the result. Returns the
-    /// area that is still lost, px².
+    /// Finds the lost areas after a warm start; returns their area, px², and whether [`Recovery::run`] is to search them.
+    pub(crate) fn find(&mut self, patches: &AffinePatches, reference: &AffineReference) -> (f32, bool) {
+        let lost = self.find_cores(patches, reference);
+        (area_px2(lost), lost > 0 && !std::mem::take(&mut self.skips_next))
+    }
+
+    /// Searches the lost areas that were found after a warm start from `guess`, and refines the patches from the result.
+    /// Returns the area that is still lost, px².
     pub(crate) fn run(
         &mut self,
         (searched, reference): (&SearchReference, &AffineReference),
@@ -68,10 +74,7 @@ impl Recovery {
         search: &mut InverseSearch,
         patches: &mut AffinePatches,
     ) -> f32 {
-        let lost = self.find_cores(patches, reference);
-        if lost == 0 || std::mem::take(&mut self.skips_next) {
-            return area_px2(lost);
-        }
+        let lost = self.is_core.iter().filter(|core| **core).count();
         let Self { grid, failed, is_core, cells, .. } = self;
         cells.mark(|node| failed[node] && grid.around(node, AREA).any(|near| is_core[near]));
         search.search_lost(searched, current, cells, guess);

@@ -57,15 +57,22 @@ impl Expander {
         let (columns, rows) = (self.grid.columns, self.grid.rows);
         for (twist, first) in self.twist.iter_mut().zip([0, 3]) {
             let (slope_x, slope_y) = (&field.planes[first + 1], &field.planes[first + 2]);
-            for j in 0..rows {
+            for (j, twist) in twist.chunks_exact_mut(columns).take(rows).enumerate() {
                 let (above, below) = (j.saturating_sub(1), (j + 1).min(rows - 1));
-                let span_y = (below - above).max(1) as f32;
-                for i in 0..columns {
-                    let (left, right) = (i.saturating_sub(1), (i + 1).min(columns - 1));
-                    let span_x = (right - left).max(1) as f32;
-                    let along_y = (slope_x[below * columns + i] - slope_x[above * columns + i]) / span_y;
-                    let along_x = (slope_y[j * columns + right] - slope_y[j * columns + left]) / span_x;
-                    twist[j * columns + i] = 0.5 * (along_x + along_y);
+                let per_row = 1.0 / (below - above).max(1) as f32;
+                let at = |row: usize| row * columns..(row + 1) * columns;
+                let (upper, lower, here) = (&slope_x[at(above)], &slope_x[at(below)], &slope_y[at(j)]);
+                for (twist, (upper, lower)) in twist.iter_mut().zip(upper.iter().zip(lower)) {
+                    *twist = 0.5 * per_row * (lower - upper);
+                }
+                let inner = twist[1..].iter_mut().zip(here.iter().zip(&here[2.min(columns)..]));
+                for (twist, (left, right)) in inner {
+                    *twist += 0.25 * (right - left);
+                }
+                let last = columns - 1;
+                twist[0] += 0.5 * (here[1.min(last)] - here[0]);
+                if last > 0 {
+                    twist[last] += 0.5 * (here[last] - here[last - 1]);
                 }
             }
         }

@@ -4,10 +4,9 @@ use super::grid::PatchGrid;
 use super::nodes::NodeField;
 use crate::FlowField;
 
-/// The flow of the last frame and of the one before, from one reference.
+/// The flow of the last frame and of the one before, from one reference, at points 8 px apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlowHistory {
-    last: FlowField,
     /// The last flow at the nodes of the patches, and the one before.
     nodes: [NodeField; 2],
     /// Whether the second one is the flow of a frame.
@@ -19,13 +18,12 @@ impl FlowHistory {
     #[must_use]
     pub fn at_rest(width: usize, height: usize) -> Self {
         let nodes = NodeField::zero(PatchGrid::over(width, height));
-        Self { last: FlowField::zero(width, height), nodes: [nodes.clone(), nodes], has_earlier: false }
+        Self { nodes: [nodes.clone(), nodes], has_earlier: false }
     }
 
     /// Begins again at rest, with a new reference.
     pub fn restart(&mut self) {
-        self.last.fill(0.0);
-        self.nodes[0].planes.iter_mut().for_each(|plane| plane.fill(0.0));
+        self.nodes.iter_mut().flat_map(|nodes| &mut nodes.planes).for_each(|plane| plane.fill(0.0));
         self.has_earlier = false;
     }
 
@@ -33,17 +31,18 @@ impl FlowHistory {
     pub fn push(&mut self, flow: &FlowField) {
         self.nodes.swap(0, 1);
         self.nodes[0].sample(flow);
-        self.last.copy_from(flow);
         self.has_earlier = true;
     }
 
-    /// The flow of the last frame; zero if there is none yet.
+    /// Largest change of the flow from the frame before the last one to the last one, px; before the first frame there is no flow.
     #[must_use]
-    pub fn last(&self) -> &FlowField {
-        &self.last
+    pub fn largest_change_px(&self) -> f32 {
+        let [[last_u, last_v], [u, v]] = self.nodes.each_ref().map(|nodes| [&nodes.planes[0], &nodes.planes[3]]);
+        let changes = last_u.iter().zip(u).zip(last_v.iter().zip(v)).map(|((a, b), (c, d))| (a - b).hypot(c - d));
+        changes.take(self.nodes[0].grid.nodes()).fold(0.0, f32::max)
     }
 
-    /// The same at the nodes of the patches.
+    /// The flow of the last frame at the nodes of the patches; zero if there is none yet.
     pub(crate) fn last_nodes(&self) -> &NodeField {
         &self.nodes[0]
     }

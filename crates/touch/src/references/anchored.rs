@@ -156,7 +156,7 @@ impl Anchored {
         if !self.frames_lost.is_multiple_of(self.params.search_interval) {
             return self.first_id;
         }
-        estimator.estimate(&self.first, current, Start::Search(Some(self.history.last())), &mut self.trial);
+        estimator.estimate(&self.first, current, Start::SearchHistory(&self.history), &mut self.trial);
         if self.trial.matched > out.matched {
             out.copy_from(&self.trial);
         }
@@ -192,8 +192,8 @@ impl Anchored {
 
     /// Stores a frame that was found.
     fn remember(&mut self, estimator: &FlowEstimator, current: &Picture, out: &Estimate, reference_id: u64) {
-        self.start_up.watch(self.history.last(), out);
         self.history.push(&out.flow);
+        self.start_up.watch(&self.history, out);
         if self.start_up.has_come_to_rest() {
             self.adopt(estimator, current);
             return;

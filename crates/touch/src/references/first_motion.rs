@@ -18,7 +18,7 @@ use fingervision_flow::Estimate;
 use super::thresholds::THRESHOLDS;
 
 /// Distance between samples along both axes, px.
-pub(super) const STEP: usize = 8;
+const STEP: usize = 8;
 
 /// The state of the gel in the first image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

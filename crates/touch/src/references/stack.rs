@@ -80,7 +80,7 @@ impl Stack {
         let top = &self.layers[self.layers.len() - 1];
         estimator.estimate(&top.reference, current, Start::History(&self.history), &mut self.from_top);
         if self.from_top.matched < self.params.min_matched {
-            estimator.estimate(&top.reference, current, Start::Search(Some(self.history.last())), &mut self.from_top);
+            estimator.estimate(&top.reference, current, Start::SearchHistory(&self.history), &mut self.from_top);
         }
         self.history.push(&self.from_top.flow);
         if self.layers.len() > 1 {

@@ -6,9 +6,9 @@
 //! The elastic model, if there is one, can also decide. It cannot explain a release as an indentation, for any gel. If
 //! it explains several consecutive frames as an indentation, the gel was at rest in the first image.
 
-use fingervision_flow::{Estimate, FlowField};
+use fingervision_flow::{Estimate, FlowHistory};
 
-use super::first_motion::{FirstImage, FirstMotion, STEP};
+use super::first_motion::{FirstImage, FirstMotion};
 use super::thresholds::THRESHOLDS;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -69,8 +69,8 @@ impl StartUp {
         self.state = State::Settled;
     }
 
-    /// Takes a frame that was found, and the flow of the previous one.
-    pub(crate) fn watch(&mut self, before: &FlowField, now: &Estimate) {
+    /// Takes a frame that was found, which is the last one of the history.
+    pub(crate) fn watch(&mut self, history: &FlowHistory, now: &Estimate) {
         match &mut self.state {
             State::Settled => {}
             State::Undecided => match self.first_motion.judge(now) {
@@ -79,20 +79,8 @@ impl StartUp {
                 None => {}
             },
             State::Pressed { still } => {
-                *still = if largest_change(before, &now.flow) < THRESHOLDS.still_px { *still + 1 } else { 0 };
+                *still = if history.largest_change_px() < THRESHOLDS.still_px { *still + 1 } else { 0 };
             }
         }
     }
-}
-
-fn largest_change(before: &FlowField, now: &FlowField) -> f32 {
-    let (width, height) = now.size();
-    let mut largest = 0.0_f32;
-    for y in (0..height).step_by(STEP) {
-        for x in (0..width).step_by(STEP) {
-            let change = (now.u.at(x, y) - before.u.at(x, y)).hypot(now.v.at(x, y) - before.v.at(x, y));
-            largest = largest.max(change);
-        }
-    }
-    largest
 }

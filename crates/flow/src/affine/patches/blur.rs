@@ -12,39 +12,40 @@ pub(super) use self::motion_blur::MotionBlur;
 
 use self::exposures::Exposures;
 use super::{AffinePatches, AffineReference, LevelState};
-use crate::{FlowField, Picture};
+use crate::{FlowField, FlowHistory, Picture};
 
 /// Where the sharp reference gives no valid flow, the blurred one is used if it leaves at most this part of what the sharp one
 /// leaves unexplained.
 const IMPROVEMENT: f32 = 0.7;
 
 impl AffinePatches {
-    /// If the picture is blurred by the motion since the flow `last` of the last frame, matches it with a blurred reference.
-    /// Returns whether it does. `now` is scratch memory. After a search for the exposure that finds nothing, the next frame is
+    /// If the picture is blurred by the motion since the last frame, matches it with a blurred reference. Returns whether it
+    /// does. `scratch` is memory for the last flow and the current one. After a search for the exposure that finds nothing, the next frame is
     /// not searched, which halves the cost of areas that stay hidden.
     pub(crate) fn follow_blur(
         &mut self,
         reference: &AffineReference,
         current: &Picture,
-        last: &FlowField,
-        now: &mut FlowField,
+        history: &FlowHistory,
+        [last, now]: [&mut FlowField; 2],
     ) -> bool {
-        if std::mem::take(&mut self.blur.skips_next) || !self.is_blurred(reference, last) {
+        if std::mem::take(&mut self.blur.skips_next) || !self.is_blurred(reference, history) {
             return false;
         }
         // Patches that only need another step are not blurred.
         self.match_sharp(reference, current);
-        if self.is_blurred(reference, last) {
-            self.blur.is_used = self.try_exposures(reference, current, last, now);
+        if self.is_blurred(reference, history) {
+            self.expand_last(history, last);
+            self.blur.is_used = self.try_exposures(reference, current, history, (last, now));
             self.blur.skips_next = !self.blur.is_used;
         }
         self.blur.is_used
     }
 
-    /// Whether the picture is blurred by the motion since the flow `last`.
-    fn is_blurred(&mut self, reference: &AffineReference, last: &FlowField) -> bool {
+    /// Whether the picture is blurred by the motion since the last frame.
+    fn is_blurred(&mut self, reference: &AffineReference, history: &FlowHistory) -> bool {
         let LevelState { refinement, field, .. } = &self.levels[0];
-        self.blur.set_motion(field, last);
+        self.blur.set_motion(field, history.last_nodes());
         self.blur.find_blurred(refinement, &reference.full, self.params.validity.max_deviation_px.powi(2))
     }
 
@@ -60,8 +61,8 @@ impl AffinePatches {
         &mut self,
         reference: &AffineReference,
         current: &Picture,
-        last: &FlowField,
-        now: &mut FlowField,
+        history: &FlowHistory,
+        (last, now): (&FlowField, &mut FlowField),
     ) -> bool {
         let LevelState { refinement, field, .. } = &self.levels[0];
         let sharp = self.blur.mean_error(refinement, &reference.full, false);
@@ -82,7 +83,7 @@ impl AffinePatches {
             self.match_blurred(reference, current, (last, now), best.exposure);
         }
         let LevelState { refinement, field, .. } = &mut self.levels[0];
-        self.blur.set_motion(field, last);
+        self.blur.set_motion(field, history.last_nodes());
         self.blur.set_path_error(refinement, best.exposure);
         let blur = &self.blur;
         let blurred = blur.mean_error(refinement, &blur.reference.template, true);

@@ -6,7 +6,7 @@
 
 use super::{AffinePatches, AffineReference, LevelState};
 use crate::affine::measurement::Current;
-use crate::{FlowHistory, Picture};
+use crate::{FlowField, FlowHistory, Picture};
 
 /// Pyramid level on which a prediction is compared with the flow of the last frame.
 const PREDICTION_LEVEL: usize = 2;
@@ -44,6 +44,11 @@ impl AffinePatches {
         goes_on
     }
 
+    /// Writes the last flow of a history at every pixel.
+    pub(crate) fn expand_last(&mut self, history: &FlowHistory, flow: &mut FlowField) {
+        self.levels[0].refinement.expand(history.last_nodes(), flow);
+    }
+
     /// Finds the motion since a start that was predicted. The coarse levels are needed only if an area is lost without them.
     pub(crate) fn follow_prediction(
         &mut self,
@@ -70,7 +75,7 @@ impl AffinePatches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{FlowField, FlowParams};
+    use crate::FlowParams;
     use fearless_simd::Level;
     use fingervision_image::Image;
 

@@ -1,8 +1,6 @@
 //! Which patches of a picture are blurred, and the reference that they are matched with.
 
 use super::exposures::Trial;
-use crate::FlowField;
-use crate::affine::grid::{MARGIN, PatchGrid, STRIDE};
 use crate::affine::nodes::NodeField;
 use crate::affine::refinement::Refinement;
 use crate::affine::template::{BlurredTemplate, Template};
@@ -102,12 +100,12 @@ impl MotionBlur {
     }
 
     /// Sets the motion of every patch from the flow `last` to `now`.
-    pub(super) fn set_motion(&mut self, now: &NodeField, last: &FlowField) {
-        let PatchGrid { width, height, columns, .. } = now.grid;
-        for (node, motion) in self.motion.iter_mut().enumerate() {
-            let pixel = |place: usize, size: usize| (STRIDE * place + MARGIN).min(size - 1);
-            let (x, y) = (pixel(node % columns, width), pixel(node / columns, height));
-            *motion = (now.planes[0][node] - last.u.at(x, y)).hypot(now.planes[3][node] - last.v.at(x, y));
+    pub(super) fn set_motion(&mut self, now: &NodeField, last: &NodeField) {
+        let [[u, v], [last_u, last_v]] = [now, last].map(|field| [&field.planes[0], &field.planes[3]]);
+        let changes =
+            u.iter().zip(last_u).zip(v.iter().zip(last_v)).map(|((u, last_u), (v, last_v))| [u - last_u, v - last_v]);
+        for (motion, [right, down]) in self.motion.iter_mut().zip(changes) {
+            *motion = (right * right + down * down).sqrt();
         }
     }
 
