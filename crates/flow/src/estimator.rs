@@ -186,12 +186,18 @@ impl FlowEstimator {
                 self.affine.start(flow);
                 let affine = &self.params.affine;
                 self.affine.follow(&reference.affine, current, affine.coarsest_level, affine.steps);
-                out.lost_px2 = self.recover(reference, current, start);
+                let (lost_px2, is_searched) = self.recovery.find(&self.affine, &reference.affine);
+                out.lost_px2 = if is_searched { self.recover(reference, current, flow) } else { lost_px2 };
                 self.affine.write(&reference.affine, current, out);
             }
             (Preset::Affine, Start::History(history)) => {
                 self.follow_history(reference, current, history);
-                out.lost_px2 = self.recover(reference, current, start);
+                let (lost_px2, is_searched) = self.recovery.find(&self.affine, &reference.affine);
+                out.lost_px2 = if is_searched {
+                    self.with_last(history, |estimator, last| estimator.recover(reference, current, last))
+                } else {
+                    lost_px2
+                };
                 let scratch = [&mut self.last, &mut self.found];
                 if self.affine.follow_blur(&reference.affine, current, history, scratch) {
                     out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
@@ -258,28 +264,19 @@ impl FlowEstimator {
         }
     }
 
-    /// Searches the areas that are lost after a warm start; returns the area that is still lost, px².
-    fn recover(&mut self, reference: &Reference, current: &Picture, start: Start<'_>) -> f32 {
-        let Self { search, affine, recovery, last, .. } = self;
-        let (lost_px2, is_searched) = recovery.find(affine, &reference.affine);
-        let guess = match start {
-            _ if !is_searched => return lost_px2,
-            Start::History(history) | Start::SearchHistory(history) => {
-                affine.expand_last(history, last);
-                &*last
-            }
-            Start::Flow(flow) | Start::Search(Some(flow)) => flow,
-            Start::Search(None) => return lost_px2,
-        };
-        recovery.run((&reference.search, &reference.affine), current, guess, search, affine)
+    /// Searches the areas that were found to be lost from `last`; returns the area that is still lost, px².
+    fn recover(&mut self, reference: &Reference, current: &Picture, last: &FlowField) -> f32 {
+        let references = (&reference.search, &reference.affine);
+        self.recovery.run(references, current, last, &mut self.search, &mut self.affine)
     }
 
     /// Runs something with the last flow of a history at every pixel.
-    fn with_last(&mut self, history: &FlowHistory, run: impl FnOnce(&mut Self, &FlowField)) {
+    fn with_last<T>(&mut self, history: &FlowHistory, run: impl FnOnce(&mut Self, &FlowField) -> T) -> T {
         let mut last = std::mem::replace(&mut self.last, FlowField::zero(0, 0));
         self.affine.expand_last(history, &mut last);
-        run(self, &last);
+        let result = run(self, &last);
         self.last = last;
+        result
     }
 
     /// Finds the flow by a search and refines it with the affine patches.

@@ -74,7 +74,7 @@ impl Recovery {
         search: &mut InverseSearch,
         patches: &mut AffinePatches,
     ) -> f32 {
-        let lost = self.is_core.iter().filter(|core| **core).count();
+        let lost = self.cores();
         let Self { grid, failed, is_core, cells, .. } = self;
         cells.mark(|node| failed[node] && grid.around(node, AREA).any(|near| is_core[near]));
         search.search_lost(searched, current, cells, guess);
@@ -122,7 +122,12 @@ impl Recovery {
         for (node, core) in is_core.iter_mut().enumerate() {
             *core = failed[node] && grid.around(node, 1).filter(|&near| failed[near]).count() >= LEAST_FAILED;
         }
-        is_core.iter().filter(|core| **core).count()
+        self.cores()
+    }
+
+    /// Number of cores of lost areas.
+    fn cores(&self) -> usize {
+        self.is_core.iter().filter(|core| **core).count()
     }
 }
 

@@ -34,7 +34,7 @@ impl FlowHistory {
         self.has_earlier = true;
     }
 
-    /// Largest change of the flow from the frame before the last one to the last one, px; before the first frame there is no flow.
+    /// Largest change of the flow between the last two frames, px. The flow before the first frame counts as zero.
     #[must_use]
     pub fn largest_change_px(&self) -> f32 {
         let [[last_u, last_v], [u, v]] = self.nodes.each_ref().map(|nodes| [&nodes.planes[0], &nodes.planes[3]]);
