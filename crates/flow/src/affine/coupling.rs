@@ -28,12 +28,11 @@ const LEAST_PIVOT: f32 = 1e-3;
 /// The solver and its scratch memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Coupling {
-    grid: PatchGrid,
     bonds: Bonds,
     /// Sums of every node's bonds along rows and along columns.
     bond_sums: [Vec<f32>; 2],
-    /// Factors of every node's own block, packed.
-    factors: [Vec<f32>; PACKED],
+    /// Factors of every node's own block, packed: those of [`LANES`] nodes together.
+    factors: Vec<[[f32; LANES]; PACKED]>,
     coarse: CoarseGrids,
     residual: Planes,
     preconditioned: Planes,
@@ -46,10 +45,9 @@ impl Coupling {
         let plane = || vec![0.0; grid.plane_len()];
         let planes = || std::array::from_fn(|_| plane());
         Self {
-            grid,
             bonds: Bonds::new(grid, stiffness),
             bond_sums: [plane(), plane()],
-            factors: std::array::from_fn(|_| plane()),
+            factors: vec![[[0.0; LANES]; PACKED]; grid.plane_len() / LANES],
             coarse: CoarseGrids::new(grid),
             residual: planes(),
             preconditioned: planes(),
@@ -79,10 +77,13 @@ impl Coupling {
         let [beside, above] = &mut self.bond_sums;
         self.bonds.sum_into(beside, above);
         let Stiffness { continuity, curvature, .. } = self.bonds.stiffness();
-        for start in (0..self.grid.plane_len()).step_by(LANES) {
-            let load = |plane: &[f32]| f32x16::from_slice(simd, &plane[start..][..LANES]);
-            let weight = load(system.trust) * system.scale;
-            let mut block: [_; PACKED] = std::array::from_fn(|k| load(&system.normal[k]) * weight);
+        let count = self.factors.len();
+        let (normal, [trust, beside, above]) =
+            (blocks(system.normal, count), [system.trust, beside, above].map(|plane| in_blocks(plane, count)));
+        for (index, factors) in self.factors.iter_mut().enumerate() {
+            let load = |plane: &[[f32; LANES]]| f32x16::load_array_ref(simd, &plane[index]);
+            let weight = load(trust) * system.scale;
+            let mut block: [_; PACKED] = std::array::from_fn(|k| load(normal[k]) * weight);
             let (beside, above) = (load(beside), load(above));
             // A single patch has no neighbour: the small diagonal keeps its block invertible.
             let all = (beside + above) * continuity + LEAST_PIVOT;
@@ -105,8 +106,8 @@ impl Coupling {
                 }
                 block[packed(i, i)] = 1.0 / block[packed(i, i)].max(LEAST_PIVOT);
             }
-            for (plane, block) in self.factors.iter_mut().zip(block) {
-                block.store_slice(&mut plane[start..][..LANES]);
+            for (factors, block) in factors.iter_mut().zip(block) {
+                block.store_array(factors);
             }
         }
     }
@@ -170,56 +171,68 @@ pub(crate) struct System<'a> {
 }
 
 impl System<'_> {
-    #[inline(always)]
+    /// `y = m N x` with the packed symmetric 6×6 matrix `N` of every node's patch.
+    #[simd]
     fn apply<S: Simd>(&self, simd: S, x: &Planes, y: &mut Planes) {
-        multiply(simd, self.normal, x, y);
-        for y in y {
-            for (y, trust) in y.iter_mut().zip(self.trust) {
-                *y *= self.scale * trust;
+        let count = self.trust.len() / LANES;
+        let (normal, x, trust) = (blocks(self.normal, count), blocks(x, count), in_blocks(self.trust, count));
+        let y = blocks_mut(y, count);
+        for index in 0..count {
+            let load = |plane: &[[f32; LANES]]| f32x16::load_array_ref(simd, &plane[index]);
+            let x: [_; UNKNOWNS] = std::array::from_fn(|i| load(x[i]));
+            let weight = load(trust) * self.scale;
+            for i in 0..UNKNOWNS {
+                let mut sum = load(normal[packed(i, 0)]) * x[0];
+                for j in 1..UNKNOWNS {
+                    sum = load(normal[packed(i, j)]).mul_add(x[j], sum);
+                }
+                (sum * weight).store_array(&mut y[i][index]);
             }
-        }
-    }
-}
-
-/// `y = M x` with a packed symmetric 6×6 matrix at every node.
-#[simd]
-fn multiply<S: Simd>(simd: S, matrix: &[Vec<f32>; PACKED], x: &Planes, y: &mut Planes) {
-    for start in (0..x[0].len()).step_by(LANES) {
-        let load = |plane: &Vec<f32>| f32x16::from_slice(simd, &plane[start..][..LANES]);
-        let x: [_; UNKNOWNS] = std::array::from_fn(|i| load(&x[i]));
-        for (i, y) in y.iter_mut().enumerate() {
-            let mut sum = load(&matrix[packed(i, 0)]) * x[0];
-            for (j, &x) in x.iter().enumerate().skip(1) {
-                sum = load(&matrix[packed(i, j)]).mul_add(x, sum);
-            }
-            sum.store_slice(&mut y[start..][..LANES]);
         }
     }
 }
 
 /// `y = (L D Lᵀ)⁻¹ x` at every node.
 #[simd]
-fn substitute<S: Simd>(simd: S, factors: &[Vec<f32>; PACKED], x: &Planes, y: &mut Planes) {
-    for start in (0..x[0].len()).step_by(LANES) {
-        let load = |plane: &Vec<f32>| f32x16::from_slice(simd, &plane[start..][..LANES]);
-        let mut y_here: [_; UNKNOWNS] = std::array::from_fn(|i| load(&x[i]));
+fn substitute<S: Simd>(simd: S, factors: &[[[f32; LANES]; PACKED]], x: &Planes, y: &mut Planes) {
+    let (x, y) = (blocks(x, factors.len()), blocks_mut(y, factors.len()));
+    for (index, factors) in factors.iter().enumerate() {
+        let factor = |i: usize, j: usize| f32x16::load_array_ref(simd, &factors[packed(i, j)]);
+        let mut y_here: [_; UNKNOWNS] = std::array::from_fn(|i| f32x16::load_array_ref(simd, &x[i][index]));
         for i in 1..UNKNOWNS {
             for j in 0..i {
-                y_here[i] -= load(&factors[packed(i, j)]) * y_here[j];
+                y_here[i] -= factor(i, j) * y_here[j];
             }
         }
         for i in 0..UNKNOWNS {
-            y_here[i] *= load(&factors[packed(i, i)]);
+            y_here[i] *= factor(i, i);
         }
         for i in (0..UNKNOWNS).rev() {
             for j in i + 1..UNKNOWNS {
-                y_here[i] -= load(&factors[packed(j, i)]) * y_here[j];
+                y_here[i] -= factor(j, i) * y_here[j];
             }
         }
-        for (y, y_here) in y.iter_mut().zip(y_here) {
-            y_here.store_slice(&mut y[start..][..LANES]);
+        for i in 0..UNKNOWNS {
+            y_here[i].store_array(&mut y[i][index]);
         }
     }
+}
+
+/// Planes in blocks of [`LANES`] nodes, all of one length, so that the kernels check no bounds.
+#[inline(always)]
+fn blocks<const N: usize>(planes: &[Vec<f32>; N], count: usize) -> [&[[f32; LANES]]; N] {
+    planes.each_ref().map(|plane| in_blocks(plane, count))
+}
+
+#[inline(always)]
+fn in_blocks(plane: &[f32], count: usize) -> &[[f32; LANES]] {
+    &plane.as_chunks().0[..count]
+}
+
+/// As [`blocks`].
+#[inline(always)]
+fn blocks_mut<const N: usize>(planes: &mut [Vec<f32>; N], count: usize) -> [&mut [[f32; LANES]]; N] {
+    planes.each_mut().map(|plane| &mut plane.as_chunks_mut().0[..count])
 }
 
 fn clear(planes: &mut Planes) {
