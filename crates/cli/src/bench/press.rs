@@ -15,12 +15,12 @@ use crate::failure::Failure;
 
 /// Frames of the press, including the reference.
 pub(super) const FRAMES: u64 = 31;
-/// The largest displacement of the last frame, px, on images of [`FULL_ROWS`] or more.
+/// The largest displacement of the last frame, px, on images whose shorter side is [`ROWS`].
 const AMPLITUDE_PX: f64 = 25.0;
-/// Distance of the largest displacement from the middle, px.
+/// Distance of the largest displacement from the middle, px, on the same images.
 const RADIUS_PX: f64 = 80.0;
-/// On smaller images the bump shrinks with the shorter side, px.
-const FULL_ROWS: f64 = 450.0;
+/// On other images the bump grows with the shorter side: one gel, seen by another camera.
+const ROWS: f64 = 450.0;
 
 /// A round bump that grows linearly after the reference.
 #[derive(Debug)]
@@ -43,7 +43,7 @@ impl Press {
     /// A press in the middle of images of this size, px.
     pub(super) fn new((width, height): (usize, usize)) -> Result<Self, GelError> {
         let renderer = SheetRenderer::new(&Sheet { width, height, ..Sheet::default() })?;
-        let scale = (width.min(height) as f64 / FULL_ROWS).min(1.0);
+        let scale = width.min(height) as f64 / ROWS;
         let (radius_px, amplitude_px) = (scale * RADIUS_PX, scale * AMPLITUDE_PX);
         let deepest = Motion::RadialBump { centre_px: renderer.sheet().centre_px(), radius_px, amplitude_px };
         Ok(Self { renderer, deepest, amplitude_px })
@@ -124,9 +124,10 @@ mod tests {
     }
 
     #[test]
-    fn a_press_on_a_small_image_is_as_much_smaller() {
+    fn a_press_grows_with_the_image() {
         let press = Press::new((300, 90)).unwrap();
         let (u, _) = press.motion(30).displacement(149.5 + 16.0, 44.5);
         assert!((u - 5.0).abs() < 1e-9 && (press.amplitude_px() - 5.0).abs() < 1e-12, "{u} px, expected 5 px");
+        assert!((Press::new((1280, 900)).unwrap().amplitude_px() - 50.0).abs() < 1e-12);
     }
 }
