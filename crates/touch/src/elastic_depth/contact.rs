@@ -33,6 +33,8 @@ pub(super) struct ContactFinder {
     constants: [f32; CONSTANTS],
     /// Mirror images and quarter turns in which the network is evaluated.
     symmetries: Vec<Symmetry>,
+    /// Its inputs for the cells of its grid.
+    inputs: Vec<[f32; INPUTS]>,
     /// Its estimates for the cells.
     estimated: Vec<[f32; OUTPUTS]>,
     /// Factor from mm to the network's length scale, in which the gel has the side used in training.
@@ -79,6 +81,7 @@ impl ContactFinder {
                 ElasticMode::Exact => Symmetry::all(padded),
                 ElasticMode::Live => vec![Symmetry::PLAIN],
             },
+            inputs: vec![[0.0; INPUTS]; padded.0 * padded.1],
             estimated: vec![[0.0; OUTPUTS]; cells],
             face_scratch: Scratch::new(cells),
             padded,
@@ -228,24 +231,26 @@ impl ContactFinder {
 
     /// Evaluates the network: the mean over all symmetries in use.
     fn look(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
-        let Some(network) = &mut self.network else { return };
+        let Self { network: Some(network), padded, symmetries, inputs, estimated, constants, scale, .. } = self else {
+            return;
+        };
         let SurfaceGrid { columns, rows, .. } = surface.grid;
         let seen = drag.map_or(surface.seen.as_slice(), |drag| drag.seen);
-        self.estimated.fill([0.0; OUTPUTS]);
-        for &symmetry in &self.symmetries {
+        for (row, inputs) in inputs.chunks_exact_mut(padded.0).enumerate() {
+            for (column, inputs) in inputs.iter_mut().enumerate() {
+                *inputs = input(surface.grid, seen, *padded, (column, row), *scale);
+            }
+        }
+        estimated.fill([0.0; OUTPUTS]);
+        for symmetry in &*symmetries {
             let input = |column: usize, row: usize| {
-                symmetry.inputs(input(
-                    surface.grid,
-                    seen,
-                    self.padded,
-                    symmetry.place(self.padded, (column, row)),
-                    self.scale,
-                ))
+                let (column, row) = symmetry.place(*padded, (column, row));
+                symmetry.inputs(inputs[row * padded.0 + column])
             };
-            network.run(self.constants, input, |column, row, outputs| {
-                let (column, row) = symmetry.place(self.padded, (column, row));
+            network.run(*constants, input, |column, row, outputs| {
+                let (column, row) = symmetry.place(*padded, (column, row));
                 if column < columns && row < rows {
-                    for (sum, output) in self.estimated[row * columns + column].iter_mut().zip(outputs) {
+                    for (sum, output) in estimated[row * columns + column].iter_mut().zip(outputs) {
                         *sum += output;
                     }
                 }

@@ -190,6 +190,13 @@ fn in_blocks(Shape { inputs, outputs, side, .. }: Shape, weights: &[f32]) -> Vec
 /// Writes what `combine` returns for each sum and the value next to it.
 #[inline(always)]
 fn write(to: &mut [f32], sums: &[f32; LANES], beside: &[f32], combine: impl Fn(f32, f32) -> f32) {
+    // Of a known length: these loops are vectorised.
+    if let ([to], [beside, ..]) = (to.as_chunks_mut::<LANES>().0, beside.as_chunks::<LANES>().0) {
+        for k in 0..LANES {
+            to[k] = combine(sums[k], beside[k]);
+        }
+        return;
+    }
     for ((to, &sum), &beside) in to.iter_mut().zip(sums).zip(beside) {
         *to = combine(sum, beside);
     }
