@@ -7,16 +7,23 @@ use super::expander::{Expander, Line};
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows, sum_rows_twice};
 use super::nodes::{NodeField, UNKNOWNS};
-use super::products::{Current, products};
-use super::sampling::{Bounds, Places};
 use super::template::Template;
+use super::texel::{Texel, locate, products};
 use crate::Team;
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
+use fingervision_image::Image;
 use std::ops::Range;
 
 /// Number of products that are summed over every patch: two for the gradient, two for light, one for the energy.
 const PRODUCTS: usize = 5;
+
+/// The current picture on one level, and the gain that brings its mean to the reference's.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Current<'a, T> {
+    pub(crate) image: &'a Image<T>,
+    pub(crate) gain: f32,
+}
 
 /// Memory to process a part of the picture's rows.
 #[derive(Debug, Clone)]
@@ -38,12 +45,12 @@ pub(super) struct Sums<'a> {
 }
 
 /// What is measured: a picture at a field, against a template.
-pub(super) struct Measurement<'a> {
+pub(super) struct Measurement<'a, T> {
     pub(super) window: &'a Window,
     /// Prepared for the field.
     pub(super) expander: &'a Expander,
     pub(super) template: &'a Template,
-    pub(super) current: Current<'a>,
+    pub(super) current: Current<'a, T>,
     pub(super) field: &'a NodeField,
 }
 
@@ -95,7 +102,7 @@ impl Sums<'_> {
     }
 }
 
-impl Measurement<'_> {
+impl<T: Texel> Measurement<'_, T> {
     /// Measures all patches.
     pub(super) fn run(&self, level: Level, team: &Team, [first, second]: &mut [Strip; 2], sums: Sums<'_>) {
         let PatchGrid { columns, rows, .. } = self.template.grid;
@@ -183,28 +190,21 @@ fn to_positions(grid: PatchGrid, row: usize, xs: &mut [f32], ys: &mut [f32]) {
 }
 
 #[simd]
-fn multiply_row<S: Simd>(
+fn multiply_row<S: Simd, T: Texel>(
     simd: S,
     template: &Template,
-    current: Current<'_>,
+    current: Current<'_, T>,
     row: usize,
     [xs, ys]: [&[f32]; 2],
     band: &mut [Vec<f32>; PRODUCTS],
     start: usize,
 ) {
-    let bounds = Bounds::of(current.size());
     for column in (0..xs.len()).step_by(LANES) {
         let x = f32x16::from_slice(simd, &xs[column..][..LANES]);
         let y = f32x16::from_slice(simd, &ys[column..][..LANES]);
-        let places = Places::of(x, y, bounds);
-        let inside = places.inside(simd);
-        let block = |channel| template.block(channel, column, row);
-        let products = if let Some(taps) = places.shared(simd, bounds) {
-            products(simd, current, |image| taps.sample(simd, image), block)
-        } else {
-            let taps = places.single(bounds);
-            products(simd, current, |image| taps.sample(simd, image), block)
-        };
+        let (taps, inside) = locate(simd, x, y, current.image.size());
+        let products =
+            products(simd, current.image, current.gain, &taps, |channel| template.block(channel, column, row));
         let [gx, gy] = products.gradient;
         let [gain, offset] = products.light;
         for (plane, product) in band.iter_mut().zip([gx, gy, gain, offset, products.energy]) {

@@ -13,10 +13,9 @@ pub(crate) mod moments;
 pub(crate) mod nodes;
 mod own_variance;
 pub(crate) mod patches;
-pub(crate) mod products;
 pub(crate) mod refinement;
-pub(crate) mod sampling;
 mod symmetric;
 pub(crate) mod template;
+pub(crate) mod texel;
 
 pub use self::history::FlowHistory;

@@ -9,10 +9,11 @@ use super::bonds::Stiffness;
 use super::fine::{FinePatches, FineTemplate, Rough};
 use super::grid::PatchGrid;
 use super::judge::{mark_pixels, spread_variance};
+use super::measurement::Current;
 use super::nodes::NodeField;
-use super::products::Current;
 use super::refinement::Refinement;
 use super::template::Template;
+use super::texel::Texel;
 use crate::search::local::CellMotion;
 use crate::{Estimate, FlowField, FlowParams, Picture, Team, ValidityParams};
 use fearless_simd::{Level, dispatch};
@@ -73,17 +74,21 @@ impl LevelState {
         steps: usize,
     ) {
         let count = (steps, params.affine.iterations);
-        let current = Current { channels: current.channels(), gain };
-        self.take_steps(&params.validity, template, current, count);
+        match &current.colour {
+            Some(image) => self.take_steps(&params.validity, template, Current { image, gain }, count),
+            None => {
+                self.take_steps(&params.validity, template, Current { image: current.grey.level(0), gain }, count);
+            }
+        }
     }
 
     /// Steps at full size, with additional ones while patches still move. Patches that fail in one step have no weight in
     /// the next.
-    fn take_steps(
+    fn take_steps<T: Texel>(
         &mut self,
         rules: &ValidityParams,
         template: &Template,
-        current: Current<'_>,
+        current: Current<'_, T>,
         (steps, iterations): (usize, usize),
     ) {
         let Self { refinement, field, .. } = self;
@@ -167,20 +172,23 @@ impl AffinePatches {
     pub(crate) fn prepare(&self, picture: &Picture, reference: &mut AffineReference) {
         reference.mean_level = picture.mean_level();
         for (level, (state, template)) in self.levels.iter().zip(&mut reference.grey).enumerate().skip(1) {
-            state.refinement.prepare(std::slice::from_ref(picture.grey.level(level)), template);
+            state.refinement.prepare(picture.grey.level(level), template);
         }
-        let (refinement, first) = (&self.levels[0].refinement, &mut reference.grey[0]);
+        let (refinement, first, grey) = (&self.levels[0].refinement, &mut reference.grey[0], picture.grey.level(0));
         let shares_pixels = !self.params.colour;
         if shares_pixels {
             first.release();
         }
-        refinement.prepare(picture.channels(), &mut reference.full);
+        match &picture.colour {
+            Some(colour) => refinement.prepare(colour, &mut reference.full),
+            None => refinement.prepare(grey, &mut reference.full),
+        }
         if shares_pixels {
             refinement.prepare_from(&reference.full, first);
         } else {
-            refinement.prepare(std::slice::from_ref(picture.grey()), first);
+            refinement.prepare(grey, first);
         }
-        self.fine.prepare(&reference.full, picture.channels().len(), &mut reference.fine);
+        self.fine.prepare(&reference.full, if picture.colour.is_some() { 3 } else { 1 }, &mut reference.fine);
         let nodes = &reference.full.own_variance[..self.levels[0].field.grid.nodes()];
         let limit = self.params.validity.max_deviation_px.powi(2);
         let textured = nodes.iter().filter(|&&variance| variance <= limit).count();
@@ -215,7 +223,7 @@ impl AffinePatches {
         }
         for level in (1..=coarsest).rev() {
             let LevelState { refinement, field, .. } = &mut self.levels[level];
-            let picture = Current::grey(current.grey.level(level), gain);
+            let picture = Current { image: current.grey.level(level), gain };
             refinement.step(&reference.grey[level], picture, field, self.params.affine.iterations);
             let (fine, coarse) = self.levels.split_at_mut(level);
             let (fine, coarse) = (&mut fine[level - 1].field, &mut coarse[0]);
@@ -228,7 +236,7 @@ impl AffinePatches {
     /// The first step at full size.
     fn approach(&mut self, reference: &AffineReference, current: &Picture) {
         self.levels[0].refinement.trust_all();
-        let picture = Current::grey(current.grey(), reference.gain(current));
+        let picture = Current { image: current.grey.level(0), gain: reference.gain(current) };
         self.levels[0].take_steps(&self.params.validity, &reference.grey[0], picture, (1, QUICK_ITERATIONS));
         self.fill_failed();
     }
@@ -308,7 +316,10 @@ impl AffinePatches {
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         let template = &reference.full;
         let (gain, iterations) = (reference.gain(current), self.params.affine.iterations);
-        refinement.inspect(template, Current { channels: current.channels(), gain }, field, iterations);
+        match &current.colour {
+            Some(image) => refinement.inspect(template, Current { image, gain }, field, iterations),
+            None => refinement.inspect(template, Current { image: current.grey.level(0), gain }, field, iterations),
+        }
         refinement.judge(template, field, &self.params.validity);
     }
 
@@ -342,7 +353,10 @@ impl AffinePatches {
             is_rough.then(|| Rough { variance, blur_error: blur_error() })
         };
         let (templates, rules, steps) = ((template, &reference.fine), &params.validity, params.affine.fine_steps);
-        fine.refine(templates, Current { channels: current.channels(), gain }, rules, steps, rough, out);
+        match &current.colour {
+            Some(image) => fine.refine(templates, Current { image, gain }, rules, steps, rough, out),
+            None => fine.refine(templates, Current { image: current.grey.level(0), gain }, rules, steps, rough, out),
+        }
     }
 
     /// Writes the deviation and the validity of the flow in `out`.

@@ -8,12 +8,12 @@ use super::bonds::Stiffness;
 use super::coupling::{Coupling, System};
 use super::expander::Expander;
 use super::grid::{PatchGrid, STRIDE};
-use super::measurement::{Measurement, Strip, Sums};
+use super::measurement::{Current, Measurement, Strip, Sums};
 use super::moments::Window;
 use super::nodes::{NodeField, UNKNOWNS};
 use super::own_variance::own_variances;
-use super::products::Current;
 use super::template::{BlurredTemplate, Template};
+use super::texel::Texel;
 use crate::{FlowField, Team};
 use fearless_simd::{Level, Simd, dispatch};
 use fingervision_image::Image;
@@ -94,8 +94,8 @@ impl Refinement {
     }
 
     /// Prepares a new reference.
-    pub(crate) fn prepare(&self, channels: &[Image<f32>], template: &mut Template) {
-        template.prepare(self.level, channels);
+    pub(crate) fn prepare<T: Texel>(&self, picture: &Image<T>, template: &mut Template) {
+        template.prepare(self.level, picture);
         self.complete(template);
     }
 
@@ -126,7 +126,13 @@ impl Refinement {
     }
 
     /// One Gauss–Newton step from `field`.
-    pub(crate) fn step(&mut self, template: &Template, current: Current<'_>, field: &mut NodeField, iterations: usize) {
+    pub(crate) fn step<T: Texel>(
+        &mut self,
+        template: &Template,
+        current: Current<'_, T>,
+        field: &mut NodeField,
+        iterations: usize,
+    ) {
         self.solve(template, current, field, iterations);
         self.discard_leaps();
         self.set_remaining_error(REMAINING_ERROR);
@@ -148,10 +154,10 @@ impl Refinement {
 
     /// For every node, whether the picture matches clearly worse at `field` than at `other`. Uses the mean energy as scratch
     /// memory, until the patches are judged again.
-    pub(crate) fn is_worse_at(
+    pub(crate) fn is_worse_at<T: Texel>(
         &mut self,
         template: &Template,
-        current: Current<'_>,
+        current: Current<'_, T>,
         field: &NodeField,
         other: &NodeField,
     ) -> impl Fn(usize) -> bool {
@@ -164,7 +170,13 @@ impl Refinement {
     }
 
     /// Measures the residual at `field` without changing it. The step that the patches would take counts as its error.
-    pub(crate) fn inspect(&mut self, template: &Template, current: Current<'_>, field: &NodeField, iterations: usize) {
+    pub(crate) fn inspect<T: Texel>(
+        &mut self,
+        template: &Template,
+        current: Current<'_, T>,
+        field: &NodeField,
+        iterations: usize,
+    ) {
         self.trust_all();
         self.solve(template, current, field, iterations);
         self.set_remaining_error(SEARCH_ERROR);
@@ -174,7 +186,7 @@ impl Refinement {
     }
 
     /// Writes the increment of a step from `field`.
-    fn solve(&mut self, template: &Template, current: Current<'_>, field: &NodeField, iterations: usize) {
+    fn solve<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, field: &NodeField, iterations: usize) {
         self.expander.prepare(field);
         self.measure(template, current, field);
         let level = self.level;
@@ -218,7 +230,7 @@ impl Refinement {
     }
 
     /// Sums the products of residual and template over every patch at a field for which the expander is prepared.
-    fn measure(&mut self, template: &Template, current: Current<'_>, field: &NodeField) {
+    fn measure<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, field: &NodeField) {
         let Self { level, team, window, expander, strips, gradient, light, energy, .. } = self;
         let measurement = Measurement { window, expander, template, current, field };
         let sums = Sums {

@@ -22,9 +22,10 @@ use self::relax::{NONE, Relaxation};
 use super::bonds::Stiffness;
 use super::grid::PatchGrid;
 use super::judge::FLOOR_VARIANCE;
-use super::products::Current;
+use super::measurement::Current;
 use super::refinement::REMAINING_ERROR;
 use super::template::Template;
+use super::texel::Texel;
 use crate::{Estimate, ValidityParams};
 use fearless_simd::{Level, Simd, dispatch};
 
@@ -97,10 +98,10 @@ impl FinePatches {
     }
 
     /// Refines the flow in `out` by a number of steps, at the coarse patches for which `rough` returns a value.
-    pub(crate) fn refine(
+    pub(crate) fn refine<T: Texel>(
         &mut self,
         (template, fine): (&Template, &FineTemplate),
-        current: Current<'_>,
+        current: Current<'_, T>,
         rules: &ValidityParams,
         steps: usize,
         rough: impl Fn(usize) -> Option<Rough>,
@@ -154,7 +155,7 @@ impl FinePatches {
 
     /// Sums the residual over every patch.
     #[inline(always)]
-    fn measure<S: Simd>(&mut self, simd: S, template: &Template, current: Current<'_>) {
+    fn measure<S: Simd, T: Texel>(&mut self, simd: S, template: &Template, current: Current<'_, T>) {
         self.field.set_twists(&self.cells);
         let Self { grid, weights, field, index, nodes, cells, .. } = self;
         for node in nodes.iter_mut() {
