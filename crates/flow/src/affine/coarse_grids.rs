@@ -25,11 +25,7 @@ use super::symmetric::{PACKED, packed};
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
-/// Values computed together.
-const QUAD: usize = 4;
-
-/// Distance between the coarse nodes of each grid, in fine nodes: a multiple of [`QUAD`], and twice this one of eight, see
-/// [`dots`].
+/// Distance between the coarse nodes of each grid, in fine nodes; twice this is a multiple of eight, see [`dots`].
 const SPACINGS: [usize; 2] = [4, 16];
 
 /// Inverse blocks of the coarse nodes, packed, for each grid.
@@ -233,8 +229,10 @@ impl CoarseGrid {
     fn interpolate_rows(&mut self) {
         let (spacing, stride) = (self.spacing, self.line_len());
         // To the right of a coarse node the second half of its basis counts, and the first half of its neighbour's.
-        let [g, g1, d, d1] = self.tables.each_ref().map(|table| table.split_at(spacing));
-        let tables = [g.1, g.0, g1.1, g1.0, d.1, d.0, d1.1, d1.0].map(|table| table.as_chunks::<QUAD>().0);
+        let [[g0, h0], [g1, h1], [d0, e0], [d1, e1]] = self.tables.each_ref().map(|table| {
+            let (before, after) = table.split_at(spacing);
+            [after, before]
+        });
         for row in 0..self.rows {
             for column in 0..self.columns {
                 let here = self.nodes[row * self.columns + column];
@@ -244,16 +242,12 @@ impl CoarseGrid {
                     let [a, ax, ay] = [0, 1, 2].map(|k| here[3 * component + k]);
                     let [b, bx, by] = [0, 1, 2].map(|k| next[3 * component + k]);
                     let start = row * stride + (column + 1) * spacing;
-                    let [u0, v0, u1, v1] = parts_mut(&mut self.lines, component, start, spacing).map(quads_mut);
-                    let lines = u0.iter_mut().zip(v0).zip(u1).zip(v1);
-                    for (quad, (((u0, v0), u1), v1)) in lines.enumerate() {
-                        let [g0, h0, g1, h1, d0, e0, d1, e1] = tables.map(|table| &table[quad]);
-                        for k in 0..QUAD {
-                            u0[k] = (g0[k] * a + g1[k] * ax) + (h0[k] * b + h1[k] * bx);
-                            v0[k] = (d0[k] * a + d1[k] * ax) + (e0[k] * b + e1[k] * bx);
-                            u1[k] = g0[k] * ay + h0[k] * by;
-                            v1[k] = d0[k] * ay + e0[k] * by;
-                        }
+                    let [u0, v0, u1, v1] = parts_mut(&mut self.lines, component, start, spacing);
+                    for k in 0..spacing {
+                        u0[k] = (g0[k] * a + g1[k] * ax) + (h0[k] * b + h1[k] * bx);
+                        v0[k] = (d0[k] * a + d1[k] * ax) + (e0[k] * b + e1[k] * bx);
+                        u1[k] = g0[k] * ay + h0[k] * by;
+                        v1[k] = d0[k] * ay + e0[k] * by;
                     }
                 }
             }
@@ -295,10 +289,6 @@ fn parts(lines: &[Vec<f32>; 8], component: usize, start: usize, len: usize) -> [
 fn parts_mut(lines: &mut [Vec<f32>; 8], component: usize, start: usize, len: usize) -> [&mut [f32]; 4] {
     let own: &mut [Vec<f32>; 4] = lines[4 * component..].first_chunk_mut().expect("four lines of one component");
     own.each_mut().map(|line| &mut line[start..][..len])
-}
-
-fn quads_mut(line: &mut [f32]) -> &mut [[f32; QUAD]] {
-    line.as_chunks_mut().0
 }
 
 #[cfg(test)]
