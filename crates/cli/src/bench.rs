@@ -29,13 +29,14 @@ const MOST_SIDE: f64 = 4096.0;
 
 /// Measure the speed of tracking on this machine, one thread
 ///
-/// A press is rendered first: a reference, then a round bump that grows to 25 px in 30 frames, or in proportion where the
-/// shorter side is not 450 px. The images are as large as the profile's region of interest; without [image], as the image
-/// around the camera's principal point; without --profile, 610x450 px. The press is tracked once to warm up, then repeatedly, each time from a new reference. Every frame after the
-/// reference is timed from the colour image in memory to depth: flow, density, filter and line, or with [camera] and
-/// [gel] elasticity. No gel deforms like this press, so the time for elasticity is the longest possible. Without
-/// --profile, example values are used for the depth line, and the additional time of depth from elasticity is measured,
-/// too, with an example camera and gel. No files are read or written during the timing.
+/// A press is rendered first: a reference, then a round bump that grows to 25 px in 30 frames, or in proportion where
+/// the shorter side is not 450 px. The images are as large as the profile's region of interest; without [image], as the
+/// image around the camera's principal point; without --profile, 610x450 px. The press is tracked once to warm up, then
+/// repeatedly, each time from a new reference. Every frame after the reference is timed from the colour image in memory
+/// to depth: flow, density, filter and line, or with [camera] and [gel] elasticity. No gel deforms like this press, so
+/// the time for elasticity is the longest possible. Without --profile, example values are used for the depth line, and
+/// the additional time of depth from elasticity is measured, too, with an example camera and gel. No files are read or
+/// written during the timing.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Least number of frames to time; the last press is always finished

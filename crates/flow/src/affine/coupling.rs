@@ -224,6 +224,7 @@ fn blocks<const N: usize>(planes: &[Vec<f32>; N], count: usize) -> [&[[f32; LANE
     planes.each_ref().map(|plane| in_blocks(plane, count))
 }
 
+/// As [`blocks`], of one plane.
 #[inline(always)]
 fn in_blocks(plane: &[f32], count: usize) -> &[[f32; LANES]] {
     &plane.as_chunks().0[..count]
