@@ -25,6 +25,8 @@ pub struct Estimate {
     /// Area that was lost and not found again, px²: that of the textured patches that failed together with their
     /// neighbours. It is 0 if only single patches failed, as along a rim.
     pub lost_px2: f32,
+    /// Whether motion blurs the picture: patches were matched with a reference blurred along their motion.
+    pub is_motion_blurred: bool,
 }
 
 impl Estimate {
@@ -39,6 +41,7 @@ impl Estimate {
             residual_levels: 0.0,
             unexplained: 0.0,
             lost_px2: 0.0,
+            is_motion_blurred: false,
         }
     }
 
@@ -59,5 +62,6 @@ impl Estimate {
         self.residual_levels = other.residual_levels;
         self.unexplained = other.unexplained;
         self.lost_px2 = other.lost_px2;
+        self.is_motion_blurred = other.is_motion_blurred;
     }
 }

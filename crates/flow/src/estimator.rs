@@ -181,6 +181,7 @@ impl FlowEstimator {
 
     /// Writes the flow from a reference to the current picture.
     pub fn estimate(&mut self, reference: &Reference, current: &Picture, start: Start<'_>, out: &mut Estimate) {
+        out.is_motion_blurred = false;
         match (self.params.preset, start) {
             (Preset::Affine, Start::Flow(flow)) => {
                 self.affine.start(flow);
@@ -199,7 +200,8 @@ impl FlowEstimator {
                     lost_px2
                 };
                 let scratch = [&mut self.last, &mut self.found];
-                if self.affine.follow_blur(&reference.affine, current, history, scratch) {
+                out.is_motion_blurred = self.affine.follow_blur(&reference.affine, current, history, scratch);
+                if out.is_motion_blurred {
                     out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
                 }
                 self.affine.write(&reference.affine, current, out);

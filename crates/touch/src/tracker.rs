@@ -297,6 +297,7 @@ impl Tracker {
         raise_if(Flag::Dropped, dropped > 0);
         let pixels = self.estimate.valid.values().len() as f32;
         raise_if(Flag::AreaLost, !is_lost && self.estimate.lost_px2 > MOST_LOST * pixels);
+        raise_if(Flag::OutOfFocus, self.estimate.is_motion_blurred);
         raise_if(Flag::ImageMismatch, self.estimate.unexplained > MOST_UNEXPLAINED);
         if let Some(first) = self.references.first() {
             let (light, then) = (self.picture.mean_level().max(1.0), first.mean_level().max(1.0));

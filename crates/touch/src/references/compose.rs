@@ -27,6 +27,7 @@ pub(crate) fn compose_into(a: &Estimate, b: &Estimate, out: &mut Estimate) {
     out.residual_levels = b.residual_levels;
     out.unexplained = b.unexplained;
     out.lost_px2 = b.lost_px2;
+    out.is_motion_blurred = b.is_motion_blurred;
 }
 
 #[cfg(test)]

@@ -91,3 +91,25 @@ fn a_hidden_area_is_flagged_at_once_and_until_it_is_seen_again() {
     assert_eq!(is_lost[..5], [false, false, true, true, true], "{flags:?}");
     assert_eq!(is_lost[6..], [false, false], "found again within two frames: {flags:?}");
 }
+
+/// The sheet shifted to the right, px, while the shutter was open over the last `open_px` of its way.
+fn slide(sheet: &Sheet, to_px: f64, open_px: f64) -> Image<[u8; 3]> {
+    let images: Vec<_> = (0..8_u32)
+        .map(|step| render(sheet, &Motion::shift(to_px - open_px * f64::from(step) / 7.0), u64::from(step)))
+        .collect();
+    Image::from_fn(SIZE.0, SIZE.1, |x, y| {
+        let sum = |channel: usize| images.iter().map(|image| usize::from(image.at(x, y)[channel])).sum::<usize>();
+        [0, 1, 2].map(|channel| ((sum(channel) + images.len() / 2) / images.len()) as u8)
+    })
+}
+
+#[test]
+fn images_blurred_by_their_motion_are_flagged_and_sharp_ones_of_the_same_motion_are_not() {
+    let sheet = Sheet { width: SIZE.0, height: SIZE.1, ..Sheet::default() };
+    for (open_px, is_flagged) in [(0.0, false), (5.0, true)] {
+        let slides = [0.0, 8.0, 16.0, 24.0].map(|to_px| slide(&sheet, to_px, if to_px > 0.0 { open_px } else { 0.0 }));
+        for flags in &flags(slides)[1..] {
+            assert_eq!(flags.has(Flag::OutOfFocus), is_flagged, "{open_px} px of the way: {flags}");
+        }
+    }
+}

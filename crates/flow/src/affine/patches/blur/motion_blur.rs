@@ -11,9 +11,10 @@ const LEAST_MOTION_PX: f32 = 1.0;
 /// Least error of a blurred patch, px.
 const LEAST_ERROR_PX: f32 = 0.05;
 
-/// Least number of blurred patches. They must also be more than half of those that move about as fast: along a rim, patches fail
+/// Least number of blurred patches. They must also be this part of those that move about as fast: along a rim, patches fail
 /// in sharp pictures, too.
 const LEAST_BLURRED: usize = 10;
+const LEAST_PART: f32 = 0.6;
 
 /// A patch moves about as fast as the blurred ones if it has this part of their mean motion.
 const AS_FAST: f32 = 0.75;
@@ -122,7 +123,7 @@ impl MotionBlur {
         }));
         let least = AS_FAST * blurred.iter().map(|&node| motion[node]).sum::<f32>() / blurred.len() as f32;
         let as_fast = motion.iter().filter(|motion| **motion > least).count();
-        blurred.len() >= LEAST_BLURRED && 2 * blurred.len() > as_fast
+        blurred.len() >= LEAST_BLURRED && blurred.len() as f32 > LEAST_PART * as_fast as f32
     }
 
     /// Sets the errors that the paths of the patches cause.
