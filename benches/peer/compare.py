@@ -1,8 +1,8 @@
 """Times `fingervision` against the OpenCV pipeline on the same frames, alternately, and records the ratio.
 
-Needs only Python's standard library: the peer's packages go into a virtual environment under `target/`. Both programs
-run on one processor. Each round runs ours, then the peer, so both see the same state of the machine; the ratio is taken
-round by round. The record goes to `benches/record/<date>-<commit>.json`.
+Needs only Python's standard library: the peer's packages go into a virtual environment under `target/`. All programs
+run on one processor. Each round runs ours, then the peer with the preset MEDIUM, then with FAST, so all see the same state
+of the machine; the ratios are taken round by round. The record goes to `benches/record/<date>-<commit>.json`.
 """
 
 from __future__ import annotations
@@ -66,27 +66,29 @@ def write_press(ours: Path) -> Path:
     return folder
 
 
-def run_round(ours: Sequence[str | Path], peer: Sequence[str | Path]) -> tuple[Report, Report]:
-    """One report of each, ours first."""
-    return json.loads(output(ours)), json.loads(output(peer))
-
-
 def frame_ms(report: Report) -> float:
     """Median time of a whole frame, ms."""
     return float(report["frame_ms"]["median"])
 
 
+def spread(ratios: Sequence[float]) -> Report:
+    """Smallest, median and largest ratio."""
+    return {"min": min(ratios), "median": round(statistics.median(ratios), 3), "max": max(ratios)}
+
+
 def compare(ours: Sequence[str | Path], peer: Sequence[str | Path], rounds: int) -> Report:
     """Runs all rounds, printing each, and gathers them with the last report of each program."""
     rows = []
+    programs = {"ours": ours, "peer": peer, "fast": [*peer, "--preset", "fast"]}
     for number in range(1, rounds + 1):
-        our_report, peer_report = run_round(ours, peer)
-        our_ms, peer_ms = frame_ms(our_report), frame_ms(peer_report)
-        rows.append({"ours_ms": our_ms, "peer_ms": peer_ms, "ratio": round(peer_ms / our_ms, 3)})
-        print(f"round {number}: ours {our_ms:.2f} ms, peer {peer_ms:.2f} ms, ratio {peer_ms / our_ms:.2f}", flush=True)
-    ratios = [row["ratio"] for row in rows]
-    ratio = {"min": min(ratios), "median": round(statistics.median(ratios), 3), "max": max(ratios)}
-    return {"ratio": ratio, "rounds": rows, "ours": our_report, "peer": peer_report}
+        reports = {name: json.loads(output(command)) for name, command in programs.items()}
+        times = {name: frame_ms(report) for name, report in reports.items()}
+        ratio, ratio_fast = (round(times[name] / times["ours"], 3) for name in ("peer", "fast"))
+        rows.append({f"{name}_ms": ms for name, ms in times.items()} | {"ratio": ratio, "ratio_fast": ratio_fast})
+        line = ", ".join(f"{name} {ms:.2f} ms" for name, ms in times.items())
+        print(f"round {number}: {line}, ratio {ratio:.2f}, with FAST {ratio_fast:.2f}", flush=True)
+    ratios = {name: spread([row[name] for row in rows]) for name in ("ratio", "ratio_fast")}
+    return ratios | {"rounds": rows} | reports
 
 
 def machine(cpu: int) -> Report:
@@ -110,10 +112,10 @@ def commit() -> str:
 
 
 def print_summary(result: Report) -> None:
-    """The ratio and both accuracies, in words."""
-    ratio = result["ratio"]
-    print(f"frame rate, ours over peer: min {ratio['min']}, median {ratio['median']}, max {ratio['max']}")
-    for name in ("ours", "peer"):
+    """The ratios and all accuracies, in words."""
+    for name, ratio in (("peer", result["ratio"]), ("fast", result["ratio_fast"])):
+        print(f"frame rate, ours over {name}: min {ratio['min']}, median {ratio['median']}, max {ratio['max']}")
+    for name in ("ours", "peer", "fast"):
         error = result[name]["epe_px"]
         print(
             f"mean end-point error, {name}: {error['mean']:.4f} px over the press, {error['final']:.4f} px at its end"

@@ -1,7 +1,7 @@
 """The pipeline that users have today: dense flow, density, guided filter and depth line on OpenCV.
 
-Optical flow is OpenCV's dense inverse search, preset MEDIUM, from the first frame to the current one, each frame on its
-own. The density is a sum of Gaussians, one for each moved pixel: a cubic B-spline splat, then a separable Gaussian that
+Optical flow is OpenCV's dense inverse search, preset MEDIUM or FAST, from the first frame to the current one, each frame on
+its own. The density is a sum of Gaussians, one for each moved pixel: a cubic B-spline splat, then a separable Gaussian that
 makes up the rest of the variance. The filter is He & Sun, "Fast Guided Filter", arXiv 1505.00996, 2015, self-guided.
 
 Buffers that outlive a frame are made once; the splat, which neither NumPy nor OpenCV has, is compiled by Numba.
@@ -27,6 +27,8 @@ CUT_SIGMAS = 4.0
 class Params:
     """What the pipeline can be told."""
 
+    preset: str = "medium"
+    """Preset of the flow, one of `PRESETS`."""
     sigma_px: float = 2.0
     """Standard deviation of a point's Gaussian, px."""
     radius_px: int = 8
@@ -41,12 +43,16 @@ class Params:
     """Depth at rest, mm."""
 
 
-class Flow:
-    """Dense inverse search from one reference, preset MEDIUM."""
+PRESETS = {"medium": cv2.DISOPTICAL_FLOW_PRESET_MEDIUM, "fast": cv2.DISOPTICAL_FLOW_PRESET_FAST}
+"""Presets of the dense inverse search by name."""
 
-    def __init__(self, reference: Image) -> None:
+
+class Flow:
+    """Dense inverse search from one reference, with one of `PRESETS`."""
+
+    def __init__(self, reference: Image, preset: str) -> None:
         self._reference = reference
-        self._search = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+        self._search = cv2.DISOpticalFlow.create(PRESETS[preset])
 
     def estimate(self, current: Image) -> Image:
         """Displacement of every reference pixel, `[row][column][x, y]`, px."""

@@ -20,7 +20,7 @@ import numba
 import numpy as np
 from cv2.typing import MatLike as Image
 
-from pipeline import Density, DepthLine, Flow, GuidedFilter, Params
+from pipeline import PRESETS, Density, DepthLine, Flow, GuidedFilter, Params
 
 BORDER_PX = 16
 """Left out of the accuracy on each side, px."""
@@ -45,7 +45,7 @@ class Pipeline:
 
     def __init__(self, reference: Image, params: Params) -> None:
         height, width = reference.shape[:2]
-        self._flow = Flow(grey(reference))
+        self._flow = Flow(grey(reference), params.preset)
         self._density = Density(height, width, params.sigma_px)
         self._filter = GuidedFilter(height, width, params)
         self._line = DepthLine(params.slope_mm, params.intercept_mm)
@@ -121,9 +121,9 @@ def percentiles(values: Sequence[float]) -> dict[str, float]:
     return {"median": round(float(median), 4), "p10": round(float(p10), 4), "p90": round(float(p90), 4)}
 
 
-def measure(frames: Sequence[Image], passes: int, truth: Image | None) -> dict[str, object]:
+def measure(frames: Sequence[Image], params: Params, passes: int, truth: Image | None) -> dict[str, object]:
     """Runs the pipeline over the sequence and gathers every figure."""
-    pipeline = Pipeline(frames[0], Params())
+    pipeline = Pipeline(frames[0], params)
     for frame in frames[1:]:
         pipeline.process(frame, Clock())
     clock = Clock()
@@ -154,6 +154,7 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("frames", type=Path, help="folder of PNG frames, the reference first")
     parser.add_argument("--truth", type=Path, metavar="DIR", help="folder with flow.npy, for the accuracy")
+    parser.add_argument("--preset", choices=PRESETS, default="medium", help="preset of the flow (default: medium)")
     parser.add_argument("--passes", type=int, default=3, help="timed passes over the sequence (default: 3)")
     return parser.parse_args()
 
@@ -165,8 +166,9 @@ def main() -> None:
     frames = read_frames(args.frames)
     truth = None if args.truth is None else read_truth(args.truth, frames)
     height, width = frames[0].shape[:2]
-    sequence = {"width": width, "height": height, "frames": len(frames), "passes": args.passes}
-    report = {"sequence": sequence, **measure(frames, args.passes, truth), "versions": versions()}
+    sequence = {"width": width, "height": height, "frames": len(frames), "passes": args.passes, "preset": args.preset}
+    measured = measure(frames, Params(preset=args.preset), args.passes, truth)
+    report = {"sequence": sequence, **measured, "versions": versions()}
     json.dump(report, sys.stdout, indent=2)
     print()
 
