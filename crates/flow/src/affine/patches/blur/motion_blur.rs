@@ -11,9 +11,11 @@ const LEAST_MOTION_PX: f32 = 1.0;
 /// Least error of a blurred patch, px.
 const LEAST_ERROR_PX: f32 = 0.05;
 
-/// Least number of blurred patches. They must also be this part of those that move about as fast: along a rim, patches fail
-/// in sharp pictures, too.
+/// Least number of blurred patches.
 const LEAST_BLURRED: usize = 10;
+
+/// The blurred patches must be more than this part of those that move about as fast: along a rim, patches fail in sharp
+/// pictures, too.
 const LEAST_PART: f32 = 0.6;
 
 /// A patch moves about as fast as the blurred ones if it has this part of their mean motion.
