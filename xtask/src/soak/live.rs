@@ -39,6 +39,8 @@ pub(super) struct Ended {
     pub(super) sensor: String,
     pub(super) frames: u64,
     pub(super) readings: u64,
+    /// Readings per second, from the first to the last; `None` with fewer than two.
+    pub(super) frames_per_second: Option<f64>,
     pub(super) dropped_by_camera: u64,
     pub(super) dropped_before_tracking: u64,
     pub(super) damaged: u64,
@@ -166,8 +168,15 @@ mod tests {
         let report = r#"{"sensors": [{"sensor": "left", "source": "sim:letter", "frames": 9, "readings": 7,
             "frames_per_second": 10.0, "dropped_by_camera": 1, "dropped_before_tracking": 2, "damaged": 3}]}"#;
         let sensor = "left".to_owned();
-        let expected =
-            Ended { sensor, frames: 9, readings: 7, dropped_by_camera: 1, dropped_before_tracking: 2, damaged: 3 };
+        let expected = Ended {
+            sensor,
+            frames: 9,
+            readings: 7,
+            frames_per_second: Some(10.0),
+            dropped_by_camera: 1,
+            dropped_before_tracking: 2,
+            damaged: 3,
+        };
         assert_eq!(ended(report).unwrap(), [expected]);
         let error = ended("left: 7 readings\n").unwrap_err().to_string();
         assert_eq!(error, "fingervision live printed another report than expected: left: 7 readings");

@@ -55,6 +55,9 @@ pub(crate) struct Args {
     /// Record nothing.
     #[arg(long)]
     no_recording: bool,
+    /// Number of clients that read all messages of the page; with 0, 1 and 5, the readings per second must be equal.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(..=50))]
+    pages: u8,
 }
 
 /// A positive number.
@@ -84,9 +87,10 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     }
     let recording = (!args.no_recording).then_some(file.as_path());
     let mut live = Live::start(&command, &vec![source; usize::from(sensors)], (args.profile.as_deref(), recording))?;
-    let page = PageClient::open(live.host())?;
-    let (memory, rest) = watch(&mut live, &page, Duration::from_secs_f64(60.0 * minutes), out)?;
-    let seen = page.finish()?;
+    let pages = (0..args.pages).map(|_| PageClient::open(live.host())).collect::<Result<Vec<_>>>()?;
+    let (memory, rest) = watch(&mut live, &pages, Duration::from_secs_f64(60.0 * minutes), out)?;
+    let seen = pages.into_iter().map(PageClient::finish).collect::<Result<Vec<_>>>()?;
+    let latencies_ms: Vec<f32> = seen.into_iter().flat_map(|seen| seen.latencies_ms).collect();
     let ended = live.stop()?;
     let recorded = match recording {
         Some(file) => {
@@ -95,7 +99,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         }
         None => None,
     };
-    let report = Report::new(&ended, recorded.as_deref(), &memory, rest, &seen.latencies_ms);
+    let report = Report::new(&ended, recorded.as_deref(), &memory, rest, &latencies_ms);
     writeln!(out, "\n{}", report.table())?;
     let faults = report.faults();
     let place = recording.map(|file| format!("; the recording is {}", file.display())).unwrap_or_default();
@@ -117,7 +121,7 @@ fn check_space(folder: &Path, bytes: f64) -> Result<()> {
 }
 
 /// Samples the memory until the time is over; returns it with the time of warming up, s.
-fn watch(live: &mut Live, page: &PageClient, run_for: Duration, out: &mut impl Write) -> Result<(Memory, f64)> {
+fn watch(live: &mut Live, pages: &[PageClient], run_for: Duration, out: &mut impl Write) -> Result<(Memory, f64)> {
     let (start, mut memory) = (Instant::now(), Memory::default());
     let mut shown = Duration::ZERO;
     while start.elapsed() < run_for {
@@ -127,16 +131,18 @@ fn watch(live: &mut Live, page: &PageClient, run_for: Duration, out: &mut impl W
         memory.add(time.as_secs_f64(), memory::resident_bytes(live.process())?);
         if time >= shown + PROGRESS {
             shown = time;
-            let seen = page.seen()?;
-            writeln!(out, "{}", progress(time, &memory, &seen))?;
+            let seen = pages.iter().map(PageClient::seen).collect::<Result<Vec<_>>>()?;
+            writeln!(out, "{}", progress(time, &memory, seen.first()))?;
         }
     }
     Ok((memory, WARM_UP_S.min(run_for.as_secs_f64() / 3.0)))
 }
 
-fn progress(time: Duration, memory: &Memory, seen: &Seen) -> String {
+/// A line; the latencies and counts are those of one page, if there is one.
+fn progress(time: Duration, memory: &Memory, seen: Option<&Seen>) -> String {
     let minutes = (time.as_secs_f64() / 60.0).round();
     let memory = memory.last_bytes().map_or(f64::NAN, |bytes| bytes as f64 / 1e6);
+    let Some(seen) = seen else { return format!("{minutes:.0} min: {memory:.1} MB") };
     let [p50, p99] = [0.5, 0.99].map(|part| quantile(seen.latencies_ms.iter().copied(), part));
     let counts: Vec<String> = seen.counts.iter().map(ToString::to_string).collect();
     format!("{minutes:.0} min: {memory:.1} MB, to the page p50 {p50:.1}, p99 {p99:.1} ms; {}", counts.join("; "))

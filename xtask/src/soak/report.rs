@@ -16,7 +16,7 @@ pub(super) struct Report {
     sensors: Vec<Sensor>,
     warm_up_s: f64,
     memory: Option<Range>,
-    /// Median and 99th percentile of the time from capture to the page, ms.
+    /// Median and 99th percentile of the time from capture to the page, ms; NaN without a page.
     latencies_ms: [f64; 2],
 }
 
@@ -56,11 +56,21 @@ impl Report {
     pub(super) fn table(&self) -> String {
         let mut rows = Vec::new();
         for Sensor { ended, recorded, missing } in &self.sensors {
-            let Ended { sensor, frames, readings, dropped_by_camera, dropped_before_tracking, damaged } = ended;
+            let Ended {
+                sensor,
+                frames,
+                readings,
+                frames_per_second,
+                dropped_by_camera,
+                dropped_before_tracking,
+                damaged,
+            } = ended;
+            let rate = frames_per_second.map_or("not known".to_owned(), |rate| format!("{rate:.2}"));
             let mut add = |what: &str, asked: &str, measured: String| {
                 rows.push(vec![format!("{sensor}: {what}"), asked.to_owned(), measured]);
             };
             add("frames; readings", "–", format!("{frames}; {readings}"));
+            add("readings per second", "–", rate);
             add("dropped before tracking", "0", dropped_before_tracking.to_string());
             add("dropped by the camera; damaged", "–", format!("{dropped_by_camera}; {damaged}"));
             if let Some(recorded) = recorded {
@@ -73,8 +83,11 @@ impl Report {
         });
         let asked = format!("within {:.0} %", 100.0 * MOST_SPREAD);
         rows.push(vec![format!("memory after {:.0} s", self.warm_up_s), asked, memory]);
-        let [p50, p99] = self.latencies_ms;
-        rows.push(vec!["capture to page, p50; p99".into(), "–".into(), format!("{p50:.1}; {p99:.1} ms")]);
+        if let [p50, p99] = self.latencies_ms
+            && p50.is_finite()
+        {
+            rows.push(vec!["capture to page, p50; p99".into(), "–".into(), format!("{p50:.1}; {p99:.1} ms")]);
+        }
         table(&["", "asked", "measured"], &rows)
     }
 
@@ -116,6 +129,7 @@ mod tests {
             sensor: sensor.clone(),
             frames: 20,
             readings: 20 - dropped,
+            frames_per_second: Some(10.0),
             dropped_by_camera: 0,
             dropped_before_tracking: dropped,
             damaged: 0,
@@ -155,6 +169,8 @@ mod tests {
         let other = Report::new(&[ended], None, &Memory::default(), 5.0, &[]);
         assert_eq!(other.faults(), ["memory was not measured: the run was too short"]);
         assert!(!other.table().contains("recording"), "{}", other.table());
+        // Nor has a page received anything.
+        assert!(!other.table().contains("page"), "{}", other.table());
     }
 
     #[test]
