@@ -2,7 +2,8 @@
 
 Needs only Python's standard library: the peer's packages go into a virtual environment under `target/`. All programs
 run on one processor. Each round runs ours, then the peer with the preset MEDIUM, then with FAST, so all see the same state
-of the machine; the ratios are taken round by round. The record goes to `benches/record/<date>-<commit>.json`.
+of the machine; the ratios are taken round by round. The record goes to
+`benches/record/<date>-<time>-<commit>.json`.
 """
 
 from __future__ import annotations
@@ -126,7 +127,7 @@ def write_record(record: Report) -> Path:
     """Writes the record and says where."""
     folder = HERE.parent / "record"
     folder.mkdir(exist_ok=True)
-    path = folder / f"{record['date']}-{record['commit']}.json"
+    path = folder / f"{record['date']}-{record['time'].replace(':', '')}-{record['commit']}.json"
     path.write_text(json.dumps(record, indent=2) + "\n")
     return path
 
@@ -142,7 +143,8 @@ def arguments() -> argparse.Namespace:
 def main() -> None:
     """Prepares, compares, records."""
     args = arguments()
-    record: Report = {"date": datetime.date.today().isoformat(), "commit": commit()}
+    now = datetime.datetime.now(datetime.UTC)
+    record: Report = {"date": now.date().isoformat(), "time": f"{now:%H:%M}", "commit": commit()}
     ours, python = build_ours(), make_peer()
     press = write_press(ours)
     record |= {"machine": machine(args.cpu), "rustc": output(["rustc", "--version"])}
