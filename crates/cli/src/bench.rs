@@ -1,4 +1,4 @@
-//! `fingervision bench`: measures speed and accuracy of tracking on this machine, or how many sensors it carries.
+//! `fingervision bench`: measures speed and accuracy of tracking on this machine, or how many sensors it can track.
 
 mod press;
 mod report;

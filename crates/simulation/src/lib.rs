@@ -1,8 +1,9 @@
 //! A simulated press as a recording: a source of frames, a folder of files, and a picture.
 //!
 //! [`SimulatedSource`] provides the frames of a scene that a [`SimulatedLocation`] names, `sim:SCENE`; [`open`] takes
-//! such a location as well as a folder or a video, and [`PressFilm`] repeats presses without end. [`SimulationFolder`] takes a press frame by frame with its truth,
-//! [`SimulationPreview`] draws it. [`simulated_profile`] is the profile of the simulated sensor.
+//! such a location as well as a folder or a video, and [`PressFilm`] repeats presses without end. [`SimulationFolder`]
+//! writes a press frame by frame with its truth, [`SimulationPreview`] draws it. [`simulated_profile`] is the profile
+//! of the simulated sensor.
 
 mod film;
 mod folder;

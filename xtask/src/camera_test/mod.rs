@@ -2,7 +2,7 @@
 //!
 //! A Debian kernel with test cameras boots in QEMU, without hardware and without root: vivid makes pictures itself, and
 //! v4l2loopback sends what a program writes. Everything is downloaded as Debian packages and unpacked in the target
-//! folder; nothing is installed. Where the packages cannot be had, the tests are skipped, and a line says why.
+//! folder; nothing is installed. Where the packages cannot be downloaded, the tests are skipped, and a line says why.
 
 mod guest;
 mod packages;

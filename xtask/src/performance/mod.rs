@@ -1,7 +1,7 @@
 //! `cargo xtask performance`: measures the tables of `docs/performance.md` on this machine, and writes them there.
 //!
 //! The times are those of the `fingervision` command, which is built first. Other programs on the machine make them
-//! longer, so each table has the load average at its begin beside it. A table that cannot be measured leaves the others
+//! longer, so each table has the load average at its start beside it. A table that cannot be measured leaves the others
 //! as they are.
 
 mod document;

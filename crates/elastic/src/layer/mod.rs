@@ -22,8 +22,8 @@
 //! is the half-space of Boussinesq and Cerruti (Johnson §3.2, §3.6): `1 − ν`, `1 − ν`, `(1 − 2ν) / 2` and 1 on the right.
 //!
 //! [`Layer`] gives these at a wavenumber. [`LayerOperator`] applies them to tractions on a grid of cells, with uniform
-//! traction in each cell and displacements at the cells' centres. [`BlockOperator`] adds the effect of the free sides of a block. All of this is linear: beyond
-//! some ten per cent of strain the finite elements are needed.
+//! traction in each cell and displacements at the cells' centres. [`BlockOperator`] adds the effect of the free sides
+//! of a block. All of this is linear: beyond about 10 % of strain the finite elements are needed.
 
 mod compliance;
 #[cfg(test)]

@@ -5,8 +5,8 @@
 //! the hole's rim. A sphere is `h = R − √(R² − ρ²)`, also straight from where its slope is `s`.
 //!
 //! A height map and a mesh are sampled on a fine grid. Their slopes are limited to `s` too: a steeper wall is made to
-//! lean outwards from its upper edge, which fills narrow grooves. Their edges, both sharp and hollow, are rounded over
-//! the fillet's width, half of it on each side.
+//! lean outwards from its upper edge, which fills narrow grooves. Their edges, both convex and concave, are rounded
+//! over the fillet's width, half of it on each side.
 //!
 //! The indenter's frame is gel space moved to the indenter: x right and y down in the image, z towards the camera. Shapes
 //! are centred at its origin, except the points of a polygon and the centres of pins, which are used as given.

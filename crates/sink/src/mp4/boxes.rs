@@ -13,7 +13,7 @@ const IS_KEY: u32 = 0x0200_0000;
 const IS_NO_KEY: u32 = 0x0101_0000;
 /// What a run of samples states: where its data begin; duration, length and flags of each.
 const RUN_FLAGS: u32 = 0x1 | 0x100 | 0x200 | 0x400;
-/// Places count from the begin of the fragment.
+/// Places count from the start of the fragment.
 const FROM_FRAGMENT: u32 = 0x2_0000;
 /// Colours of ITU-R BT.709: primaries, transfer and matrix.
 const BT_709: [u16; 3] = [1; 3];

@@ -1,4 +1,4 @@
-//! How much this machine carries.
+//! The largest number of sensors, or the highest rate, that this machine tracks without dropped frames.
 
 use super::film::Film;
 use super::report::Found;

@@ -22,10 +22,10 @@
 //! quarter of the block, eliminated level by level from the base to the surface (`quarter`). The infinite mesh is a
 //! chain of 3×3 matrices for each wave, by the theorem of Floquet and Bloch (`waves`).
 //!
-//! Assumed are linear elasticity, small strain and equal bricks. They are compared with elements half as wide, on
-//! 30×25×10 mm at ν 0.48, for smooth loads with a radius of 4 mm. Farther than 5 mm from the load, the error is below 3
-//! % of the largest displacement, even for a load beside a side. Within the load, it grows to about 5 % in the half
-//! coarse cell next to a side, whose edge the coarse mesh does not resolve.
+//! Assumptions: linear elasticity, small strain, equal bricks. Their error was measured against elements half as wide,
+//! on 30×25×10 mm at ν 0.48, for smooth loads with a radius of 4 mm. Farther than 5 mm from the load, the error is
+//! below 3 % of the largest displacement, even for a load beside a side. Within the load, it grows to about 5 % in the
+//! half coarse cell next to a side, whose edge the coarse mesh does not resolve.
 
 mod correction;
 mod inverse;

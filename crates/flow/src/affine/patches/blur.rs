@@ -1,9 +1,9 @@
 //! Follows what moves while the shutter is open.
 //!
-//! Such a picture shows the gel blurred along its motion. A patch then matches with low contrast and a large residual, and
-//! is off by a part of the blur, or fails. Where that happens, the reference is blurred in the same way, and the patches
-//! are matched with it. The motion is known from the flow of the last frame; how long the shutter was open is found by
-//! trying: the exposure that leaves the smallest residual is used.
+//! Such a picture shows the gel blurred along its motion. A patch then matches with low contrast and a large residual,
+//! and its displacement is wrong by a part of the blur, or it fails. Where that happens, the reference is blurred in
+//! the same way, and the patches are matched with it. The motion is known from the flow of the last frame. How long the
+//! shutter was open is not known: several exposures are tried, and the one that leaves the smallest residual is used.
 
 mod exposures;
 mod motion_blur;

@@ -3,8 +3,8 @@
 //! Implemented here because a reader must cope with any file: every count is checked against the available bytes before
 //! memory is allocated, only the index is kept in memory, and a file that is cut off yields its complete frames.
 //!
-//! Read are plain and fragmented files, B-frames (composition offsets), variable frame times, and an edit list with one
-//! edit, which may delay the start of the film. Several edits, or one that changes the speed, are refused.
+//! Plain and fragmented files are read, with B-frames (composition offsets), variable frame times, and an edit list
+//! with one edit, which may delay the start of the video. Several edits, or one that changes the speed, are refused.
 
 mod boxes;
 mod codec;
