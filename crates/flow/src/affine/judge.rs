@@ -142,10 +142,17 @@ impl Refinement {
         }
     }
 
-    /// Adds the error that further steps would correct, that of blur, and another one. Neighbours do not reduce them.
-    pub(crate) fn add_own_errors(&self, template: &Template, other: impl Fn(usize) -> f32, variance: &mut [f32]) {
+    /// Adds the error that further steps would correct, that of blur with its likelihood, and another one. Neighbours do not
+    /// reduce them.
+    pub(crate) fn add_own_errors(
+        &self,
+        template: &Template,
+        blur_likelihood: f32,
+        other: impl Fn(usize) -> f32,
+        variance: &mut [f32],
+    ) {
         for (node, variance) in variance[..self.grid.nodes()].iter_mut().enumerate() {
-            *variance += self.remaining_error[node] + self.blur_error(template, node) + other(node);
+            *variance += self.remaining_error[node] + blur_likelihood * self.blur_error(template, node) + other(node);
         }
     }
 

@@ -1,22 +1,22 @@
 //! Coupled affine patches from the coarsest level to full size.
 
 mod blur;
+mod output;
 mod prediction;
 
 use self::blur::MotionBlur;
 
 use super::bonds::Stiffness;
-use super::fine::{FinePatches, FineTemplate, Rough};
+use super::fine::{FinePatches, FineTemplate};
 use super::grid::PatchGrid;
-use super::judge::{mark_pixels, spread_variance};
 use super::measurement::Current;
 use super::nodes::NodeField;
 use super::refinement::Refinement;
 use super::template::Template;
 use super::texel::Texel;
 use crate::search::local::CellMotion;
-use crate::{Estimate, FlowField, FlowParams, Picture, Team, ValidityParams};
-use fearless_simd::{Level, dispatch};
+use crate::{FlowField, FlowParams, Picture, Team, ValidityParams};
+use fearless_simd::Level;
 
 /// The reference on every level.
 #[derive(Debug, Clone)]
@@ -49,6 +49,8 @@ pub(crate) struct AffinePatches {
     levels: Vec<LevelState>,
     fine: FinePatches,
     blur: MotionBlur,
+    /// Whether a search moved patches of this picture.
+    is_searched: bool,
     variance: Vec<f32>,
     steps: Vec<f32>,
     rings: Vec<usize>,
@@ -108,9 +110,6 @@ const MORE_STEPS: usize = 4;
 /// Conjugate-gradient iterations of a step at full size that others follow.
 const QUICK_ITERATIONS: usize = 3;
 
-/// Finer patches replace a patch whose predicted deviation is above this, px; in smooth flow it is a tenth of this.
-const ROUGH_PX: f32 = 0.1;
-
 /// Farthest that a failed patch may lie from the prediction of its neighbours, px. The weak coupling of a rough field moves
 /// such patches by some px in every step, and in every frame anew.
 const FARTHEST_FAILED_PX: f32 = 2.0;
@@ -140,6 +139,7 @@ impl AffinePatches {
         let blur = MotionBlur::new(full_template(levels[0].field.grid, params), &levels[0].refinement);
         Self {
             blur,
+            is_searched: false,
             params: *params,
             levels,
             fine: FinePatches::new(width, height, simd, params.noise_levels, stiffness),
@@ -198,6 +198,7 @@ impl AffinePatches {
     /// Sets `flow` as the current flow.
     pub(crate) fn start(&mut self, flow: &FlowField) {
         self.blur.begin();
+        self.is_searched = false;
         self.levels[0].field.sample(flow);
     }
 
@@ -254,6 +255,7 @@ impl AffinePatches {
     /// Refines a field found by a search, by steps at full size. Between two steps, failed patches are set to the
     /// prediction of their neighbours and are tried again.
     pub(crate) fn refine(&mut self, reference: &AffineReference, current: &Picture, steps: usize) {
+        self.is_searched = true;
         self.follow(reference, current, 1, 2);
         for _ in 1..steps {
             self.retry(reference, current);
@@ -275,6 +277,7 @@ impl AffinePatches {
         current: &Picture,
         found: impl Iterator<Item = (usize, CellMotion)>,
     ) {
+        self.is_searched = true;
         let LevelState { refinement, field, .. } = &mut self.levels[0];
         for (node, motion) in found {
             field.set_motion(node, motion);
@@ -321,58 +324,6 @@ impl AffinePatches {
             None => refinement.inspect(template, Current { image: current.grey.level(0), gain }, field, iterations),
         }
         refinement.judge(template, field, &self.params.validity);
-    }
-
-    /// Adds detail of the flow that the patches cannot represent to their error; `smooth` is scratch memory.
-    pub(crate) fn add_fine_error(&mut self, flow: &FlowField, smooth: &mut FlowField) {
-        self.expand(smooth);
-        self.levels[0].refinement.add_fine_error(flow, smooth);
-    }
-
-    /// Writes the flow at every pixel.
-    pub(crate) fn expand(&mut self, flow: &mut FlowField) {
-        let LevelState { refinement, field, .. } = &mut self.levels[0];
-        refinement.expand(field, flow);
-    }
-
-    /// Writes the flow, its deviation and its validity, refined where the field is rough.
-    pub(crate) fn write(&mut self, reference: &AffineReference, current: &Picture, out: &mut Estimate) {
-        self.recall_failed();
-        self.expand(&mut out.flow);
-        self.write_validity(reference, out);
-        let gain = reference.gain(current);
-        let Self { levels, fine, blur, variance, params, .. } = self;
-        let refinement = &levels[0].refinement;
-        let template = blur.template(&reference.full);
-        let textured = params.validity.max_deviation_px.powi(2);
-        let rough = |node: usize| {
-            let is_textured = reference.full.own_variance[node] <= textured && refinement.is_inside[node];
-            let variance = if refinement.trust()[node] > 0.0 { variance[node] } else { f32::MAX };
-            let is_rough = is_textured && variance > ROUGH_PX * ROUGH_PX && !blur.is_blurred(node);
-            let blur_error = || refinement.blur_error(template, node) + blur.path_error(node);
-            is_rough.then(|| Rough { variance, blur_error: blur_error() })
-        };
-        let (templates, rules, steps) = ((template, &reference.fine), &params.validity, params.affine.fine_steps);
-        match &current.colour {
-            Some(image) => fine.refine(templates, Current { image, gain }, rules, steps, rough, out),
-            None => fine.refine(templates, Current { image: current.grey.level(0), gain }, rules, steps, rough, out),
-        }
-    }
-
-    /// Writes the deviation and the validity of the flow in `out`.
-    pub(crate) fn write_validity(&mut self, reference: &AffineReference, out: &mut Estimate) {
-        let Self { params, levels, blur, variance, steps, ranks, .. } = self;
-        let template = blur.template(&reference.full);
-        let LevelState { refinement, field, .. } = &mut levels[0];
-        let step_variance = params.affine.continuity_px.powi(2) + params.affine.curvature_px.powi(2);
-        refinement.scale_variance(&template.own_variance, step_variance, variance, steps);
-        spread_variance(field.grid, steps, variance);
-        refinement.add_own_errors(template, |node| blur.path_error(node), variance);
-        let limit = params.validity.max_deviation_px;
-        let found = refinement.summarise(template, limit.powi(2), ranks);
-        (out.matched, out.residual_levels, out.unexplained) = (found.part, found.residual_levels, found.unexplained);
-        let (grid, trust) = (field.grid, refinement.trust());
-        dispatch!(self.simd, simd => mark_pixels(simd, grid, variance, trust, limit, out));
     }
 
     /// Sets the threads that share the work at full size.

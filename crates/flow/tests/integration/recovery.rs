@@ -87,3 +87,16 @@ fn an_area_that_was_hidden_is_found_within_two_frames() {
         assert!(error < 0.05 && valid > 0.9, "hidden for {frames_hidden}: off by {error} px, {valid} valid");
     }
 }
+
+#[test]
+fn the_area_is_found_up_to_its_border() {
+    // Above and below, what moves and what does not meet in a line, and nothing is hidden.
+    let top = Rect { height: 8, ..inside(AREA, EDGE) };
+    for right in [12, 20] {
+        let estimate = follow(&[displaced(&render(&Motion::STILL, 1, 3), right)]);
+        for (y, displacement) in [(AREA.y, right as f32), (AREA.y - 8, 0.0)] {
+            let (error, _) = judge(&estimate, displacement, Rect { y, ..top });
+            assert!(error < 1.5, "by {right} px, from row {y}: off by {error} px");
+        }
+    }
+}

@@ -63,6 +63,12 @@ impl FineField {
         }
     }
 
+    /// Sets another start for a node, from which it is matched again.
+    pub(super) fn restart(&mut self, node: &mut FineNode, motion: Motion) {
+        self.motions[node.place] = motion;
+        (node.start, node.is_trusted) = (motion, true);
+    }
+
     /// Adds the nodes' steps: `u ← u + (I + ∇u) δ`. A patch that would move too far from its start fails and returns to
     /// the start.
     pub(super) fn compose(&mut self, nodes: &mut [FineNode]) {

@@ -2,22 +2,25 @@
 //!
 //! Around the border of a contact the flow changes within a few pixels, and a window of 16 px contains two motions.
 //! There, patches with windows of 8 px every 4 px replace the coarse ones. They start from the coarse flow, take
-//! Gauss–Newton steps together, and give displacement, deviation and validity. Their unknowns and equations are those
-//! of the coarse patches. The computing time grows with the number of fine patches, not with the size of the picture.
+//! Gauss–Newton steps together, and give displacement, deviation and validity. After a search, failed patches also try
+//! the motions of matched ones. Their unknowns and equations are those of the coarse patches. The computing time grows with the number of fine patches, not with the size of the picture.
 
 mod cell;
 mod field;
 mod grid;
 mod node;
+mod propagation;
 mod relax;
 mod template;
 
+pub(crate) use self::propagation::CoarseMotions;
 pub(crate) use self::template::FineTemplate;
 
 use self::cell::residuals;
 use self::field::FineField;
 use self::grid::{CornerWeights, FineGrid, STRIDE};
 use self::node::FineNode;
+use self::propagation::Propagation;
 use self::relax::{NONE, Relaxation};
 use super::bonds::Stiffness;
 use super::grid::PatchGrid;
@@ -31,6 +34,9 @@ use fearless_simd::{Level, Simd, dispatch};
 
 /// Gauss–Seidel sweeps of a step.
 const SWEEPS: usize = 6;
+
+/// How often failed patches take motions from around them after a search; a step follows each time.
+const PROPAGATIONS: usize = 2;
 
 /// Variance that a patch gets from rough flow, relative to the squared roughness; measured on simulated presses.
 const ROUGH_PATCH: f32 = 0.03;
@@ -46,6 +52,17 @@ pub(crate) struct Rough {
     pub(crate) variance: f32,
     /// The square of its error that blur causes, px². A smaller window shows less of blur, but does not correct it.
     pub(crate) blur_error: f32,
+}
+
+/// How the patches are matched.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Effort<'a> {
+    /// Number of steps from the coarse flow.
+    pub(crate) steps: usize,
+    /// After a search: the coarse patches, whose motions failed patches try.
+    pub(crate) coarse: Option<CoarseMotions<'a>>,
+    /// How likely it is that a patch with low contrast and a large residual is blurred, 0 to 1.
+    pub(crate) blur_likelihood: f32,
 }
 
 /// The fine patches of a picture and their scratch memory.
@@ -97,13 +114,13 @@ impl FinePatches {
         fine.prepare(self.level, template, channels, self.scale, self.stiffness.curvature);
     }
 
-    /// Refines the flow in `out` by a number of steps, at the coarse patches for which `rough` returns a value.
+    /// Refines the flow in `out` at the coarse patches for which `rough` returns a value.
     pub(crate) fn refine<T: Texel>(
         &mut self,
         (template, fine): (&Template, &FineTemplate),
         current: Current<'_, T>,
         rules: &ValidityParams,
-        steps: usize,
+        Effort { steps, coarse, blur_likelihood }: Effort<'_>,
         rough: impl Fn(usize) -> Option<Rough>,
         out: &mut Estimate,
     ) {
@@ -120,9 +137,12 @@ impl FinePatches {
             dispatch!(level, simd => self.measure(simd, template, current));
             self.step(fine, rules);
         }
+        if let Some(coarse) = coarse {
+            self.propagate((template, fine), current, rules, coarse);
+        }
         self.field.set_twists(&self.cells);
         dispatch!(level, simd => self.write_flow(simd, out));
-        self.write_deviation(fine, rules, out);
+        self.write_deviation(fine, rules, blur_likelihood, out);
     }
 
     /// Sets the nodes to be refined and the cells around them.
@@ -173,6 +193,27 @@ impl FinePatches {
         }
     }
 
+    /// Matches failed patches again, with motions from around them.
+    fn propagate<T: Texel>(
+        &mut self,
+        (template, fine): (&Template, &FineTemplate),
+        current: Current<'_, T>,
+        rules: &ValidityParams,
+        coarse: CoarseMotions<'_>,
+    ) {
+        let level = self.level;
+        for _ in 0..PROPAGATIONS {
+            let Self { grid, noise_variance, weights, field, index, nodes, .. } = self;
+            let (grid, noise_variance, templates) = (*grid, *noise_variance, (template, fine));
+            let propagation = Propagation { grid, weights, templates, current, rules, noise_variance, coarse, index };
+            if !dispatch!(level, simd => propagation.run(simd, field, nodes)) {
+                break;
+            }
+            dispatch!(level, simd => self.measure(simd, template, current));
+            self.step(fine, rules);
+        }
+    }
+
     /// Solves for the steps of the nodes, decides which patches failed, and adds the steps.
     fn step(&mut self, fine: &FineTemplate, rules: &ValidityParams) {
         let Self { grid, stiffness, scale, noise_variance, field, index, nodes, .. } = self;
@@ -208,14 +249,15 @@ impl FinePatches {
     }
 
     /// Writes deviation and validity: a pixel takes those of the nearest fine node.
-    fn write_deviation(&self, fine: &FineTemplate, rules: &ValidityParams, out: &mut Estimate) {
+    fn write_deviation(&self, fine: &FineTemplate, rules: &ValidityParams, blur_likelihood: f32, out: &mut Estimate) {
         let expected = self.stiffness.continuity.recip() + self.stiffness.curvature.recip();
         let (right, bottom) = ((self.grid.width - 1) as f32, (self.grid.height - 1) as f32);
         for node in &self.nodes {
             let [u, _, _, v, ..] = node.step;
             let excess = (node.mean_energy / self.noise_variance).max(1.0);
             let rough = ROUGH_PATCH * expected * node.roughness;
-            let blur = node.blur_error(fine.equations[node.place].variance, self.noise_variance);
+            let template_variance = fine.equations[node.place].variance;
+            let blur = node.blur_error(template_variance, self.noise_variance, blur_likelihood);
             let other = rough + blur + REMAINING_ERROR * (u * u + v * v) + FLOOR_VARIANCE;
             let variance = fine.own_variance[node.place] * excess + other;
             let deviation = if node.is_trusted { variance.sqrt() } else { f32::INFINITY };

@@ -83,17 +83,34 @@ impl FineNode {
             left += step * (image - 2.0 / scale * right);
         }
         let left = left.max(0.0);
-        let floor = rules.noise_floor.powi(2) * noise_variance;
-        let allowed = floor.max(rules.max_unexplained * variance);
-        self.is_trusted = left <= allowed * samples && self.contrast >= LEAST_CONTRAST;
+        let is_explained = left <= allowed(*variance, noise_variance, rules) * samples;
+        self.is_trusted = is_explained && self.contrast >= LEAST_CONTRAST;
         self.mean_energy = left / samples.max(1.0);
     }
 
-    /// Square of the error that blur causes, px²; `variance` is that of the template.
-    pub(super) fn blur_error(&self, variance: f32, noise_variance: f32) -> f32 {
-        let own = blur_error(self.contrast, self.mean_energy - noise_variance, variance.max(noise_variance));
-        own.max(self.coarse_blur_error)
+    /// The residual without a step, relative to the largest of a valid patch; infinite if the contrast is too low.
+    pub(super) fn unexplained(&self, equations: &PatchEquations, noise_variance: f32, rules: &ValidityParams) -> f32 {
+        let PatchEquations { light_inverse: [d00, d01, d11], samples, variance, .. } = equations;
+        let [gain, offset, energy] = [0, 1, 2].map(|k| self.sums[UNKNOWNS + k]);
+        let contrast = 1.0 - (d00 * gain + d01 * offset);
+        if contrast < LEAST_CONTRAST {
+            return f32::INFINITY;
+        }
+        let by_light = d00 * gain * gain + 2.0 * d01 * gain * offset + d11 * offset * offset;
+        let left = (energy - by_light) / contrast.powi(2);
+        left / (allowed(*variance, noise_variance, rules) * samples.max(1.0))
     }
+
+    /// Square of the error that blur causes, px²; `variance` is that of the template.
+    pub(super) fn blur_error(&self, variance: f32, noise_variance: f32, likelihood: f32) -> f32 {
+        let own = blur_error(self.contrast, self.mean_energy - noise_variance, variance.max(noise_variance));
+        (likelihood * own).max(self.coarse_blur_error)
+    }
+}
+
+/// The largest residual per sample of a valid patch, grey levels², from the variance of its template.
+fn allowed(variance: f32, noise_variance: f32, rules: &ValidityParams) -> f32 {
+    (rules.noise_floor.powi(2) * noise_variance).max(rules.max_unexplained * variance)
 }
 
 /// `M x` with a packed symmetric matrix.

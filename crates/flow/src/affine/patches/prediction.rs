@@ -16,6 +16,7 @@ impl AffinePatches {
     /// picture then matches clearly worse. Returns whether the prediction holds everywhere.
     pub(crate) fn predict(&mut self, reference: &AffineReference, current: &Picture, history: &FlowHistory) -> bool {
         self.blur.begin();
+        self.is_searched = false;
         let LevelState { field, before, .. } = &mut self.levels[0];
         field.copy_from(history.last_nodes());
         let Some(earlier) = history.earlier_nodes() else { return false };

@@ -18,6 +18,14 @@ const LEAST_BLURRED: usize = 10;
 /// pictures, too.
 const LEAST_PART: f32 = 0.6;
 
+/// Least error of a patch that may be slightly blurred, px. In a sharp picture, a patch that matches has an error of zero, or hardly
+/// more.
+const SLIGHT_ERROR_PX: f32 = 0.005;
+
+/// If at most the first part of the patches that move as fast may be blurred at all, the shutter was open for a short time, and
+/// low contrast with a large residual belongs to a rim. From the second part on it is taken for blur.
+const BLUR_IS_LIKELY: [f32; 2] = [0.3, 0.5];
+
 /// A patch moves about as fast as the blurred ones if it has this part of their mean motion.
 const AS_FAST: f32 = 0.75;
 
@@ -42,6 +50,8 @@ pub(in crate::affine::patches) struct MotionBlur {
     pub(super) is_used: bool,
     /// Whether the next picture is taken as sharp, because the last search found nothing.
     pub(super) skips_next: bool,
+    /// The part of the patches that move about as fast as the blurred ones and may be blurred, too, if it is known.
+    part: Option<f32>,
     /// The best exposure of the last blurred picture.
     pub(super) exposure: Option<Trial>,
     /// Motion of each patch since the last frame, px.
@@ -68,6 +78,7 @@ impl MotionBlur {
             reference,
             is_used: false,
             skips_next: false,
+            part: None,
             exposure: None,
             motion: vec![0.0; nodes],
             blurred: Vec::with_capacity(nodes),
@@ -79,7 +90,7 @@ impl MotionBlur {
 
     /// Begins a picture that is not known to be blurred.
     pub(in crate::affine::patches) fn begin(&mut self) {
-        self.is_used = false;
+        (self.is_used, self.part) = (false, None);
     }
 
     /// Forgets the previous frames.
@@ -115,17 +126,29 @@ impl MotionBlur {
     /// Finds the blurred patches; returns whether there are enough.
     pub(super) fn find_blurred(&mut self, refinement: &Refinement, sharp: &Template, most_variance: f32) -> bool {
         let Self { motion, blurred, .. } = self;
+        let is_textured = |node: usize| sharp.own_variance[node] <= most_variance && refinement.is_inside[node];
+        let errs =
+            |node: usize, px: f32| refinement.trust()[node] <= 0.0 || refinement.blur_error(sharp, node) > px * px;
         blurred.clear();
-        blurred.extend((0..motion.len()).filter(|&node| {
-            let is_blurred = || refinement.blur_error(sharp, node) > LEAST_ERROR_PX * LEAST_ERROR_PX;
-            motion[node] > LEAST_MOTION_PX
-                && sharp.own_variance[node] <= most_variance
-                && refinement.is_inside[node]
-                && (refinement.trust()[node] <= 0.0 || is_blurred())
-        }));
+        blurred.extend(
+            (0..motion.len())
+                .filter(|&node| motion[node] > LEAST_MOTION_PX && is_textured(node) && errs(node, LEAST_ERROR_PX)),
+        );
         let least = AS_FAST * blurred.iter().map(|&node| motion[node]).sum::<f32>() / blurred.len() as f32;
         let as_fast = motion.iter().filter(|motion| **motion > least).count();
+        let (mut all, mut slightly) = (0_u32, 0_u32);
+        for node in (0..motion.len()).filter(|&node| motion[node] > least && is_textured(node)) {
+            all += 1;
+            slightly += u32::from(errs(node, SLIGHT_ERROR_PX));
+        }
+        self.part = (all > 0).then(|| slightly as f32 / all as f32);
         blurred.len() >= LEAST_BLURRED && blurred.len() as f32 > LEAST_PART * as_fast as f32
+    }
+
+    /// How likely it is that a patch with low contrast and a large residual is blurred, 0 to 1.
+    pub(in crate::affine::patches) fn likelihood(&self) -> f32 {
+        let [from, to] = BLUR_IS_LIKELY;
+        self.part.map_or(1.0, |part| ((part - from) / (to - from)).clamp(0.0, 1.0))
     }
 
     /// Sets the errors that the paths of the patches cause.
@@ -159,4 +182,22 @@ impl MotionBlur {
 /// Part of the texture's variance in a patch that is left unexplained, 0 to 1.
 fn unexplained(refinement: &Refinement, template: &Template, node: usize) -> f32 {
     (refinement.mean_energy[node] / template.variance[node].max(1.0)).min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::FlowParams;
+    use crate::affine::patches::AffinePatches;
+    use fearless_simd::Level;
+
+    #[test]
+    fn blur_is_likely_if_most_of_what_moves_as_fast_looks_blurred() {
+        let mut blur = AffinePatches::new(64, 48, &FlowParams::default(), Level::new()).blur;
+        for (part, expected) in [(None, 1.0), (Some(0.1), 0.0), (Some(0.4), 0.5), (Some(0.9), 1.0)] {
+            blur.part = part;
+            assert!((blur.likelihood() - expected).abs() < 1e-6, "{part:?}: {}", blur.likelihood());
+        }
+        blur.begin();
+        assert!((blur.likelihood() - 1.0).abs() < 1e-6, "a new picture may be blurred");
+    }
 }

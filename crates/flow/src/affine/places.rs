@@ -1,0 +1,116 @@
+//! Sixteen points between the pixels of a picture, and the taps of cubic B-splines on 4×4 px around them.
+
+use super::grid::LANES;
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+
+/// Largest distance of a point from the part of the picture that has all taps, px, at which it still counts as inside.
+const BORDER_PX: f32 = 1.0 / 64.0;
+
+/// Pixels along each axis of which points that share their taps use four each: their motions differ by less than two pixels.
+pub(super) const SHARED: usize = 5;
+
+/// Sixteen points relative to the pixels of a picture.
+pub(crate) struct Places<S: Simd> {
+    /// The pixel to the upper left of each point: column and row.
+    corner: [f32x16<S>; 2],
+    /// Distance of each point from there.
+    fraction: [f32x16<S>; 2],
+    /// Whether the point and its taps lie in the picture. The places of other points are moved into it.
+    inside: mask32x16<S>,
+    /// Whether the points are the displaced pixels of one row, one after another.
+    is_row: bool,
+}
+
+/// The taps of any sixteen points.
+pub(super) struct Taps<S: Simd> {
+    /// Index of every point's upper left pixel.
+    pub(super) base: [u32; LANES],
+    pub(super) weights_x: [f32x16<S>; 4],
+    pub(super) weights_y: [f32x16<S>; 4],
+}
+
+/// The taps of sixteen neighbours in a row, most of which are the same.
+pub(super) struct SharedTaps<S: Simd> {
+    /// Index of the upper left pixel of the first point.
+    pub(super) start: usize,
+    pub(super) weights_x: [f32x16<S>; SHARED],
+    pub(super) weights_y: [f32x16<S>; SHARED],
+}
+
+impl<S: Simd> Places<S> {
+    /// Any points of a picture of this size.
+    #[inline(always)]
+    pub(super) fn of(x: f32x16<S>, y: f32x16<S>, (width, height): (usize, usize)) -> Self {
+        // NaN is clamped to the lower bound. Its distance from there is NaN, so it counts as outside.
+        let clamp = |place: f32x16<S>, size: usize| place.max_precise(1.0).min(size as f32 - 2.0 - BORDER_PX);
+        let clamped = [clamp(x, width), clamp(y, height)];
+        let corner = clamped.map(SimdFloat::floor);
+        let near = |place: f32x16<S>, clamped: f32x16<S>| (place - clamped).abs().simd_le(BORDER_PX);
+        let inside = near(x, clamped[0]) & near(y, clamped[1]);
+        Self { corner, fraction: [clamped[0] - corner[0], clamped[1] - corner[1]], inside, is_row: false }
+    }
+
+    /// The displaced pixels of one row, one after another.
+    #[inline(always)]
+    pub(super) fn in_row(x: f32x16<S>, y: f32x16<S>, size: (usize, usize)) -> Self {
+        Self { is_row: true, ..Self::of(x, y, size) }
+    }
+
+    /// 1 for every point that lies in the picture with its taps, else 0.
+    #[inline(always)]
+    pub(super) fn inside(&self, simd: S) -> f32x16<S> {
+        self.inside.select(f32x16::splat(simd, 1.0), f32x16::splat(simd, 0.0))
+    }
+
+    /// The taps of every point, in a picture of this width.
+    #[inline(always)]
+    pub(super) fn taps(&self, width: usize) -> Taps<S> {
+        let [left, top] = self.corner;
+        let base = (top - 1.0) * width as f32 + (left - 1.0);
+        Taps {
+            base: base.to_int::<fearless_simd::u32x16<S>>().to_array(),
+            weights_x: spline_weights(self.fraction[0]),
+            weights_y: spline_weights(self.fraction[1]),
+        }
+    }
+
+    /// The taps of neighbours in a row that move alike, but for one column and one row, in a picture of this size.
+    #[inline(always)]
+    pub(super) fn shared_taps(&self, simd: S, (width, height): (usize, usize)) -> Option<SharedTaps<S>> {
+        const FAR: f32 = 1e9;
+        if !self.is_row {
+            return None;
+        }
+        let lanes = std::array::from_fn(|lane| lane as f32);
+        let motion = [self.corner[0] - f32x16::load_array(simd, lanes), self.corner[1]];
+        let far = f32x16::splat(simd, FAR);
+        let first = motion.map(|motion| self.inside.select(motion, far).reduce_min());
+        let shift = [motion[0] - first[0], motion[1] - first[1]];
+        let is_shared = shift[0].simd_le(1.0) & shift[1].simd_le(1.0) | !self.inside;
+        let [left, top] = first;
+        if !is_shared.all_true() || left >= FAR {
+            return None;
+        }
+        // Exact: the number of pixels is limited.
+        let start = (top - 1.0) * width as f32 + (left - 1.0);
+        let end = start + ((SHARED - 1) * width + LANES + SHARED - 1) as f32;
+        if start < 0.0 || end > (width * height) as f32 {
+            return None;
+        }
+        let [weights_x, weights_y] = [0, 1].map(|axis| {
+            let is_shifted = shift[axis].simd_ge(1.0);
+            let [a, b, c, d] = spline_weights(self.fraction[axis]);
+            let zero = f32x16::splat(simd, 0.0);
+            let either = |shifted, own| is_shifted.select(shifted, own);
+            [either(zero, a), either(a, b), either(b, c), either(c, d), either(d, zero)]
+        });
+        Some(SharedTaps { start: start as u32 as usize, weights_x, weights_y })
+    }
+}
+
+/// Cubic B-spline weights of the taps at −1, 0, 1 and 2 for a fraction `t`.
+#[inline(always)]
+fn spline_weights<S: Simd>(t: f32x16<S>) -> [f32x16<S>; 4] {
+    let (sixth, s) = (1.0 / 6.0, t * -1.0 + 1.0);
+    [s * s * s * sixth, (t * 0.5 - 1.0) * t * t + 2.0 / 3.0, (s * 0.5 - 1.0) * s * s + 2.0 / 3.0, t * t * t * sixth]
+}
