@@ -7,8 +7,9 @@ use super::expander::{Expander, Line};
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows, sum_rows_twice};
 use super::nodes::{NodeField, UNKNOWNS};
+use super::places::Places;
 use super::template::Template;
-use super::texel::{Texel, locate, products};
+use super::texel::{Texel, products};
 use crate::Team;
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
@@ -202,9 +203,10 @@ fn multiply_row<S: Simd, T: Texel>(
     for column in (0..xs.len()).step_by(LANES) {
         let x = f32x16::from_slice(simd, &xs[column..][..LANES]);
         let y = f32x16::from_slice(simd, &ys[column..][..LANES]);
-        let (taps, inside) = locate(simd, x, y, current.image.size());
+        let places = Places::in_row(x, y, current.image.size());
+        let inside = places.inside(simd);
         let products =
-            products(simd, current.image, current.gain, &taps, |channel| template.block(channel, column, row));
+            products(simd, current.image, current.gain, &places, |channel| template.block(channel, column, row));
         let [gx, gy] = products.gradient;
         let [gain, offset] = products.light;
         for (plane, product) in band.iter_mut().zip([gx, gy, gain, offset, products.energy]) {

@@ -13,6 +13,7 @@ pub(crate) mod moments;
 pub(crate) mod nodes;
 mod own_variance;
 pub(crate) mod patches;
+mod places;
 pub(crate) mod refinement;
 mod symmetric;
 pub(crate) mod template;

@@ -9,6 +9,9 @@ const BORDER_PX: f32 = 1.0 / 64.0;
 /// Pixels along each axis of which points that share their taps use four each: their motions differ by less than two pixels.
 pub(super) const SHARED: usize = 5;
 
+/// The lanes' numbers.
+const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
+
 /// Sixteen points relative to the pixels of a picture.
 pub(crate) struct Places<S: Simd> {
     /// The pixel to the upper left of each point: column and row.
@@ -42,12 +45,10 @@ impl<S: Simd> Places<S> {
     #[inline(always)]
     pub(super) fn of(x: f32x16<S>, y: f32x16<S>, (width, height): (usize, usize)) -> Self {
         // NaN is clamped to the lower bound. Its distance from there is NaN, so it counts as outside.
-        let clamp = |place: f32x16<S>, size: usize| place.max_precise(1.0).min(size as f32 - 2.0 - BORDER_PX);
-        let clamped = [clamp(x, width), clamp(y, height)];
-        let corner = clamped.map(SimdFloat::floor);
-        let near = |place: f32x16<S>, clamped: f32x16<S>| (place - clamped).abs().simd_le(BORDER_PX);
-        let inside = near(x, clamped[0]) & near(y, clamped[1]);
-        Self { corner, fraction: [clamped[0] - corner[0], clamped[1] - corner[1]], inside, is_row: false }
+        let (clamped_x, clamped_y) = (clamp(x, width), clamp(y, height));
+        let corner = [clamped_x.floor(), clamped_y.floor()];
+        let inside = (x - clamped_x).abs().simd_le(BORDER_PX) & (y - clamped_y).abs().simd_le(BORDER_PX);
+        Self { corner, fraction: [clamped_x - corner[0], clamped_y - corner[1]], inside, is_row: false }
     }
 
     /// The displaced pixels of one row, one after another.
@@ -81,11 +82,10 @@ impl<S: Simd> Places<S> {
         if !self.is_row {
             return None;
         }
-        let lanes = std::array::from_fn(|lane| lane as f32);
-        let motion = [self.corner[0] - f32x16::load_array(simd, lanes), self.corner[1]];
         let far = f32x16::splat(simd, FAR);
-        let first = motion.map(|motion| self.inside.select(motion, far).reduce_min());
-        let shift = [motion[0] - first[0], motion[1] - first[1]];
+        let along = self.corner[0] - f32x16::load_array(simd, LANE);
+        let first = [self.inside.select(along, far).reduce_min(), self.inside.select(self.corner[1], far).reduce_min()];
+        let shift = [along - first[0], self.corner[1] - first[1]];
         let is_shared = shift[0].simd_le(1.0) & shift[1].simd_le(1.0) | !self.inside;
         let [left, top] = first;
         if !is_shared.all_true() || left >= FAR {
@@ -97,15 +97,31 @@ impl<S: Simd> Places<S> {
         if start < 0.0 || end > (width * height) as f32 {
             return None;
         }
-        let [weights_x, weights_y] = [0, 1].map(|axis| {
-            let is_shifted = shift[axis].simd_ge(1.0);
-            let [a, b, c, d] = spline_weights(self.fraction[axis]);
-            let zero = f32x16::splat(simd, 0.0);
-            let either = |shifted, own| is_shifted.select(shifted, own);
-            [either(zero, a), either(a, b), either(b, c), either(c, d), either(d, zero)]
-        });
+        let weights_x = shifted_weights(simd, self.fraction[0], shift[0]);
+        let weights_y = shifted_weights(simd, self.fraction[1], shift[1]);
         Some(SharedTaps { start: start as u32 as usize, weights_x, weights_y })
     }
+}
+
+/// Moves a coordinate to where the taps lie in a picture of this size.
+#[inline(always)]
+fn clamp<S: Simd>(place: f32x16<S>, size: usize) -> f32x16<S> {
+    place.max_precise(1.0).min(size as f32 - 2.0 - BORDER_PX)
+}
+
+/// The weights of five taps: four from the first one on, or from the second one where `shift` is 1.
+#[inline(always)]
+fn shifted_weights<S: Simd>(simd: S, fraction: f32x16<S>, shift: f32x16<S>) -> [f32x16<S>; SHARED] {
+    let is_shifted = shift.simd_ge(1.0);
+    let [a, b, c, d] = spline_weights(fraction);
+    let zero = f32x16::splat(simd, 0.0);
+    [
+        is_shifted.select(zero, a),
+        is_shifted.select(a, b),
+        is_shifted.select(b, c),
+        is_shifted.select(c, d),
+        is_shifted.select(d, zero),
+    ]
 }
 
 /// Cubic B-spline weights of the taps at −1, 0, 1 and 2 for a fraction `t`.

@@ -4,6 +4,7 @@
 //! gradient, sixteen pixels at a time.
 
 use super::grid::LANES;
+use super::places::{Places, SHARED, SharedTaps, Taps};
 use fearless_simd::{Simd, f32x4, f32x16, prelude::*};
 use fingervision_image::Image;
 
@@ -28,44 +29,6 @@ pub(crate) struct Products<S: Simd> {
 /// Grey level subtracted from template values, so that gain and offset decouple.
 pub(crate) const MID_LEVEL: f32 = 128.0;
 
-/// The sampling of sixteen pixels: index of the upper left of 4×4 taps, and the weights of the taps.
-pub(crate) struct Taps<S: Simd> {
-    pub(crate) base: [u32; LANES],
-    pub(crate) weights_x: [f32x16<S>; 4],
-    pub(crate) weights_y: [f32x16<S>; 4],
-}
-
-/// Taps and weights for sixteen positions, and 1 where a position and its taps lie in a picture of this size, else 0.
-#[inline(always)]
-pub(super) fn locate<S: Simd>(
-    simd: S,
-    x: f32x16<S>,
-    y: f32x16<S>,
-    (width, height): (usize, usize),
-) -> (Taps<S>, f32x16<S>) {
-    // NaN is clamped to the lower bound. Its distance from there is NaN, so it counts as outside.
-    let clamp = |place: f32x16<S>, size: usize| place.max_precise(1.0).min(size as f32 - 2.0 - 1.0 / 64.0);
-    let (clamped_x, clamped_y) = (clamp(x, width), clamp(y, height));
-    let (left, top) = (clamped_x.floor(), clamped_y.floor());
-    let near = |place: f32x16<S>, clamped: f32x16<S>| (place - clamped).abs().simd_le(1.0 / 64.0);
-    let inside = near(x, clamped_x) & near(y, clamped_y);
-    let base = (top - 1.0) * width as f32 + (left - 1.0);
-    let taps = Taps {
-        base: base.to_int::<fearless_simd::u32x16<S>>().to_array(),
-        weights_x: spline_weights(clamped_x - left),
-        weights_y: spline_weights(clamped_y - top),
-    };
-    let one = f32x16::splat(simd, 1.0);
-    (taps, inside.select(one, f32x16::splat(simd, 0.0)))
-}
-
-/// Cubic B-spline weights of the taps at −1, 0, 1 and 2 for a fraction `t`.
-#[inline(always)]
-fn spline_weights<S: Simd>(t: f32x16<S>) -> [f32x16<S>; 4] {
-    let (sixth, s) = (1.0 / 6.0, t * -1.0 + 1.0);
-    [s * s * s * sixth, (t * 0.5 - 1.0) * t * t + 2.0 / 3.0, (s * 0.5 - 1.0) * s * s + 2.0 / 3.0, t * t * t * sixth]
-}
-
 /// A pixel type for the affine kernels.
 pub(crate) trait Texel: Copy + Default + Send + Sync + 'static {
     /// Channels that carry a signal.
@@ -75,7 +38,7 @@ pub(crate) trait Texel: Copy + Default + Send + Sync + 'static {
     fn channels(self) -> [f32; 4];
 
     /// Sixteen samples of the current image: one register for each channel, the unused ones zero or repeated.
-    fn sample<S: Simd>(simd: S, current: &Image<Self>, taps: &Taps<S>) -> [f32x16<S>; 3];
+    fn sample<S: Simd>(simd: S, current: &Image<Self>, places: &Places<S>) -> [f32x16<S>; 3];
 }
 
 /// The products of sixteen pixels. `block` gives the template's channels, `gain` scales the current image.
@@ -84,10 +47,10 @@ pub(crate) fn products<'a, S: Simd, T: Texel>(
     simd: S,
     current: &Image<T>,
     gain: f32,
-    taps: &Taps<S>,
+    places: &Places<S>,
     block: impl Fn(usize) -> TemplateBlock<'a>,
 ) -> Products<S> {
-    let samples = T::sample(simd, current, taps);
+    let samples = T::sample(simd, current, places);
     let zero = f32x16::splat(simd, 0.0);
     let mut sums = Products { gradient: [zero; 2], light: [zero; 2], energy: zero };
     for (channel, sample) in samples.into_iter().enumerate().take(T::CHANNELS) {
@@ -115,8 +78,8 @@ impl Texel for f32 {
     }
 
     #[inline(always)]
-    fn sample<S: Simd>(simd: S, current: &Image<Self>, taps: &Taps<S>) -> [f32x16<S>; 3] {
-        [sample_grey(simd, current, taps); 3]
+    fn sample<S: Simd>(simd: S, current: &Image<Self>, places: &Places<S>) -> [f32x16<S>; 3] {
+        [sample_grey(simd, current, places); 3]
     }
 }
 
@@ -128,13 +91,38 @@ impl Texel for [f32; 4] {
     }
 
     #[inline(always)]
-    fn sample<S: Simd>(simd: S, current: &Image<Self>, taps: &Taps<S>) -> [f32x16<S>; 3] {
-        sample_colour(simd, current, taps)
+    fn sample<S: Simd>(simd: S, current: &Image<Self>, places: &Places<S>) -> [f32x16<S>; 3] {
+        sample_colour(simd, current, &places.taps(current.width()))
+    }
+}
+
+/// Grey levels. If the points share their taps, these are read as whole registers, which gives the same bits: a tap that a point
+/// does not need has the weight zero.
+#[inline(always)]
+fn sample_grey<S: Simd>(simd: S, current: &Image<f32>, places: &Places<S>) -> f32x16<S> {
+    match places.shared_taps(simd, current.size()) {
+        Some(taps) => sample_shared(simd, current, &taps),
+        None => sample_single(simd, current, &places.taps(current.width())),
     }
 }
 
 #[inline(always)]
-fn sample_grey<S: Simd>(simd: S, current: &Image<f32>, taps: &Taps<S>) -> f32x16<S> {
+fn sample_shared<S: Simd>(simd: S, current: &Image<f32>, taps: &SharedTaps<S>) -> f32x16<S> {
+    let (stride, values) = (current.width(), &current.values()[taps.start..]);
+    let mut sum = f32x16::splat(simd, 0.0);
+    for (column, &weight) in taps.weights_x.iter().enumerate() {
+        let mut down = f32x16::from_slice(simd, &values[column..][..LANES]) * taps.weights_y[0];
+        for row in 1..SHARED {
+            down =
+                f32x16::from_slice(simd, &values[row * stride + column..][..LANES]).mul_add(taps.weights_y[row], down);
+        }
+        sum = down.mul_add(weight, sum);
+    }
+    sum
+}
+
+#[inline(always)]
+fn sample_single<S: Simd>(simd: S, current: &Image<f32>, taps: &Taps<S>) -> f32x16<S> {
     let (stride, values) = (current.width(), current.values());
     let weights_y: [[f32; LANES]; 4] = taps.weights_y.map(SimdBase::to_array);
     let mut columns = [[0.0f32; 4]; LANES];
@@ -186,4 +174,59 @@ fn transpose<S: Simd>(simd: S, quadruples: &[[f32; 4]; LANES]) -> [f32x16<S>; 4]
     let (first, third) = even_low.deinterleave(even_high);
     let (second, fourth) = odd_low.deinterleave(odd_high);
     [first, second, third, fourth]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    const SIZE: (usize, usize) = (40, 12);
+
+    /// Samples neighbours from a column on, displaced by `motion`; returns whether their taps were shared.
+    fn check(row: f32, first: f32, motion: impl Fn(usize) -> [f32; 2]) -> bool {
+        let picture = Image::from_fn(SIZE.0, SIZE.1, |x, y| ((37 * x + 101 * y + 5 * x * y) % 251) as f32);
+        let x: [f32; LANES] = std::array::from_fn(|k| first + k as f32 + motion(k)[0]);
+        let y: [f32; LANES] = std::array::from_fn(|k| row + motion(k)[1]);
+        dispatch!(Level::new(), simd => {
+            let places = Places::in_row(f32x16::load_array(simd, x), f32x16::load_array(simd, y), SIZE);
+            let inside = places.inside(simd).to_array();
+            let single = sample_single(simd, &picture, &places.taps(SIZE.0)).to_array();
+            let shared = places.shared_taps(simd, SIZE);
+            let found = shared.as_ref().map(|taps| sample_shared(simd, &picture, taps).to_array());
+            for k in 0..LANES {
+                let is_inside = (1.0..=SIZE.0 as f32 - 2.0).contains(&x[k]) && (1.0..=SIZE.1 as f32 - 2.0).contains(&y[k]);
+                assert_eq!(inside[k].to_bits(), f32::from(u8::from(is_inside)).to_bits(), "at {} {}", x[k], y[k]);
+                if let Some(found) = found.filter(|_| is_inside) {
+                    assert_eq!(found[k].to_bits(), single[k].to_bits(), "at {} {}", x[k], y[k]);
+                }
+            }
+            shared.is_some()
+        })
+    }
+
+    #[test]
+    fn neighbours_that_move_alike_share_their_taps_and_have_the_same_bits() {
+        // A small motion to both sides of a pixel, as at rest.
+        assert!(check(5.0, 9.0, |k| if k % 3 == 0 { [0.003, -0.002] } else { [-0.004, 0.001] }));
+        assert!(check(5.0, 9.0, |k| [3.7 + 0.05 * k as f32, -2.2 + 0.04 * k as f32]));
+        assert!(check(5.0, 9.0, |_| [-6.25, 2.5]));
+    }
+
+    #[test]
+    fn neighbours_that_part_do_not() {
+        assert!(!check(5.0, 9.0, |k| [0.2 * k as f32, 0.0]));
+        assert!(!check(4.0, 9.0, |k| [0.0, 0.3 * k as f32]));
+    }
+
+    #[test]
+    fn points_beyond_the_border_are_outside_and_those_beside_them_are_right() {
+        assert!(check(5.0, -4.0, |_| [0.25, 0.25]));
+        assert!(check(5.0, 30.0, |_| [0.25, 0.25]));
+        // No pixel before the first row, none after the last one.
+        assert!(!check(1.0, -4.0, |_| [0.25, 0.25]));
+        assert!(!check(8.0, 9.0, |_| [0.25, 1.25]));
+        assert!(!check(-9.0, 9.0, |_| [0.0, 0.0]));
+        check(5.0, 9.0, |k| if k == 3 { [f32::NAN, 0.0] } else { [0.5, 0.5] });
+    }
 }

@@ -3,8 +3,9 @@
 use super::grid::{CELL, CORNERS, CornerWeights, STRIDE};
 use crate::affine::grid::MARGIN;
 use crate::affine::measurement::Current;
+use crate::affine::places::Places;
 use crate::affine::template::{MOMENTS, Template};
-use crate::affine::texel::{MID_LEVEL, TemplateBlock, Texel, locate, products};
+use crate::affine::texel::{MID_LEVEL, TemplateBlock, Texel, products};
 use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
@@ -96,8 +97,9 @@ pub(super) fn residuals<S: Simd, T: Texel>(
     }
     let (column, row) = (f32x16::load_array(simd, columns), f32x16::load_array(simd, rows));
     let (u, v) = (f32x16::load_array(simd, flow[0]), f32x16::load_array(simd, flow[1]));
-    let (taps, inside) = locate(simd, column + u, row + v, current.image.size());
-    let found = products(simd, current.image, current.gain, &taps, |channel| cell.block(channel));
+    let places = Places::of(column + u, row + v, current.image.size());
+    let inside = places.inside(simd);
+    let found = products(simd, current.image, current.gain, &places, |channel| cell.block(channel));
     let (gx, gy) = (found.gradient[0] * inside, found.gradient[1] * inside);
     let (gain, offset, energy) = (found.light[0] * inside, found.light[1] * inside, found.energy * inside);
     let planes = [gx, gy, gain, offset, energy];
