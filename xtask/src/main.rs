@@ -1,5 +1,5 @@
 //! Checks and measurements of the workspace: `cargo xtask accuracy`, `cargo xtask layers`, `cargo xtask circles`,
-//! `cargo xtask check`, `cargo xtask camera-test`, `cargo xtask python`, `cargo xtask site`,
+//! `cargo xtask check`, `cargo xtask camera-test`, `cargo xtask page-test`, `cargo xtask python`, `cargo xtask site`,
 //! `cargo xtask instructions`, `cargo xtask performance`, `cargo xtask soak`.
 
 mod accuracy;
@@ -11,6 +11,7 @@ mod environment;
 mod instructions;
 mod layers;
 mod lengths;
+mod page_test;
 mod performance;
 mod python;
 mod site;
@@ -46,6 +47,8 @@ enum Name {
     /// Test cameras on a real kernel in an emulator.
     #[cfg(unix)]
     CameraTest(camera_test::Args),
+    /// Test the page of live sensors in Chromium.
+    PageTest(page_test::Args),
     /// Build the Python wheel and test it in an environment of its own.
     Python(python::Args),
     /// Build the documentation as a site.
@@ -70,6 +73,7 @@ fn main() -> ExitCode {
         Name::Check => check::run(&mut std::io::stdout().lock()),
         #[cfg(unix)]
         Name::CameraTest(args) => camera_test::run(&args, &mut std::io::stdout().lock()),
+        Name::PageTest(args) => page_test::run(&args, &mut std::io::stdout().lock()),
         Name::Python(args) => python::run(&args, &mut std::io::stdout().lock()),
         Name::Site(args) => site::run(&args, &mut std::io::stdout().lock()),
         Name::PythonModule(args) => python::module::run(&args),
