@@ -114,7 +114,9 @@ impl CameraError {
                     .into()
             }
             Self::NoCamera => "cameras are supported on Linux only; record a video and track that".into(),
-            Self::NotFound { present, .. } if present.is_empty() => "no camera is plugged in".into(),
+            Self::NotFound { present, .. } if present.is_empty() => {
+                "no camera is plugged in: look for it in the output of `lsusb`, and try another port or cable".into()
+            }
             Self::NotFound { present, .. } => format!("cameras present: {}", present.join(", ")),
             Self::Ambiguous { .. } => "give the whole id of one of them, or its serial number".into(),
             Self::Number { now: Some(id), .. } => format!("now it is the camera {id}: use this id"),

@@ -31,9 +31,6 @@ pub fn select(bus: &dyn Bus, wanted: Option<&str>) -> Result<Node, CameraError> 
         let now = nodes.into_iter().find(|node| node.path.ends_with(&path)).map(|node| node.id);
         return Err(CameraError::Number { wanted: wanted.into(), now });
     }
-    if nodes.is_empty() {
-        return Err(CameraError::NoCamera);
-    }
     let part = text.to_lowercase();
     let holds_it = |name: &str| !part.is_empty() && name.to_lowercase().contains(&part);
     let matches = keep(&nodes, |node| holds_it(&node.id) || holds_it(&node.card));
@@ -121,7 +118,9 @@ mod tests {
         assert!(error.hint().starts_with("cameras present: usb-Maker_Touch_SN1"));
         assert!(matches!(select(&bus(), Some("")), Err(CameraError::NotFound { .. })));
         assert!(matches!(select(&FakeBus::new(&[]), None), Err(CameraError::NoCamera)));
-        assert!(matches!(select(&FakeBus::new(&[]), Some("left")), Err(CameraError::NoCamera)));
+        let without = select(&FakeBus::new(&[]), Some("left")).unwrap_err();
+        assert_eq!(without.to_string(), "no camera matches \"left\"");
+        assert!(without.hint().starts_with("no camera is plugged in"), "{}", without.hint());
     }
 
     #[test]

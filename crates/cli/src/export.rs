@@ -111,7 +111,7 @@ impl Args {
             let message = format!("{}: this program was built without MP4", self.out.display());
             return Err(Failure::new(
                 message,
-                "name it .avi, or build the program with `cargo build --release --features mp4`",
+                "name it .avi, or build the program with `cargo install --path crates/cli --features mp4`",
             ));
         }
         Ok(format)

@@ -45,7 +45,7 @@ pub(crate) struct Args {
     frames_only: bool,
     /// Replace the file if it exists
     #[arg(long)]
-    force: bool,
+    overwrite: bool,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -62,7 +62,7 @@ struct RecordSummary {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
-    refuse_other_names(&args.file, args.force)?;
+    refuse_other_names(&args.file, args.overwrite)?;
     let named = SensorArgs { sources: args.sources.clone(), options: args.sensors.clone() };
     let has_camera = named.has_camera()?;
     let (pace, clock) = if has_camera { (Pace::Recorded, Clock::Host) } else { (Pace::Lossless, Clock::Source) };

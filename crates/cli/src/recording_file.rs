@@ -15,7 +15,10 @@ pub(crate) fn refuse_other_names(file: &Path, replaces: bool) -> Result<(), Fail
         return Err(Failure::new(format!("{shown}: recordings are MCAP files"), hint));
     }
     if file.exists() && !replaces {
-        return Err(Failure::new(format!("{shown} exists already"), "name a new file; `record --force` replaces it"));
+        return Err(Failure::new(
+            format!("{shown} exists already"),
+            "name a new file; `record --overwrite` replaces it",
+        ));
     }
     match file.parent().filter(|parent| !parent.as_os_str().is_empty() && !parent.is_dir()) {
         Some(parent) => {

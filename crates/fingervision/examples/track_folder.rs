@@ -19,9 +19,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}", source.description());
 
     let size = source.size();
-    // The kind of pixels is known from the first frame on.
+    // The kind of pixels is known from the first frame on. The colour of videos is too coarse for the flow.
     let Some(mut frame) = source.next_frame()? else { return Err("there is no frame".into()) };
-    let mut tracker = Tracker::new(&profile, size, frame.pixels.is_colour(), Fields::default())?;
+    let is_colour = frame.pixels.is_colour() && source.has_full_colour();
+    let mut tracker = Tracker::new(&profile, size, is_colour, Fields::default())?;
 
     // Before the first frame the tracker holds a reading at rest, with the fields that every reading will have.
     let fields = Field::ALL.into_iter().filter(|field| field.is_in(tracker.reading())).collect();

@@ -94,6 +94,15 @@ impl Input {
         }
     }
 
+    /// Whether the colour of the frames has their full resolution; see [`Source::has_full_colour`]. Cameras deliver what the
+    /// flow is computed from.
+    pub(crate) fn has_full_colour(&self) -> bool {
+        match &self.kind {
+            Kind::Source(player) => player.source.has_full_colour(),
+            Kind::Camera(_) | Kind::Replay(_) => true,
+        }
+    }
+
     /// The truth of the frame that came last, if it is simulated.
     pub(crate) fn truth(&self) -> Option<FrameTruth> {
         match &self.kind {

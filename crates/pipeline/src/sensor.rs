@@ -49,7 +49,9 @@ impl Sensor {
     /// # Errors
     ///
     /// [`PipelineError`] if no frame comes that can be decoded, or the profile does not fit it.
-    pub fn open(name: &str, profile: Profile, mut input: Input, fields: Fields) -> Result<Self, PipelineError> {
+    pub fn open(name: &str, mut profile: Profile, mut input: Input, fields: Fields) -> Result<Self, PipelineError> {
+        // Part of the profile, so that a recording is tracked in the same way.
+        profile.flow.colour &= input.has_full_colour();
         let mut first = EncodedFrame::empty();
         let (start, mut failure) = (Instant::now(), None);
         for _ in 0..MOST_DAMAGED {

@@ -96,7 +96,7 @@ impl SinkError {
             Self::SizeMismatch { .. } => Some("start a new run for every size of image"),
             Self::FieldAbsent { .. } => Some("leave the field out of --fields, or calibrate the profile for it"),
             Self::NotBuilt { .. } => {
-                Some("name it .avi, or build the program with `cargo build --release --features mp4`")
+                Some("name it .avi, or build the program with `cargo install --path crates/cli --features mp4`")
             }
             Self::NoReadings => Some("check that the source provides frames"),
         }

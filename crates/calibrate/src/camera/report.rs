@@ -118,9 +118,28 @@ impl CameraReport {
         }
     }
 
-    /// A sentence on focal length or distance, if one of them is uncertain.
+    /// A sentence on focal length or distance, if one of them contradicts its prior, or is uncertain.
     #[must_use]
     pub fn remark(&self) -> Option<String> {
+        self.contradiction().or_else(|| self.uncertain_length())
+    }
+
+    /// A length far from its prior: the prior or the board's step is wrong.
+    fn contradiction(&self) -> Option<String> {
+        self.lengths().find_map(|Estimate { name, value, .. }| {
+            let (_, prior) = self.priors.iter().find(|(of, _)| of == name)?;
+            let off = (value - prior.value).abs() / prior.deviation;
+            (off > THRESHOLDS.contradiction).then(|| {
+                format!(
+                    "{name} = {value:.1} differs from its prior, {} ± {}, by {off:.0} standard deviations: check the priors and \
+                     --step-mm",
+                    prior.value, prior.deviation
+                )
+            })
+        })
+    }
+
+    fn uncertain_length(&self) -> Option<String> {
         let (Estimate { name, value, .. }, uncertainty) = self.least_determined()?;
         let part = uncertainty / value.abs();
         (part > THRESHOLDS.remarked_uncertainty).then(|| {
@@ -134,11 +153,15 @@ impl CameraReport {
 
     /// Of focal length and distance, the one with the larger relative uncertainty, and its uncertainty.
     fn least_determined(&self) -> Option<(&Estimate, f64)> {
-        let lengths = [Unknown::Distance, Unknown::FocalLength].map(Unknown::name);
-        let estimates = self.knowledge.estimates.iter().filter(|estimate| lengths.contains(&estimate.name));
         let part = |(estimate, uncertainty): &(&Estimate, f64)| uncertainty / estimate.value.abs();
-        let known = estimates.filter_map(|estimate| Some((estimate, estimate.uncertainty?)));
+        let known = self.lengths().filter_map(|estimate| Some((estimate, estimate.uncertainty?)));
         known.max_by(|a, b| part(a).total_cmp(&part(b)))
+    }
+
+    /// Focal length and distance.
+    fn lengths(&self) -> impl Iterator<Item = &Estimate> {
+        let names = [Unknown::Distance, Unknown::FocalLength].map(Unknown::name);
+        self.knowledge.estimates.iter().filter(move |estimate| names.contains(&estimate.name))
     }
 
     /// The residuals of every slide over the picture, before and after.

@@ -55,6 +55,10 @@ pub(super) struct Thresholds {
     /// A larger uncertainty, as a part, is remarked: a distance measured with a ruler is known to 2 %.
     pub(super) remarked_uncertainty: f64,
 
+    /// Largest difference between focal length or distance and its prior, in the prior's standard deviations, that is not
+    /// remarked.
+    pub(super) contradiction: f64,
+
     /// Largest mean residual of corners, px: detectors of corners are accurate to a fraction of a pixel, so a larger
     /// residual comes from wrong board positions or poses.
     pub(super) most_corner_residual_px: f64,
@@ -82,6 +86,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     focal_lengths: [0.15, 20.0],
     most_uncertain: 0.2,
     remarked_uncertainty: 0.05,
+    contradiction: 3.0,
     most_corner_residual_px: 2.0,
     determined: 0.5,
 };

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 
 /// What a program without the feature answers.
 const ABSENT: &str =
-    "this program was built without Foxglove; `cargo build --release --features foxglove` builds it in";
+    "this program was built without Foxglove; `cargo install --path crates/cli --features foxglove` builds it in";
 
 #[cfg(feature = "foxglove")]
 pub(super) use fingervision_foxglove::FoxgloveServer;

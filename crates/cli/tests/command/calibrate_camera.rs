@@ -76,6 +76,23 @@ fn a_board_gives_the_camera_and_the_profile_keeps_the_rest() {
 }
 
 #[test]
+fn a_camera_that_contradicts_its_priors_is_remarked() {
+    let bench = board(ALONG_X);
+    let priors = "--prior distance_mm=25±0.5 --prior focal_length_px=133±1";
+    let camera = |step: &str| {
+        let ended =
+            bench.run(&format!("calibrate camera board/frames --step-mm {step} --profile sensor.toml {priors}"));
+        ended.expect_done().errors
+    };
+    let said = camera("0.5");
+    assert!(!said.contains("differs from its prior"), "{said}");
+    // The step is 0.5 mm.
+    let said = camera("0.6");
+    assert!(said.contains("distance_mm = ") && said.contains("differs from its prior, 25 ± 0.5, by "), "{said}");
+    assert!(said.contains("check the priors and --step-mm"), "{said}");
+}
+
+#[test]
 fn the_report_names_what_a_slide_does_not_determine() {
     let bench = board(ALONG_X);
     let arguments = "calibrate camera board/frames --step-mm 0.5 --profile new.toml --start published";

@@ -38,6 +38,20 @@ fn a_recording_is_tracked_as_its_source() {
 }
 
 #[test]
+fn a_recording_of_a_video_is_tracked_as_the_video() {
+    let bench = Workbench::new();
+    fs::copy(concat!(env!("CARGO_MANIFEST_DIR"), "/../source/testdata/colour.avi"), bench.path("press.avi")).unwrap();
+    bench.run("record press.avi press.mcap").expect_done();
+    for (source, run) in [("press.avi", "direct"), ("press.mcap", "recorded")] {
+        bench.run(&format!("track {source} --out {run} --fields flow")).expect_done();
+    }
+    // Its colour has half the resolution: the flow is computed from grey.
+    assert_eq!(rows(&bench, "direct/readings.csv"), rows(&bench, "recorded/readings.csv"));
+    let [direct, recorded] = ["direct", "recorded"].map(|run| fs::read(bench.path(run).join("flow.npy")).unwrap());
+    assert!(direct == recorded, "the flow differs");
+}
+
+#[test]
 fn a_part_is_recorded_by_the_files_own_time() {
     let bench = Workbench::new();
     bench.press(9);
@@ -68,8 +82,8 @@ fn files_that_cannot_be_recordings_are_refused() {
     bench.run("record press press.avi").expect_failure("recordings are MCAP files", "name it press.mcap");
     bench.run("record press absent/press.mcap").expect_failure("there is no folder absent", "make the folder first");
     bench.run("record press press.mcap").expect_done();
-    bench.run("record press press.mcap").expect_failure("press.mcap exists already", "--force");
-    bench.run("record press press.mcap --force").expect_done();
+    bench.run("record press press.mcap").expect_failure("press.mcap exists already", "--overwrite");
+    bench.run("record press press.mcap --overwrite").expect_done();
 }
 
 #[test]

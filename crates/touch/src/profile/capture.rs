@@ -6,6 +6,8 @@ use super::ProfileError;
 
 /// The longest possible exposure, s: a value above is assumed to be in another unit.
 const LONGEST_EXPOSURE_S: f64 = 10.0;
+/// The codes of the pixel formats that can be decoded.
+const FORMATS: [&str; 5] = ["MJPG", "JPEG", "YUYV", "GREY", "Y16"];
 /// Possible colour temperatures, K.
 const WHITE_BALANCES_K: [u32; 2] = [1000, 20_000];
 
@@ -17,7 +19,7 @@ pub struct CaptureSection {
     /// The camera's id, its serial number, or a part of its name that no other camera has.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<String>,
-    /// The pixel format, as in `MJPG` or `YUYV`.
+    /// The pixel format: `MJPG`, `JPEG`, `YUYV`, `GREY` or `Y16`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub format: Option<String>,
     /// Columns and rows of the frames, px.
@@ -42,13 +44,13 @@ impl CaptureSection {
         let impossible = |key: &str, value: String, allowed: &str| {
             Err(ProfileError::impossible(format!("capture.{key}"), value, allowed))
         };
-        let is_code = |format: &String| (1..=4).contains(&format.len()) && format.is_ascii();
+        let is_known = |format: &String| FORMATS.iter().any(|known| known.eq_ignore_ascii_case(format.trim_end()));
         match self {
             Self { camera: Some(camera), .. } if camera.trim().is_empty() => {
                 impossible("camera", format!("{camera:?}"), "an id, a serial number or a part of a name")
             }
-            Self { format: Some(format), .. } if !is_code(format) => {
-                impossible("format", format!("{format:?}"), "a code of up to four letters, as in \"MJPG\"")
+            Self { format: Some(format), .. } if !is_known(format) => {
+                impossible("format", format!("{format:?}"), "MJPG, JPEG, YUYV, GREY or Y16")
             }
             Self { size_px: Some(size), .. } if size.contains(&0) => {
                 impossible("size_px", format!("{size:?}"), "[width, height], both above 0 px")

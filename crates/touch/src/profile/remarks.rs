@@ -217,7 +217,7 @@ fn missing(profile: &Profile) -> Vec<Remark> {
     }
     let without = if profile.depth.density.is_some() { "no contact and no force" } else { "no depth and no force" };
     if profile.camera.is_none() {
-        let hint = "fit it: fingervision calibrate camera BOARD --step-mm 0.5 --profile FILE";
+        let hint = "fit it: fingervision calibrate camera BOARD --step-mm 0.5 --profile FILE --prior distance_mm=25±0.5, with your own step and distance";
         lacks(&format!("no [camera]: {without}"), hint);
     }
     match profile.gel {
