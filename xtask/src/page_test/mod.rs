@@ -41,6 +41,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     };
     let command = if args.dev { crate::target_folder().join("debug/fingervision") } else { crate::build_command()? };
     let screenshots = folder.join("screenshots");
+    if screenshots.exists() {
+        fs::remove_dir_all(&screenshots).with_context(|| screenshots.display().to_string())?;
+    }
     fs::create_dir_all(&screenshots).with_context(|| screenshots.display().to_string())?;
     let mut pytest = Command::new(python);
     // Nothing is written beside the sources.

@@ -99,7 +99,14 @@ fn peer() -> Result<String> {
     let mut records: Vec<PathBuf> = fs::read_dir(&folder)?.map(|entry| Ok(entry?.path())).collect::<Result<_>>()?;
     records.retain(|path| path.extension().is_some_and(|ending| ending == "json"));
     records.retain(|path| !path.file_stem().unwrap_or_default().to_string_lossy().ends_with("-elastic"));
-    records.sort();
+    // Names without a time are older.
+    let key = |path: &PathBuf| {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let parts: Vec<&str> = name.split('-').collect();
+        let time = if parts.len() > 4 { parts[3].to_owned() } else { String::new() };
+        (parts[..parts.len().min(3)].join("-"), time)
+    };
+    records.sort_by_key(key);
     let latest = records.pop().with_context(|| format!("{} has no record", folder.display()))?;
     let report = read(&latest)?;
     let of = |place: &str| number(&report, place);

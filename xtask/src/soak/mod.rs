@@ -55,7 +55,7 @@ pub(crate) struct Args {
     /// Record nothing.
     #[arg(long)]
     no_recording: bool,
-    /// Number of clients that read all messages of the page; with 0, 1 and 5, the readings per second must be equal.
+    /// Number of clients that read all messages of the page, which must not slow tracking: compare 0, 1 and 5.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(..=50))]
     pages: u8,
 }

@@ -49,7 +49,7 @@ pub(crate) struct AffinePatches {
     levels: Vec<LevelState>,
     fine: FinePatches,
     blur: MotionBlur,
-    /// Whether a search moved patches of this picture.
+    /// Whether areas of this picture were searched.
     is_searched: bool,
     variance: Vec<f32>,
     steps: Vec<f32>,

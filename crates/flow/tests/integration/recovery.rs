@@ -90,7 +90,7 @@ fn an_area_that_was_hidden_is_found_within_two_frames() {
 
 #[test]
 fn the_area_is_found_up_to_its_border() {
-    // Above and below, what moves and what does not meet in a line, and nothing is hidden.
+    // Above and below, the area borders on what is still along a straight line, and nothing is hidden.
     let top = Rect { height: 8, ..inside(AREA, EDGE) };
     for right in [12, 20] {
         let estimate = follow(&[displaced(&render(&Motion::STILL, 1, 3), right)]);

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import subprocess
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,6 +22,8 @@ SCREENSHOTS = Path(os.environ["FINGERVISION_SCREENSHOTS"])
 # Without the network of an update, without a graphics processor: SwiftShader draws WebGL 2.
 OPTIONS = ["--no-sandbox", "--disable-background-networking", "--disable-component-update", "--enable-unsafe-swiftshader"]
 NOTE = "the page: "
+# The press is solved first.
+LONGEST_START_S = 120.0
 
 
 class Sensor:
@@ -31,24 +34,33 @@ class Sensor:
         scene = "sim:letter?loop&draft&fps=20"
         arguments = [COMMAND, "live", scene, "--json", "--port", str(port)]
         self.folder = folder
-        self.program = subprocess.Popen(arguments, cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        self.notes = folder / "notes.txt"
+        with self.notes.open("w") as notes:
+            self.program = subprocess.Popen(arguments, cwd=folder, stderr=notes, stdout=subprocess.DEVNULL)
         self.address = self.wait_for_page()
 
     def wait_for_page(self) -> str:
         """The address of the page, from the notes on standard error."""
-        said = []
-        assert self.program.stderr is not None
-        for line in self.program.stderr:
-            said.append(line)
-            note = json.loads(line).get("note", "") if line.startswith("{") else ""
-            if note.startswith(NOTE):
-                return note.removeprefix(NOTE)
-        raise AssertionError("no page: " + "".join(said))
+        end = time.monotonic() + LONGEST_START_S
+        while time.monotonic() < end:
+            for line in self.notes.read_text().splitlines():
+                note = json.loads(line).get("note", "") if line.endswith("}") else ""
+                if note.startswith(NOTE):
+                    return note.removeprefix(NOTE)
+            time.sleep(0.1)
+        self.kill()
+        raise AssertionError("no page: " + self.notes.read_text())
 
     @property
     def port(self) -> int:
         """The port of the page."""
         return int(self.address.rstrip("/").rsplit(":", 1)[1])
+
+    def __enter__(self) -> Sensor:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.kill()
 
     def kill(self) -> None:
         """Ends it at once, as a power cut does."""
@@ -59,9 +71,8 @@ class Sensor:
 @pytest.fixture(scope="session")
 def sensor(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sensor]:
     """A sensor that runs for all tests."""
-    running = Sensor(tmp_path_factory.mktemp("live"))
-    yield running
-    running.kill()
+    with Sensor(tmp_path_factory.mktemp("live")) as running:
+        yield running
 
 
 @pytest.fixture(scope="session")

@@ -94,7 +94,7 @@ def test_a_recording_is_made_and_can_be_tracked(page: Page, sensor: Sensor, tmp_
     page.wait_for_function("document.getElementById('record').getAttribute('aria-pressed') === 'false'")
     [recording] = sensor.folder.glob("*.mcap")
     tracked = subprocess.run(
-        [COMMAND, "track", recording, "--out", tmp_path / "run", "--quiet"], capture_output=True, text=True
+        [COMMAND, "track", recording, "--out", tmp_path / "run", "--quiet"], capture_output=True, text=True, timeout=300
     )
     assert tracked.returncode == 0, tracked.stderr
     assert (tmp_path / "run" / "depth.npy").exists()
@@ -102,13 +102,12 @@ def test_a_recording_is_made_and_can_be_tracked(page: Page, sensor: Sensor, tmp_
 
 def test_a_rezero_is_done_and_said(browser: Browser, tmp_path: Path) -> None:
     # On a sensor of its own: the gel may be pressed at this moment.
-    sensor = Sensor(tmp_path)
-    page = open_page(browser, sensor)
-    page.keyboard.press("z")
-    page.wait_for_function("/zero/i.test(document.getElementById('events').textContent)")
-    wait_until_live(page)
-    page.context.close()
-    sensor.kill()
+    with Sensor(tmp_path) as sensor:
+        page = open_page(browser, sensor)
+        page.keyboard.press("z")
+        page.wait_for_function("/zero/i.test(document.getElementById('events').textContent)")
+        wait_until_live(page)
+        page.context.close()
 
 
 def test_the_keys_are_listed(page: Page) -> None:
@@ -125,16 +124,12 @@ def test_a_reload_is_survived(page: Page) -> None:
 
 
 def test_a_lost_program_is_said_and_found_again(browser: Browser, tmp_path: Path) -> None:
-    first = Sensor(tmp_path)
-    page = open_page(browser, first)
-    first.kill()
+    with Sensor(tmp_path) as first:
+        page = open_page(browser, first)
     page.wait_for_function("document.getElementById('state').textContent === 'Connection lost'")
-    again = Sensor(tmp_path, first.port)
-    try:
+    with Sensor(tmp_path, first.port):
         wait_until_live(page)
-    finally:
-        page.context.close()
-        again.kill()
+    page.context.close()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -12,7 +12,7 @@ use fingervision_image::Image;
 /// difference between the corner's neighbours.
 const NEAR: usize = 2;
 
-/// Largest difference between a patch and the coarse field, in displacement, px, and in slopes, px per stride. Beyond
+/// Largest difference between a patch and its start, in displacement, px, and in slopes, px per stride. Beyond
 /// it, a patch would match by chance.
 const MOST_CHANGE_PX: f32 = STRIDE as f32;
 

@@ -19,7 +19,7 @@ pub(super) type Motion = [f32; UNKNOWNS];
 pub(super) struct FineNode {
     /// Its index in the grid.
     pub(super) place: usize,
-    /// The coarse field at the node.
+    /// The motion from which it is matched: that of the coarse field, or one taken from a patch around it.
     pub(super) start: Motion,
     /// Sums over the residual, as in [`super::cell::residuals`].
     pub(super) sums: [f32; RESIDUALS],
@@ -97,11 +97,12 @@ impl FineNode {
             return f32::INFINITY;
         }
         let by_light = d00 * gain * gain + 2.0 * d01 * gain * offset + d11 * offset * offset;
-        let left = (energy - by_light) / contrast.powi(2);
+        let left = (energy - by_light).max(0.0) / contrast.powi(2);
         left / (allowed(*variance, noise_variance, rules) * samples.max(1.0))
     }
 
-    /// Square of the error that blur causes, px²; `variance` is that of the template.
+    /// Square of the error that blur causes, px²; `variance` is that of the template. `likelihood` is that of blur; the coarse
+    /// patch's error contains it.
     pub(super) fn blur_error(&self, variance: f32, noise_variance: f32, likelihood: f32) -> f32 {
         let own = blur_error(self.contrast, self.mean_energy - noise_variance, variance.max(noise_variance));
         (likelihood * own).max(self.coarse_blur_error)

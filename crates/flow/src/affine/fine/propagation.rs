@@ -6,7 +6,7 @@
 
 use super::cell::residuals;
 use super::field::FineField;
-use super::grid::{CELL, CORNERS, CornerWeights, FineGrid, STRIDE};
+use super::grid::{CELL, CORNERS, CornerWeights, FineGrid, STRIDE, WINDOW};
 use super::node::{FineNode, Motion};
 use super::template::FineTemplate;
 use crate::ValidityParams;
@@ -72,35 +72,38 @@ fn continued(mut motion: Motion, dx: f32, dy: f32) -> Motion {
     motion
 }
 
-/// The motions that a patch has tried, and the best of them.
-struct Trials {
-    displacements: [[f32; 2]; MOST_TRIED],
-    count: usize,
-    least: f32,
-    best: Option<Motion>,
+/// Whether a part of a patch that moves like this has left the picture.
+fn leaves(grid: FineGrid, place: usize, motion: &Motion) -> bool {
+    const REACH: f32 = 0.5 * (WINDOW - 1) as f32 / STRIDE as f32;
+    let (x, y) = (centre(place % grid.columns), centre(place / grid.columns));
+    let (right, bottom) = (grid.width as f32 - 1.0, grid.height as f32 - 1.0);
+    [(-REACH, -REACH), (REACH, -REACH), (-REACH, REACH), (REACH, REACH)].into_iter().any(|(dx, dy)| {
+        let [u, _, _, v, ..] = continued(*motion, dx, dy);
+        let (x, y) = (x + dx * STRIDE as f32 + u, y + dy * STRIDE as f32 + v);
+        !(x >= 0.0 && y >= 0.0 && x <= right && y <= bottom)
+    })
 }
 
-impl Trials {
-    /// Takes motions with a residual below this.
-    fn below(least: f32) -> Self {
-        Self { displacements: [[0.0; 2]; MOST_TRIED], count: 0, least, best: None }
+/// The motions that a patch tries.
+#[derive(Default)]
+struct Candidates {
+    motions: [Motion; MOST_TRIED],
+    count: usize,
+}
+
+impl Candidates {
+    /// Adds a motion unless there is a similar one, or there are enough.
+    fn add(&mut self, motion: Motion) {
+        let [u, _, _, v, ..] = motion;
+        let is_same = |[other_u, _, _, other_v, ..]: &Motion| (u - other_u).abs().max((v - other_v).abs()) < SAME_PX;
+        if self.count < self.motions.len() && !self.motions[..self.count].iter().any(is_same) {
+            self.motions[self.count] = motion;
+            self.count += 1;
+        }
     }
 
-    /// Whether a motion is to be tried; it then counts as tried.
-    fn is_new(&mut self, [u, _, _, v, ..]: &Motion) -> bool {
-        let is_same = |[tried_u, tried_v]: &[f32; 2]| (u - tried_u).abs().max((v - tried_v).abs()) < SAME_PX;
-        if self.count == MOST_TRIED || self.displacements[..self.count].iter().any(is_same) {
-            return false;
-        }
-        self.displacements[self.count] = [*u, *v];
-        self.count += 1;
-        true
-    }
-
-    fn add(&mut self, motion: Motion, residual: f32) {
-        if residual < self.least {
-            (self.least, self.best) = (residual, Some(motion));
-        }
+    fn all(&self) -> &[Motion] {
+        &self.motions[..self.count]
     }
 }
 
@@ -129,25 +132,20 @@ impl<T: Texel> Propagation<'_, T> {
                 continue;
             }
             let place = nodes[node].place;
-            let own = self.unexplained(simd, place, &field.motions()[place]);
-            let mut trials = Trials::below((IMPROVEMENT * own).min(MOST_UNEXPLAINED));
-            for near in around((self.grid.columns, self.grid.rows), place, 1) {
-                if nodes.get(self.index[near] as usize).is_some_and(|node| node.is_trusted) {
-                    let along = |to: usize, from: usize| to as f32 - from as f32;
-                    let dx = along(place % self.grid.columns, near % self.grid.columns);
-                    let dy = along(place / self.grid.columns, near / self.grid.columns);
-                    let motion = continued(field.motions()[near], dx, dy);
-                    if trials.is_new(&motion) {
-                        trials.add(motion, self.unexplained(simd, place, &motion));
-                    }
+            let own = field.motions()[place];
+            let candidates = self.candidates(field, nodes, place);
+            if candidates.all().is_empty() {
+                continue;
+            }
+            let mut least = (IMPROVEMENT * self.unexplained(simd, place, &own)).min(MOST_UNEXPLAINED);
+            let mut best = None;
+            for motion in candidates.all() {
+                let unexplained = self.unexplained(simd, place, motion);
+                if unexplained < least {
+                    (least, best) = (unexplained, Some(*motion));
                 }
             }
-            for motion in self.coarse.around(self.grid, place) {
-                if trials.is_new(&motion) {
-                    trials.add(motion, self.unexplained(simd, place, &motion));
-                }
-            }
-            if let Some(motion) = trials.best {
+            if let Some(motion) = best {
                 field.restart(&mut nodes[node], motion);
                 is_any_set = true;
             }
@@ -155,9 +153,30 @@ impl<T: Texel> Propagation<'_, T> {
         is_any_set
     }
 
-    /// The residual of a patch that moves like this, relative to the largest of a valid patch.
+    /// The motions of the matched patches around a node, continued to it.
+    fn candidates(&self, field: &FineField, nodes: &[FineNode], place: usize) -> Candidates {
+        let columns = self.grid.columns;
+        let mut candidates = Candidates::default();
+        for near in around((columns, self.grid.rows), place, 1) {
+            if nodes.get(self.index[near] as usize).is_some_and(|node| node.is_trusted) {
+                let along = |to: usize, from: usize| to as f32 - from as f32;
+                let (dx, dy) = (along(place % columns, near % columns), along(place / columns, near / columns));
+                candidates.add(continued(field.motions()[near], dx, dy));
+            }
+        }
+        for motion in self.coarse.around(self.grid, place) {
+            candidates.add(motion);
+        }
+        candidates
+    }
+
+    /// The residual of a patch that moves like this, relative to the largest of a valid patch; infinite if it leaves the picture,
+    /// where nothing contradicts it.
     #[inline(always)]
     fn unexplained<S: Simd>(&self, simd: S, place: usize, motion: &Motion) -> f32 {
+        if leaves(self.grid, place, motion) {
+            return f32::INFINITY;
+        }
         let (template, fine) = self.templates;
         let mut node = FineNode::at(place, 0.0);
         let below = place + self.grid.columns;
@@ -215,19 +234,30 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_is_tried_once_and_taken_if_it_is_better() {
+    fn a_motion_is_tried_once() {
         let motion = |u: f32| [u, 0.0, 0.0, 1.0, 0.0, 0.0];
-        let mut trials = Trials::below(1.0);
-        assert!(trials.is_new(&motion(4.0)));
-        trials.add(motion(4.0), 1.5);
-        assert_eq!(trials.best, None);
-        assert!(!trials.is_new(&motion(4.4)) && trials.is_new(&motion(9.0)));
-        trials.add(motion(9.0), 0.5);
-        assert_eq!(trials.best, Some(motion(9.0)));
-        trials.add(motion(1.0), 0.8);
-        assert_eq!(trials.best, Some(motion(9.0)));
-        for more in 2..=MOST_TRIED {
-            assert_eq!(trials.is_new(&motion(100.0 * more as f32)), more < MOST_TRIED);
+        let mut candidates = Candidates::default();
+        for u in [4.0, 4.4, 9.0, 1.0] {
+            candidates.add(motion(u));
         }
+        assert_eq!(candidates.all(), [motion(4.0), motion(9.0), motion(1.0)]);
+        for more in 1..=MOST_TRIED {
+            candidates.add(motion(100.0 * more as f32));
+        }
+        assert_eq!(candidates.all().len(), MOST_TRIED);
+    }
+
+    #[test]
+    fn a_motion_out_of_the_picture_leaves_it() {
+        let grid = FineGrid::over(64, 48);
+        // At column 57.5, half a window of 3.5 px from column 61.
+        let place = 5 * grid.columns + 14;
+        let right = |u: f32| [u, 0.0, 0.0, 0.0, 0.0, 0.0];
+        assert!(
+            !leaves(grid, place, &right(1.9)) && leaves(grid, place, &right(2.1)) && leaves(grid, place, &right(30.0))
+        );
+        // A part of it, because it stretches by half.
+        assert!(leaves(grid, place, &[1.0, 2.0, 0.0, 0.0, 0.0, 0.0]));
+        assert!(leaves(grid, place, &right(f32::NAN)));
     }
 }

@@ -22,8 +22,8 @@ const LEAST_PART: f32 = 0.6;
 /// more.
 const SLIGHT_ERROR_PX: f32 = 0.005;
 
-/// If at most the first part of the patches that move as fast may be blurred at all, the shutter was open for a short time, and
-/// low contrast with a large residual belongs to a rim. From the second part on it is taken for blur.
+/// Of the patches that move as fast, the part that may be slightly blurred: up to the first value, low contrast with a large
+/// residual belongs to a rim; from the second on it is taken for blur.
 const BLUR_IS_LIKELY: [f32; 2] = [0.3, 0.5];
 
 /// A patch moves about as fast as the blurred ones if it has this part of their mean motion.
@@ -127,19 +127,23 @@ impl MotionBlur {
     pub(super) fn find_blurred(&mut self, refinement: &Refinement, sharp: &Template, most_variance: f32) -> bool {
         let Self { motion, blurred, .. } = self;
         let is_textured = |node: usize| sharp.own_variance[node] <= most_variance && refinement.is_inside[node];
-        let errs =
+        let looks_blurred =
             |node: usize, px: f32| refinement.trust()[node] <= 0.0 || refinement.blur_error(sharp, node) > px * px;
         blurred.clear();
-        blurred.extend(
-            (0..motion.len())
-                .filter(|&node| motion[node] > LEAST_MOTION_PX && is_textured(node) && errs(node, LEAST_ERROR_PX)),
-        );
+        blurred.extend((0..motion.len()).filter(|&node| {
+            motion[node] > LEAST_MOTION_PX && is_textured(node) && looks_blurred(node, LEAST_ERROR_PX)
+        }));
+        // What does not move tells nothing of the exposure.
+        if blurred.is_empty() {
+            self.part = None;
+            return false;
+        }
         let least = AS_FAST * blurred.iter().map(|&node| motion[node]).sum::<f32>() / blurred.len() as f32;
         let as_fast = motion.iter().filter(|motion| **motion > least).count();
         let (mut all, mut slightly) = (0_u32, 0_u32);
         for node in (0..motion.len()).filter(|&node| motion[node] > least && is_textured(node)) {
             all += 1;
-            slightly += u32::from(errs(node, SLIGHT_ERROR_PX));
+            slightly += u32::from(looks_blurred(node, SLIGHT_ERROR_PX));
         }
         self.part = (all > 0).then(|| slightly as f32 / all as f32);
         blurred.len() >= LEAST_BLURRED && blurred.len() as f32 > LEAST_PART * as_fast as f32
