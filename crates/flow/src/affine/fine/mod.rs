@@ -3,7 +3,8 @@
 //! Around the border of a contact the flow changes within a few pixels, and a window of 16 px contains two motions.
 //! There, patches with windows of 8 px every 4 px replace the coarse ones. They start from the coarse flow, take
 //! Gauss–Newton steps together, and give displacement, deviation and validity. After a search, failed patches also try
-//! the motions of matched ones. Their unknowns and equations are those of the coarse patches. The computing time grows with the number of fine patches, not with the size of the picture.
+//! the motions of matched ones. Their unknowns and equations are those of the coarse patches. The computing time grows
+//! with the number of fine patches, not with the size of the picture.
 
 mod cell;
 mod field;

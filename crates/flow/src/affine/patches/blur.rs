@@ -19,9 +19,11 @@ use crate::{FlowField, FlowHistory, Picture};
 const IMPROVEMENT: f32 = 0.7;
 
 impl AffinePatches {
-    /// If the picture is blurred by the motion since the last frame, matches it with a blurred reference. Returns whether it
-    /// does. `scratch` is memory for the last flow and the current one. After a search for the exposure that finds nothing, the next frame is
-    /// not searched, which halves the cost of areas that stay hidden.
+    /// If the picture is blurred by the motion since the last frame, matches it with a blurred reference. Returns whether
+    /// it does. `last` and `now` are memory for the last flow and the current one.
+    ///
+    /// After a search for the exposure that finds nothing, the next frame is not searched, which halves the cost of areas
+    /// that stay hidden.
     pub(crate) fn follow_blur(
         &mut self,
         reference: &AffineReference,
