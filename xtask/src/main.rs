@@ -91,6 +91,22 @@ fn main() -> ExitCode {
     }
 }
 
+/// What a check needs. Where that is missing, the check is skipped, and a line says why, unless it is required.
+fn unless_missing<T>(
+    check: &str,
+    needed: Result<T>,
+    is_required: bool,
+    out: &mut impl std::io::Write,
+) -> Result<Option<T>> {
+    match needed {
+        Err(why) if !is_required => {
+            writeln!(out, "{check}: skipped, {why:#}")?;
+            Ok(None)
+        }
+        needed => needed.map(Some),
+    }
+}
+
 /// The workspace's own folder.
 fn workspace() -> PathBuf {
     let xtask = PathBuf::from(env!("CARGO_MANIFEST_DIR"));

@@ -34,14 +34,8 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     let folder = crate::target_folder().join("site");
-    let python = match Interpreter::find().and_then(|python| python.environment(&folder.join("tools"), &MKDOCS, &[])) {
-        Ok(python) => python,
-        Err(why) if !args.required => {
-            writeln!(out, "site: skipped, {why:#}")?;
-            return Ok(());
-        }
-        Err(why) => return Err(why),
-    };
+    let python = Interpreter::find().and_then(|python| python.environment(&folder.join("tools"), &MKDOCS, &[]));
+    let Some(python) = crate::unless_missing("site", python, args.required, out)? else { return Ok(()) };
     let pages = folder.join("pages");
     let mut mkdocs = Command::new(python);
     mkdocs.args(["-m", "mkdocs", "build", "--strict", "--site-dir"]).arg(&pages);

@@ -34,14 +34,8 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     let start = Instant::now();
     let folder = crate::target_folder().join("camera-test");
     fs::create_dir_all(&folder)?;
-    let packages = match Packages::get(&folder, out) {
-        Ok(packages) => packages,
-        Err(why) if !args.required => {
-            writeln!(out, "camera-test: skipped, {why:#}")?;
-            return Ok(());
-        }
-        Err(why) => return Err(why),
-    };
+    let packages = Packages::get(&folder, out);
+    let Some(packages) = crate::unless_missing("camera-test", packages, args.required, out)? else { return Ok(()) };
     let has_packages = start.elapsed();
     let [tests, command] = build()?;
     let is_built = start.elapsed();

@@ -31,13 +31,9 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     let folder = crate::target_folder().join("page-test");
-    let (chromium, python) = match tools(&folder) {
-        Ok(tools) => tools,
-        Err(why) if !args.required => {
-            writeln!(out, "page-test: skipped, {why:#}")?;
-            return Ok(());
-        }
-        Err(why) => return Err(why),
+    let needed = tools(&folder);
+    let Some((chromium, python)) = crate::unless_missing("page-test", needed, args.required, out)? else {
+        return Ok(());
     };
     let command = if args.dev { crate::target_folder().join("debug/fingervision") } else { crate::build_command()? };
     let screenshots = folder.join("screenshots");

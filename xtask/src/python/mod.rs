@@ -59,14 +59,8 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
     let folder = crate::target_folder().join("python");
     fs::create_dir_all(&folder)?;
-    let (tools, testers) = match environments(&folder, &args.with) {
-        Ok(environments) => environments,
-        Err(why) if !args.required => {
-            writeln!(out, "python: skipped, {why:#}")?;
-            return Ok(());
-        }
-        Err(why) => return Err(why),
-    };
+    let needed = environments(&folder, &args.with);
+    let Some((tools, testers)) = crate::unless_missing("python", needed, args.required, out)? else { return Ok(()) };
     let wheel = if args.wheels {
         wheels::build(&tools, &folder, out)?
     } else {

@@ -49,13 +49,25 @@ impl FineNode {
 
     /// Forms the right-hand side as for the coarse patches: eliminates the change of light and divides by the contrast.
     pub(super) fn form_right(&mut self, equations: &PatchEquations, scale: f32) {
-        let PatchEquations { light_gain, light_inverse: [d00, d01, _], .. } = equations;
         let [gain, offset] = [self.sums[UNKNOWNS], self.sums[UNKNOWNS + 1]];
-        self.contrast = 1.0 - (d00 * gain + d01 * offset);
+        self.contrast = self.measured_contrast(equations);
         let contrast = self.contrast.clamp(CONTRASTS.0, CONTRASTS.1);
-        for ((right, sum), by_light) in self.right.iter_mut().zip(&self.sums).zip(light_gain) {
+        for ((right, sum), by_light) in self.right.iter_mut().zip(&self.sums).zip(&equations.light_gain) {
             *right = scale * (sum - by_light[0] * gain - by_light[1] * offset) / contrast;
         }
+    }
+
+    /// The contrast of the picture relative to the template's.
+    fn measured_contrast(&self, equations: &PatchEquations) -> f32 {
+        let [d00, d01, _] = equations.light_inverse;
+        1.0 - (d00 * self.sums[UNKNOWNS] + d01 * self.sums[UNKNOWNS + 1])
+    }
+
+    /// The energy of the residual that no change of light explains.
+    fn energy_beside_light(&self, equations: &PatchEquations) -> f32 {
+        let [d00, d01, d11] = equations.light_inverse;
+        let [gain, offset, energy] = [0, 1, 2].map(|k| self.sums[UNKNOWNS + k]);
+        energy - (d00 * gain * gain + 2.0 * d01 * gain * offset + d11 * offset * offset)
     }
 
     /// `A δ − b` of the patch, in units of the noise.
@@ -75,10 +87,8 @@ impl FineNode {
         noise_variance: f32,
         rules: &ValidityParams,
     ) {
-        let PatchEquations { normal, light_inverse: [d00, d01, d11], samples, variance, .. } = equations;
-        let (gain, offset, energy) = (self.sums[UNKNOWNS], self.sums[UNKNOWNS + 1], self.sums[UNKNOWNS + 2]);
-        let by_light = d00 * gain * gain + 2.0 * d01 * gain * offset + d11 * offset * offset;
-        let mut left = (energy - by_light) / self.contrast.max(LEAST_CONTRAST).powi(2);
+        let PatchEquations { normal, samples, variance, .. } = equations;
+        let mut left = self.energy_beside_light(equations) / self.contrast.max(LEAST_CONTRAST).powi(2);
         for ((step, image), right) in self.step.iter().zip(multiply(normal, &self.step)).zip(&self.right) {
             left += step * (image - 2.0 / scale * right);
         }
@@ -90,15 +100,12 @@ impl FineNode {
 
     /// The residual without a step, relative to the largest of a valid patch; infinite if the contrast is too low.
     pub(super) fn unexplained(&self, equations: &PatchEquations, noise_variance: f32, rules: &ValidityParams) -> f32 {
-        let PatchEquations { light_inverse: [d00, d01, d11], samples, variance, .. } = equations;
-        let [gain, offset, energy] = [0, 1, 2].map(|k| self.sums[UNKNOWNS + k]);
-        let contrast = 1.0 - (d00 * gain + d01 * offset);
+        let contrast = self.measured_contrast(equations);
         if contrast < LEAST_CONTRAST {
             return f32::INFINITY;
         }
-        let by_light = d00 * gain * gain + 2.0 * d01 * gain * offset + d11 * offset * offset;
-        let left = (energy - by_light).max(0.0) / contrast.powi(2);
-        left / (allowed(*variance, noise_variance, rules) * samples.max(1.0))
+        let left = self.energy_beside_light(equations).max(0.0) / contrast.powi(2);
+        left / (allowed(equations.variance, noise_variance, rules) * equations.samples.max(1.0))
     }
 
     /// Square of the error that blur causes, px²; `variance` is that of the template. `likelihood` is that of blur; the coarse

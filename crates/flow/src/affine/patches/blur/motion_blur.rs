@@ -133,7 +133,7 @@ impl MotionBlur {
         blurred.extend((0..motion.len()).filter(|&node| {
             motion[node] > LEAST_MOTION_PX && is_textured(node) && looks_blurred(node, LEAST_ERROR_PX)
         }));
-        // What does not move tells nothing of the exposure.
+        // A picture without such patches does not show how long the shutter was open.
         if blurred.is_empty() {
             self.part = None;
             return false;
