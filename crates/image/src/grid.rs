@@ -100,6 +100,15 @@ impl<T: Clone> Image<T> {
     }
 }
 
+impl<T: Clone + Default> Image<T> {
+    /// Changes the size; the values have no meaning afterwards. Allocates only if the image was never as large.
+    pub fn set_size(&mut self, (width, height): (usize, usize)) {
+        self.width = width;
+        self.height = height;
+        self.values.resize(width * height, T::default());
+    }
+}
+
 impl<T: Copy> Image<T> {
     /// The value at column `x`, row `y`.
     ///
@@ -122,6 +131,17 @@ mod tests {
         assert_eq!(image.row(1), [10, 11, 12]);
         assert_eq!(image.rows().len(), 2);
         assert_eq!(image.at(2, 1), 12);
+    }
+
+    #[test]
+    fn memory_serves_images_of_several_sizes() {
+        let mut image = Image::filled(4, 3, 1u8);
+        let memory = image.values().as_ptr();
+        image.set_size((2, 2));
+        image.values_mut().copy_from_slice(&[1, 2, 3, 4]);
+        assert_eq!((image.row(1), image.rows().len()), (&[3, 4][..], 2));
+        image.set_size((3, 4));
+        assert_eq!((image.values().len(), image.values().as_ptr()), (12, memory));
     }
 
     #[test]

@@ -16,7 +16,8 @@ use std::time::Instant;
 
 /// Tracks the gel through a stream of frames.
 ///
-/// It owns all scratch memory and the reading that it returns: a frame that needs no new reference allocates nothing.
+/// It owns all scratch memory and the reading that it returns: a frame that needs neither a new reference nor a search of the
+/// whole image allocates nothing.
 /// The same frames give the same bits, whatever their source; only [`ReadingNumbers::latency_ms`](crate::ReadingNumbers) differs.
 #[derive(Debug)]
 pub struct Tracker {

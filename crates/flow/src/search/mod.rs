@@ -4,6 +4,7 @@
 //! at every pixel is a dense field, which is then refined. The next finer level starts from this field. [Kroeger2016],
 //! [Brox2004].
 
+mod dense;
 mod densify;
 mod differences;
 pub(crate) mod local;
@@ -14,13 +15,10 @@ mod sweep;
 mod variational;
 
 use crate::{FlowError, FlowField, Picture};
-use densify::Densifier;
-use fearless_simd::{Level, Simd, dispatch};
-use patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules, fill_unfound};
-use resize::{double_into, shrink_into};
+use dense::DenseFields;
+use fearless_simd::Level;
+use patches::{Match, PATCH, PatchLayout, PatchTemplate, SearchRules};
 use serde::{Deserialize, Serialize};
-use sweep::sweep;
-use variational::VariationalRefinement;
 
 pub(crate) use resize::coarse_neighbours;
 pub use variational::RefineParams;
@@ -139,19 +137,25 @@ pub(crate) struct InverseSearch {
     simd: Level,
     /// From the finest level of the search to the coarsest.
     levels: Vec<SearchLevel>,
-    /// Fields between the finest level and full size, if the finest level is not 0.
-    enlarged: Vec<FlowField>,
+    /// The dense fields; absent between the searches of a tracker that seldom searches.
+    dense: Option<DenseFields>,
+    frequency: Frequency,
 }
 
+/// How often a search is run, which decides whether it keeps all its memory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Frequency {
+    /// In every frame: nothing is allocated between them.
+    EveryFrame,
+    /// At a cold start and after a loss: the memory of the dense fields is returned at the end.
+    Seldom,
+}
+
+/// The patches of a level.
 #[derive(Debug, Clone)]
 struct SearchLevel {
     layout: PatchLayout,
-    flow: FlowField,
-    start: FlowField,
     matches: Vec<Match>,
-    filled: Vec<bool>,
-    densifier: Densifier,
-    refinement: VariationalRefinement,
 }
 
 /// Coarsest pyramid level of a search on pictures of this size: there the longer side is about four patches long.
@@ -163,24 +167,18 @@ pub(crate) fn coarsest_level(width: usize, height: usize) -> usize {
 
 impl InverseSearch {
     /// A search on pictures of this size, at least 16 px wide and high.
-    pub(crate) fn new(width: usize, height: usize, params: SearchParams, simd: Level) -> Self {
+    pub(crate) fn new(width: usize, height: usize, params: SearchParams, frequency: Frequency, simd: Level) -> Self {
         let coarsest = coarsest_level(width, height);
         let finest = params.finest_level.min(coarsest);
-        let level = |level: usize| {
-            let (width, height) = (width >> level, height >> level);
-            let layout = PatchLayout::over(width, height, params.stride);
-            SearchLevel {
-                layout,
-                flow: FlowField::zero(width, height),
-                start: FlowField::zero(width, height),
-                matches: vec![Match { u: 0.0, v: 0.0, error: f32::INFINITY }; layout.len()],
-                filled: vec![false; layout.len()],
-                densifier: Densifier::new(width, height),
-                refinement: VariationalRefinement::new(width, height),
-            }
-        };
-        let enlarged = (1..finest).rev().map(|level| FlowField::zero(width >> level, height >> level));
-        Self { params, simd, levels: (finest..=coarsest).map(level).collect(), enlarged: enlarged.collect() }
+        let levels: Vec<_> = (finest..=coarsest)
+            .map(|level| {
+                let layout = PatchLayout::over(width >> level, height >> level, params.stride);
+                let unmatched = Match { u: 0.0, v: 0.0, error: f32::INFINITY };
+                SearchLevel { layout, matches: vec![unmatched; layout.len()] }
+            })
+            .collect();
+        let dense = (frequency == Frequency::EveryFrame).then(|| DenseFields::new((width, height), finest, &levels));
+        Self { params, simd, levels, dense, frequency }
     }
 
     pub(crate) fn finest_level(&self, picture: &Picture) -> usize {
@@ -211,67 +209,16 @@ impl InverseSearch {
         flow: &mut FlowField,
     ) {
         let finest = self.finest_level(current);
-        let simd = self.simd;
-        for k in (0..self.levels.len()).rev() {
-            let (fine, coarse) = self.levels.split_at_mut(k + 1);
-            let level = &mut fine[k];
-            match coarse.first() {
-                Some(coarse) => double_into(&coarse.flow, &mut level.flow),
-                None => level.flow.fill(0.0),
-            }
-            if let Some(start) = start {
-                shrink_into(start, finest + k, &mut level.start);
-            }
-            let (template, image) = (&reference.templates[k], current.grey.level(finest + k));
-            let has_start = start.is_some();
-            let rules = self.params.rules(is_exhaustive && coarse.is_empty());
-            dispatch!(simd, simd => level.run(simd, template, image, has_start, rules));
-            level.refinement.refine(&self.params.refine, &template.grey, image, &mut level.flow);
+        let size = current.size();
+        let mut dense = self.dense.take().unwrap_or_else(|| DenseFields::new(size, finest, &self.levels));
+        for (k, level) in self.levels.iter_mut().enumerate().rev() {
+            let is_coarsest = k + 1 == reference.templates.len();
+            let rules = (self.params.rules(is_exhaustive && is_coarsest), &self.params.refine);
+            let number = finest + k;
+            let pictures = (&reference.templates[k], current.grey.level(number));
+            dense.search_level(self.simd, (k, number), level, pictures, start, rules);
         }
-        self.enlarge(finest, flow);
-    }
-
-    /// Enlarges the field of the finest level to full size.
-    fn enlarge(&mut self, finest: usize, flow: &mut FlowField) {
-        let found = &self.levels[0].flow;
-        if finest == 0 {
-            flow.copy_from(found);
-            return;
-        }
-        let mut from = found;
-        for larger in &mut self.enlarged {
-            double_into(from, larger);
-            from = larger;
-        }
-        double_into(from, flow);
-    }
-}
-
-impl SearchLevel {
-    /// Searches all patches, each from the coarser level's flow and from the given one, if any. Then computes the dense
-    /// field.
-    #[inline(always)]
-    fn run<S: Simd>(
-        &mut self,
-        simd: S,
-        template: &PatchTemplate,
-        current: &fingervision_image::Image<f32>,
-        has_start: bool,
-        rules: SearchRules,
-    ) {
-        let Self { layout, flow, start, matches, .. } = self;
-        let at = |flow: &FlowField, (left, top): (usize, usize)| {
-            let (x, y) = (left + PATCH / 2, top + PATCH / 2);
-            (flow.u.at(x, y), flow.v.at(x, y))
-        };
-        sweep(simd, template, current, rules, matches, |corner, starts| {
-            starts.add(at(flow, corner));
-            if has_start {
-                starts.add(at(start, corner));
-            }
-            true
-        });
-        fill_unfound(layout, matches, &mut self.filled);
-        self.densifier.densify(simd, template, current, matches, flow);
+        dense.enlarge(finest, flow);
+        self.dense = (self.frequency == Frequency::EveryFrame).then_some(dense);
     }
 }

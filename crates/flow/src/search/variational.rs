@@ -43,7 +43,7 @@ const ROBUST_FLOOR: f32 = 1e-6;
 /// `ζ²` of the normalisation, grey levels² per px².
 const GRADIENT_FLOOR: f32 = 0.01;
 
-/// Scratch memory of the refinement for one picture size.
+/// Scratch memory of the refinement: 18 planes.
 #[derive(Debug, Clone)]
 pub(crate) struct VariationalRefinement {
     warped: Image<f32>,
@@ -63,6 +63,7 @@ pub(crate) struct VariationalRefinement {
 }
 
 impl VariationalRefinement {
+    /// For fields of up to this size.
     pub(crate) fn new(width: usize, height: usize) -> Self {
         let plane = || Image::filled(width, height, 0.0);
         Self {
@@ -79,7 +80,7 @@ impl VariationalRefinement {
         }
     }
 
-    /// Refines `flow` from `reference` to `current`, all of the scratch's size.
+    /// Refines `flow` from `reference` to `current`, all of one size.
     pub(crate) fn refine(
         &mut self,
         params: &RefineParams,
@@ -90,6 +91,7 @@ impl VariationalRefinement {
         if params.passes == 0 {
             return;
         }
+        self.set_size(flow.u.size());
         self.linearise(reference, current, flow);
         for plane in &mut self.increment {
             plane.values_mut().fill(0.0);
@@ -106,6 +108,15 @@ impl VariationalRefinement {
             for (value, increment) in plane.values_mut().iter_mut().zip(increment.values()) {
                 *value += increment;
             }
+        }
+    }
+
+    fn set_size(&mut self, size: (usize, usize)) {
+        let Self { warped, mean, first, temporal, temporal_first, second, matrix, right, smoothness, increment } = self;
+        let single = [warped, mean, temporal, smoothness].into_iter();
+        let pairs = first.iter_mut().chain(temporal_first).chain(right).chain(increment);
+        for plane in single.chain(pairs).chain(second).chain(matrix) {
+            plane.set_size(size);
         }
     }
 

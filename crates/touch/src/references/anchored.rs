@@ -22,8 +22,26 @@ struct Keyframe {
     picture: Picture,
     /// Flow from the first reference to the keyframe.
     from_first: Estimate,
-    reference: Reference,
+    /// The picture as reference, from the moment it is first needed.
+    reference: Option<Reference>,
     is_prepared: bool,
+}
+
+/// Estimates that may become the result.
+#[derive(Debug)]
+struct Trials {
+    /// Flow from the keyframe.
+    from_key: Estimate,
+    trial: Estimate,
+}
+
+impl Trials {
+    /// Their memory, for pictures of the size of `out`.
+    fn of<'a>(trials: &'a mut Option<Box<Self>>, out: &Estimate) -> &'a mut Self {
+        let (width, height) = out.valid.size();
+        let unwritten = || Estimate::unwritten(width, height);
+        trials.get_or_insert_with(|| Box::new(Self { from_key: unwritten(), trial: unwritten() }))
+    }
 }
 
 /// The anchored policy.
@@ -37,9 +55,8 @@ pub(crate) struct Anchored {
     keyframe: Option<Box<Keyframe>>,
     /// Flows of the last frames that were found.
     history: FlowHistory,
-    /// Flow from the keyframe.
-    from_key: Estimate,
-    trial: Estimate,
+    /// From the first frame that needs them.
+    trials: Option<Box<Trials>>,
     frames_lost: u64,
     /// Number of consecutive frames in which a large area is lost.
     frames_incomplete: u64,
@@ -62,8 +79,7 @@ impl Anchored {
             ids: 0,
             keyframe: None,
             history: FlowHistory::at_rest(width, height),
-            from_key: Estimate::unwritten(width, height),
-            trial: Estimate::unwritten(width, height),
+            trials: None,
             frames_lost: 0,
             frames_incomplete: 0,
             frames_since_key: 0,
@@ -140,9 +156,10 @@ impl Anchored {
         }
         self.frames_incomplete += 1;
         if (self.frames_incomplete - 1).is_multiple_of(self.params.search_interval) {
-            estimator.estimate(&self.first, current, Start::Search(Some(&out.flow)), &mut self.trial);
-            if self.trial.matched > out.matched {
-                out.copy_from(&self.trial);
+            let Trials { trial, .. } = Trials::of(&mut self.trials, out);
+            estimator.estimate(&self.first, current, Start::Search(Some(&out.flow)), trial);
+            if trial.matched > out.matched {
+                out.copy_from(trial);
             }
         }
     }
@@ -156,9 +173,10 @@ impl Anchored {
         if !self.frames_lost.is_multiple_of(self.params.search_interval) {
             return self.first_id;
         }
-        estimator.estimate(&self.first, current, Start::SearchHistory(&self.history), &mut self.trial);
-        if self.trial.matched > out.matched {
-            out.copy_from(&self.trial);
+        let Trials { trial, .. } = Trials::of(&mut self.trials, out);
+        estimator.estimate(&self.first, current, Start::SearchHistory(&self.history), trial);
+        if trial.matched > out.matched {
+            out.copy_from(trial);
         }
         self.first_id
     }
@@ -166,27 +184,27 @@ impl Anchored {
     /// Matches with the keyframe, and refines the composed flow against the first image if it matches that.
     fn follow_keyframe(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Option<u64> {
         let key = self.keyframe.as_deref_mut()?;
+        let reference = key.reference.get_or_insert_with(|| estimator.reference());
+        let Trials { from_key, trial } = Trials::of(&mut self.trials, out);
         if !key.is_prepared {
-            estimator.prepare(&key.picture, &mut key.reference);
+            estimator.prepare(&key.picture, reference);
             key.is_prepared = true;
-            self.from_key.flow.fill(0.0);
+            from_key.flow.fill(0.0);
         }
-        std::mem::swap(&mut self.from_key.flow, &mut self.trial.flow);
-        estimator.estimate(&key.reference, current, Start::Flow(&self.trial.flow), &mut self.from_key);
-        if self.from_key.matched < self.params.min_matched
-            && self.frames_lost.is_multiple_of(self.params.search_interval)
-        {
-            estimator.estimate(&key.reference, current, Start::Search(None), &mut self.from_key);
+        std::mem::swap(&mut from_key.flow, &mut trial.flow);
+        estimator.estimate(reference, current, Start::Flow(&trial.flow), from_key);
+        if from_key.matched < self.params.min_matched && self.frames_lost.is_multiple_of(self.params.search_interval) {
+            estimator.estimate(reference, current, Start::Search(None), from_key);
         }
-        if self.from_key.matched < self.params.min_matched {
+        if from_key.matched < self.params.min_matched {
             return None;
         }
-        compose_into(&key.from_first, &self.from_key, &mut self.trial);
-        estimator.estimate(&self.first, current, Start::Flow(&self.trial.flow), out);
+        compose_into(&key.from_first, from_key, trial);
+        estimator.estimate(&self.first, current, Start::Flow(&trial.flow), out);
         if out.matched >= self.params.min_matched {
             return Some(self.first_id);
         }
-        out.copy_from(&self.trial);
+        out.copy_from(trial);
         Some(key.id)
     }
 
@@ -219,7 +237,7 @@ impl Anchored {
                 id: 0,
                 picture: estimator.picture(),
                 from_first: out.clone(),
-                reference: estimator.reference(),
+                reference: None,
                 is_prepared: false,
             })
         });
