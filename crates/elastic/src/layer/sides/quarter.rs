@@ -12,12 +12,15 @@ use super::waves::EndlessMesh;
 /// Stiffness of one layer of elements.
 struct Layer {
     /// Within the upper level.
-    upper: Vec<f64>,
+    upper: Vec<SparseRow>,
     /// Within the upper and the lower level together.
-    both: Vec<f64>,
-    /// For each row, the places of its non-zero entries and their values: from the lower level to the upper.
-    coupling: Vec<Vec<(usize, f64)>>,
+    both: Vec<SparseRow>,
+    /// From the lower level to the upper; its entries are not zero and in order.
+    coupling: Vec<SparseRow>,
 }
+
+/// The entries of a matrix's row that an element touches: column and value.
+type SparseRow = Vec<(usize, f64)>;
 
 /// The part for the coarse nodes, `G − G_∞ + C_far`, in the basis of a parity's fields of norm 1: symmetric, times the
 /// shear modulus, 1/mm.
@@ -47,11 +50,11 @@ pub(super) fn difference(mesh: &CoarseMesh, endless: &EndlessMesh, parity: Parit
 /// Displacement of a quarter's surface by force there.
 fn compliance(mesh: &CoarseMesh, unknowns: &[Unknown]) -> Vec<f64> {
     let (size, layer) = (unknowns.len(), Layer::new(mesh, unknowns));
-    let mut rest = layer.both.clone();
-    let mut next = vec![0.0; size * size];
+    let [mut rest, mut next] = [(); 2].map(|()| vec![0.0; size * size]);
+    scatter(&layer.both, &mut rest);
     for level in (0..mesh.cells[2] - 1).rev() {
         invert(&mut rest, size);
-        next.copy_from_slice(if level > 0 { &layer.both } else { &layer.upper });
+        scatter(if level > 0 { &layer.both } else { &layer.upper }, &mut next);
         condense(&mut next, &rest, &layer.coupling);
         std::mem::swap(&mut rest, &mut next);
     }
@@ -60,7 +63,7 @@ fn compliance(mesh: &CoarseMesh, unknowns: &[Unknown]) -> Vec<f64> {
 }
 
 /// Lower triangle of `target −= U inverse Uᵀ`.
-fn condense(target: &mut [f64], inverse: &[f64], coupling: &[Vec<(usize, f64)>]) {
+fn condense(target: &mut [f64], inverse: &[f64], coupling: &[SparseRow]) {
     let size = coupling.len();
     let mut product = vec![0.0; size];
     for (row, near) in coupling.iter().enumerate() {
@@ -84,7 +87,7 @@ impl Layer {
         for (index, unknown) in unknowns.iter().enumerate() {
             places[value_at(unknown.node, unknown.axis)] = Some(index);
         }
-        let [mut upper, mut lower, mut between] = [(); 3].map(|()| vec![0.0; size * size]);
+        let [mut upper, mut lower, mut between] = [(); 3].map(|()| vec![SparseRow::new(); size]);
         for (i, j) in (0..half[1]).flat_map(|j| (0..half[0]).map(move |i| (i, j))) {
             // Component and node of the element's upper or lower face, with the unknown's place.
             let free = (0..12).filter_map(|n: usize| {
@@ -94,17 +97,38 @@ impl Layer {
             for (axis_a, a, row) in free.clone() {
                 for (axis_b, b, column) in free.clone() {
                     let element = &mesh.element[axis_a][axis_b];
-                    let at = row * size + column;
-                    upper[at] += element[a][b];
-                    lower[at] += element[a + 4][b + 4];
-                    between[at] += element[a][b + 4];
+                    add(&mut upper[row], column, element[a][b]);
+                    add(&mut lower[row], column, element[a + 4][b + 4]);
+                    add(&mut between[row], column, element[a][b + 4]);
                 }
             }
         }
-        let coupling = between.chunks_exact(size).map(|row| {
-            row.iter().enumerate().filter(|(_, value)| **value != 0.0).map(|(index, value)| (index, *value)).collect()
-        });
-        let both = upper.iter().zip(&lower).map(|(upper, lower)| upper + lower).collect();
-        Self { coupling: coupling.collect(), upper, both }
+        let mut both = upper.clone();
+        for (both, lower) in both.iter_mut().zip(&lower) {
+            lower.iter().for_each(|&(column, value)| add(both, column, value));
+        }
+        for row in &mut between {
+            row.retain(|(_, value)| *value != 0.0);
+            row.sort_unstable_by_key(|(column, _)| *column);
+        }
+        Self { coupling: between, upper, both }
+    }
+}
+
+/// Adds a value to an entry.
+fn add(row: &mut SparseRow, column: usize, value: f64) {
+    match row.iter_mut().find(|(other, _)| *other == column) {
+        Some((_, sum)) => *sum += value,
+        None => row.push((column, value)),
+    }
+}
+
+/// Writes all entries of a matrix.
+fn scatter(rows: &[SparseRow], matrix: &mut [f64]) {
+    matrix.fill(0.0);
+    for (row, values) in rows.iter().zip(matrix.chunks_exact_mut(rows.len())) {
+        for &(column, value) in row {
+            values[column] = value;
+        }
     }
 }
