@@ -105,7 +105,9 @@ impl Layer {
         }
         let mut both = upper.clone();
         for (both, lower) in both.iter_mut().zip(&lower) {
-            lower.iter().for_each(|&(column, value)| add(both, column, value));
+            for &(column, value) in lower {
+                add(both, column, value);
+            }
         }
         for row in &mut between {
             row.retain(|(_, value)| *value != 0.0);

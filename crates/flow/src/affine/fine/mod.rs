@@ -22,7 +22,7 @@ use self::field::FineField;
 use self::grid::{CornerWeights, FineGrid, STRIDE};
 use self::node::FineNode;
 use self::propagation::Propagation;
-use self::relax::{NONE, Relaxation};
+use self::relax::{Blocks, NONE, Relaxation};
 use super::bonds::Stiffness;
 use super::grid::PatchGrid;
 use super::judge::FLOOR_VARIANCE;
@@ -32,6 +32,7 @@ use super::template::Template;
 use super::texel::Texel;
 use crate::{Estimate, ValidityParams};
 use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd_macros::simd;
 
 /// Gauss–Seidel sweeps of a step.
 const SWEEPS: usize = 6;
@@ -83,9 +84,15 @@ pub(crate) struct FinePatches {
     /// For every node of the grid, its index in `nodes`, or [`NONE`].
     index: Vec<u32>,
     nodes: Vec<FineNode>,
+    blocks: Blocks,
     has_cell: Vec<bool>,
     /// The cells around the nodes, each by the node at its lower right corner.
     cells: Vec<usize>,
+}
+
+/// Largest number of coarse patches that are refined.
+fn most_refined(coarse: PatchGrid) -> usize {
+    (MOST_REFINED * coarse.nodes() as f32) as usize
 }
 
 impl FinePatches {
@@ -93,6 +100,8 @@ impl FinePatches {
         let grid = FineGrid::over(width, height);
         let noise_variance = 2.0 * noise * noise;
         let coarse = PatchGrid::over(width, height);
+        // A coarse patch contains four fine nodes.
+        let most = 4 * most_refined(coarse);
         Self {
             grid,
             coarse,
@@ -104,7 +113,8 @@ impl FinePatches {
             field: FineField::new(grid),
             rough: Vec::with_capacity(coarse.nodes()),
             index: vec![NONE; grid.nodes()],
-            nodes: Vec::with_capacity(grid.nodes()),
+            nodes: Vec::with_capacity(most),
+            blocks: Blocks::with_capacity(most),
             has_cell: vec![false; grid.nodes()],
             cells: Vec::with_capacity(grid.nodes()),
         }
@@ -136,7 +146,7 @@ impl FinePatches {
         let level = self.level;
         for _ in 0..steps {
             dispatch!(level, simd => self.measure(simd, template, current));
-            self.step(fine, rules);
+            dispatch!(level, simd => self.step(simd, fine, rules));
         }
         if let Some(coarse) = coarse {
             self.propagate((template, fine), current, rules, coarse);
@@ -151,7 +161,7 @@ impl FinePatches {
         let Self { grid, coarse, rough, index, has_cell, nodes, cells, .. } = self;
         rough.clear();
         rough.extend((0..coarse.nodes()).filter_map(|node| Some((is_rough(node)?, node))));
-        let most = (MOST_REFINED * coarse.nodes() as f32) as usize;
+        let most = most_refined(*coarse);
         if rough.len() > most {
             rough.select_nth_unstable_by(most, |a, b| b.0.variance.total_cmp(&a.0.variance).then(a.1.cmp(&b.1)));
             rough.truncate(most);
@@ -211,13 +221,15 @@ impl FinePatches {
                 break;
             }
             dispatch!(level, simd => self.measure(simd, template, current));
-            self.step(fine, rules);
+            dispatch!(level, simd => self.step(simd, fine, rules));
         }
     }
 
     /// Solves for the steps of the nodes, decides which patches failed, and adds the steps.
-    fn step(&mut self, fine: &FineTemplate, rules: &ValidityParams) {
-        let Self { grid, stiffness, scale, noise_variance, field, index, nodes, .. } = self;
+    #[simd]
+    fn step<S: Simd>(&mut self, simd: S, fine: &FineTemplate, rules: &ValidityParams) {
+        let _ = simd;
+        let Self { grid, stiffness, scale, noise_variance, field, index, nodes, blocks, .. } = self;
         for node in nodes.iter_mut() {
             node.form_right(&fine.equations[node.place], *scale);
         }
@@ -229,7 +241,7 @@ impl FinePatches {
             field: field.motions(),
             index,
         };
-        relaxation.run(nodes, SWEEPS);
+        relaxation.run(nodes, blocks, SWEEPS);
         for node in nodes.iter_mut() {
             node.judge(&fine.equations[node.place], *scale, *noise_variance, rules);
         }

@@ -35,10 +35,6 @@ pub(super) struct FineNode {
     pub(super) coarse_blur_error: f32,
     /// Mean roughness of the field around the node, relative to what the prior expects.
     pub(super) roughness: f32,
-    /// Weights of the coupling with the neighbours.
-    pub(super) bonds: [f32; 4],
-    /// Factors of its block of the coupled system.
-    pub(super) factors: [f32; PACKED],
 }
 
 impl FineNode {
@@ -68,15 +64,6 @@ impl FineNode {
         let [d00, d01, d11] = equations.light_inverse;
         let [gain, offset, energy] = [0, 1, 2].map(|k| self.sums[UNKNOWNS + k]);
         energy - (d00 * gain * gain + 2.0 * d01 * gain * offset + d11 * offset * offset)
-    }
-
-    /// `A δ − b` of the patch, in units of the noise.
-    pub(super) fn gradient(&self, equations: &PatchEquations, scale: f32) -> Motion {
-        let mut gradient = self.right.map(|right| -right);
-        for (gradient, image) in gradient.iter_mut().zip(multiply(&equations.normal, &self.step)) {
-            *gradient += scale * image;
-        }
-        gradient
     }
 
     /// Decides from the residual after its step whether the patch failed.
@@ -150,22 +137,4 @@ pub(super) fn factor(mut matrix: [f32; PACKED]) -> [f32; PACKED] {
         matrix[packed(i, i)] = 1.0 / matrix[packed(i, i)].max(LEAST_PIVOT);
     }
     matrix
-}
-
-/// `(L D Lᵀ)⁻¹ x`.
-pub(super) fn substitute(factors: &[f32; PACKED], mut x: Motion) -> Motion {
-    for i in 1..UNKNOWNS {
-        for j in 0..i {
-            x[i] -= factors[packed(i, j)] * x[j];
-        }
-    }
-    for (i, x) in x.iter_mut().enumerate() {
-        *x *= factors[packed(i, i)];
-    }
-    for i in (0..UNKNOWNS).rev() {
-        for j in i + 1..UNKNOWNS {
-            x[i] -= factors[packed(j, i)] * x[j];
-        }
-    }
-    x
 }
