@@ -139,7 +139,7 @@ impl Flag {
                 "the surface expands too much somewhere, so the density is not valid there: increase density.sigma_px"
             }
             Self::BeyondLinear => {
-                "the gel is strained beyond linear elasticity, so depth and force have larger errors: press less deeply"
+                "the gel is strained beyond linear elasticity, so depth and force have larger errors: press less deeply, or drag less far"
             }
             Self::ContactCut => {
                 "contact reaches the border of the image, so area, force and torque are those of the visible part: press nearer to the middle"

@@ -29,6 +29,8 @@ pub(super) struct Drag {
     /// Motion of contact along the surface, mm.
     wanted_mm: Vec<[f32; 3]>,
     is_found: bool,
+    /// Motion of contact along the surface relative to its depth, root mean squares.
+    ratio: f64,
     /// Displacement of the surface's cells by shear and twist alone, mm.
     dragged_mm: Vec<[f32; 3]>,
     /// The camera's measurements of the cells without shear and twist.
@@ -45,6 +47,7 @@ impl Drag {
             wanted_mm: vec![[0.0; 3]; coarse.grid.len()],
             coarse,
             is_found: false,
+            ratio: 0.0,
             dragged_mm: vec![[0.0; 3]; cells],
             seen: vec![Seen::default(); cells],
         }
@@ -53,7 +56,12 @@ impl Drag {
     /// Forgets the previous frames.
     pub(super) fn rest(&mut self) {
         self.tractions.rest();
-        self.is_found = false;
+        (self.is_found, self.ratio) = (false, 0.0);
+    }
+
+    /// Motion of contact along the surface relative to its depth, root mean squares; 0 without contact.
+    pub(super) fn ratio(&self) -> f64 {
+        self.ratio
     }
 
     /// The surface without drag, where there is any.
@@ -63,10 +71,17 @@ impl Drag {
 
     /// Finds the motion of contact along the surface and the displacement it causes; returns whether there is any.
     pub(super) fn find(&mut self, surface: &Surface, contact: &ContactFinder) -> bool {
-        let Some((share, motion)) = motion_of(surface, contact).filter(|(share, _)| *share > 0.0) else {
+        let found = motion_of(surface, contact);
+        self.ratio = found.as_ref().map_or(0.0, |(ratio, _)| *ratio);
+        let Some(motion) = found.map(|(_, motion)| motion) else {
             self.is_found = false;
             return false;
         };
+        let share = ramp(self.ratio, PARTIAL) * motion.sticking();
+        if share <= 0.0 {
+            self.is_found = false;
+            return false;
+        }
         let centres = self.coarse.grid.centres_mm().zip(self.coarse.around());
         for ((centre_mm, around), (touches, wanted)) in centres.zip(self.touches.iter_mut().zip(&mut self.wanted_mm)) {
             let [x, y] = motion.moves(centre_mm).map(|moved| (share * moved) as f32);
@@ -82,12 +97,12 @@ impl Drag {
     }
 }
 
-/// Motion of contact along the surface, and the part of it that is subtracted; none without contact.
+/// Motion of contact along the surface, and before it its ratio to the depth; none without contact.
 fn motion_of(surface: &Surface, contact: &ContactFinder) -> Option<(f64, Motion)> {
     let cells = || (0..surface.grid.len()).filter(|&cell| contact.touches[cell]);
     let lateral_mm = |cell: usize| surface.seen[cell].lateral_mm(contact.depth_mm[cell]).map(f64::from);
     let motion = Motion::of(cells().map(|cell| (surface.centre_mm(cell), lateral_mm(cell))))?;
     let depths: f64 = cells().map(|cell| f64::from(contact.depth_mm[cell]).powi(2)).sum();
-    let size = if depths > 0.0 { (motion.square() / depths).sqrt() } else { 0.0 };
-    Some((ramp(size, PARTIAL) * motion.sticking(), motion))
+    let ratio = if depths > 0.0 { (motion.square() / depths).sqrt() } else { 0.0 };
+    Some((ratio, motion))
 }

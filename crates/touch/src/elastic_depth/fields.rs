@@ -29,7 +29,7 @@ pub struct ElasticFields {
     /// at least a quarter of the thickness from contact: root mean square over the largest depth, dimensionless; none
     /// if the motion is too small.
     pub unexplained: Option<f32>,
-    /// Whether the gel is strained beyond the linear range.
+    /// Whether the gel is strained beyond the linear range: by depth, or by shear that is large relative to the depth.
     pub is_beyond_linear: bool,
     /// Whether contact reaches the border of the visible part of the gel.
     pub is_cut: bool,

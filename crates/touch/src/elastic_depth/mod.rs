@@ -281,7 +281,9 @@ impl ElasticDepth {
         let thickness_mm = self.gel.thickness_mm;
         let touched = self.contact.touches.iter().filter(|touches| **touches).count();
         self.fields.contact_area_mm2 = (touched as f64 * self.surface.grid.cell_area_mm2()) as f32;
-        self.fields.is_beyond_linear = deepest_mm > THRESHOLDS.linear_range * thickness_mm;
+        let most_drag = THRESHOLDS.most_drag[usize::from(self.contact.has_face())];
+        let is_dragged_far = self.drag.as_ref().is_some_and(|drag| drag.ratio() > most_drag);
+        self.fields.is_beyond_linear = deepest_mm > THRESHOLDS.linear_range * thickness_mm || is_dragged_far;
         self.fields.is_flow_uncertain = self.contact.is_flow_uncertain;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
         self.fields.is_outside_training = self.is_outside_training;

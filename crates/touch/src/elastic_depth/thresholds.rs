@@ -54,6 +54,9 @@ pub(super) struct Thresholds {
     pub(super) least_tracked: f64,
     /// Depth beyond which the strain is too large for linear elasticity, in thicknesses.
     pub(super) linear_range: f64,
+    /// Motion of contact along the surface relative to its depth, root mean squares, beyond which shear cannot be subtracted
+    /// accurately: without a stuck face, whose depth does not depend on it, and with one.
+    pub(super) most_drag: [f64; 2],
     /// Least distance from contact, in thicknesses, at which motion is compared with elasticity: nearer to contact, the
     /// strain is too large for a linear law.
     pub(super) away: f64,
@@ -86,6 +89,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     rest_deviation: 0.005,
     least_tracked: 0.1,
     linear_range: 0.25,
+    most_drag: [0.5, 2.0],
     away: 0.25,
     flow_deviations: 2.0,
     least_motion_px: 0.25,

@@ -137,6 +137,7 @@ fn shear_force_is_found_from_a_face_that_is_dragged() {
     let force = fields.force_n.unwrap();
     assert!(close(force[0], press.force_n[0], 0.1), "{force:?} {:?}", press.force_n);
     assert!(close(force[2], press.force_n[2], 0.1), "{force:?} {:?}", press.force_n);
+    assert!(!fields.is_beyond_linear, "the depth of a face that sticks does not depend on shear");
     let (error_mm, overlap) = press.judge(fields);
     assert!(error_mm < 0.01 && overlap > 0.8, "{error_mm} mm, {overlap}");
 }
@@ -146,7 +147,9 @@ fn a_ball_that_is_dragged_is_not_taken_for_a_deeper_one() {
     let motion = "keyframes = [{ at = 2, depth_mm = 0.8 }, { at = 4, shear_mm = [1.5, 0.0] }]";
     let press = Press::new("shape = 'sphere'\nradius_mm = 12.0", "stick", motion);
     let mut exact = press.inverse(ElasticMode::Exact);
-    let (error_mm, overlap) = press.judge(exact.solve(&press.flow, &press.deviation, &press.valid));
+    let fields = exact.solve(&press.flow, &press.deviation, &press.valid);
+    assert!(fields.is_beyond_linear, "shear that is large relative to the depth");
+    let (error_mm, overlap) = press.judge(fields);
     assert!(error_mm < 0.018 && overlap > 0.7, "{error_mm} mm, {overlap}");
     // Live mode takes the motion of contact from the previous frame. Without that its error is 0.021 mm.
     let mut live = press.inverse(ElasticMode::Live);
