@@ -104,6 +104,9 @@ fn the_bench_tracks_simulated_cameras_at_their_rate() {
     for stage in ["decode", "flow", "elastic"] {
         assert!(report["stages_ms"][stage]["p50"].as_f64().unwrap() > 0.0, "{stage}: {report}");
     }
+    assert!(report["sensor_memory_mib"].is_number() || !cfg!(target_os = "linux"), "{report}");
+    let found = json(&bench.run("bench --find --sensors 1 --rate 2 --seconds 1 --size 160x120 --json").expect_done());
+    assert!(found["readings"].as_u64().is_some() && found["sensor_memory_mib"].is_null(), "of several trials: {found}");
     for (usage, error) in [("--sensors 2 --frames 30", "cannot be used with"), ("--rate 30", "--sensors <N>|--find")] {
         let ended = bench.run(&format!("bench {usage}"));
         assert_eq!(ended.code, Some(2), "{ended:?}");

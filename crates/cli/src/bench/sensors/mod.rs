@@ -69,11 +69,15 @@ pub(super) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let workers = threads::count();
     let sensors = wanted.sensors.map_or(1, usize::from);
     let load = Load { sensors, rate: wanted.rate, seconds: wanted.seconds, fields, workers };
-    let (found, measured) = match (wanted.find, wanted.sensors) {
+    let (found, mut measured) = match (wanted.find, wanted.sensors) {
         (false, _) => (None, load.run(&film, output)?),
         (true, None) => search::most_sensors(load, &film, output)?,
         (true, Some(_)) => search::highest_rate(load, &film, output)?,
     };
+    if wanted.find {
+        // The sensors of a trial use the memory that those of the one before have left.
+        measured.memory.of_sensor = None;
+    }
     let report = SensorsReport::new(&film, measured, found);
     output.result(out, &report, &report.to_string())
 }

@@ -43,7 +43,7 @@ pub(super) struct SensorsReport {
     #[serde(skip)]
     order: Vec<&'static str>,
     memory_mib: Option<f64>,
-    /// What each sensor adds.
+    /// What each sensor adds; not known after several trials.
     sensor_memory_mib: Option<f64>,
     /// What was added in the last two thirds of the time.
     memory_growth_mib: Option<f64>,
@@ -158,8 +158,9 @@ impl fmt::Display for SensorsReport {
             row(f, name, times)?;
         }
         row(f, "due to reading", &self.latency_ms)?;
-        if let (Some(memory), Some(of_sensor)) = (self.memory_mib, self.sensor_memory_mib) {
-            write!(f, "memory             {memory:.0} MiB, {of_sensor:.1} MiB a sensor")?;
+        if let Some(memory) = self.memory_mib {
+            write!(f, "memory             {memory:.0} MiB")?;
+            self.sensor_memory_mib.map_or(Ok(()), |of_sensor| write!(f, ", {of_sensor:.1} MiB a sensor"))?;
             self.memory_growth_mib
                 .map_or(Ok(()), |growth| write!(f, "; {growth:.1} MiB more after a third of the time"))?;
             writeln!(f)?;
