@@ -1,11 +1,11 @@
 //! The dense field that the patches' displacements are turned into, level by level, and its memory.
 
+use super::SearchLevel;
 use super::densify::Densifier;
-use super::patches::fill_unfound;
+use super::patches::{PATCH, PatchTemplate, SearchRules, fill_unfound};
 use super::resize::{double_into, shrink_into};
-use super::variational::VariationalRefinement;
-use super::{PATCH, RefineParams, SearchLevel, SearchRules};
-use super::{PatchTemplate, sweep::sweep};
+use super::sweep::sweep;
+use super::variational::{RefineParams, VariationalRefinement};
 use crate::FlowField;
 use fearless_simd::{Level, Simd, dispatch};
 use fingervision_image::Image;
@@ -13,6 +13,8 @@ use fingervision_image::Image;
 /// The dense fields of all levels.
 #[derive(Debug, Clone)]
 pub(super) struct DenseFields {
+    /// The pyramid's level where the search ends.
+    finest: usize,
     /// From the finest level of the search to the coarsest.
     levels: Vec<DenseLevel>,
     /// Fields between the finest level and full size, if the finest level is not 0.
@@ -31,7 +33,7 @@ struct DenseLevel {
 }
 
 impl DenseFields {
-    /// For the levels of a search of pictures of this size; `finest` is the number of the first one.
+    /// For the levels of a search of pictures of this size; the first of them is level `finest` of the pyramid.
     pub(super) fn new((width, height): (usize, usize), finest: usize, levels: &[SearchLevel]) -> Self {
         let dense = levels.iter().enumerate().map(|(k, level)| {
             let (width, height) = (width >> (finest + k), height >> (finest + k));
@@ -43,18 +45,19 @@ impl DenseFields {
             }
         });
         Self {
+            finest,
             levels: dense.collect(),
             enlarged: (1..finest).rev().map(|level| FlowField::zero(width >> level, height >> level)).collect(),
             refinement: VariationalRefinement::new(width >> finest, height >> finest),
         }
     }
 
-    /// Searches level `k` of the search, which is level `number` of the pyramid, and refines the dense field. The search begins
-    /// from the coarser level's field and tries `start`, if there is one, too.
+    /// Searches the patches of level `k`, counted from the finest, and refines the dense field. The search begins from the coarser
+    /// level's field and tries `start`, if there is one, too.
     pub(super) fn search_level(
         &mut self,
         simd: Level,
-        (k, number): (usize, usize),
+        k: usize,
         level: &mut SearchLevel,
         (template, current): (&PatchTemplate, &Image<f32>),
         start: Option<&FlowField>,
@@ -67,16 +70,16 @@ impl DenseFields {
             None => dense.flow.fill(0.0),
         }
         if let Some(start) = start {
-            shrink_into(start, number, &mut dense.start);
+            shrink_into(start, self.finest + k, &mut dense.start);
         }
         dispatch!(simd, simd => dense.run(simd, level, (template, current), start.is_some(), rules));
         self.refinement.refine(refine, &template.grey, current, &mut dense.flow);
     }
 
-    /// Writes the field of the finest level, which is level `finest` of the pyramid, at full size.
-    pub(super) fn enlarge(&mut self, finest: usize, flow: &mut FlowField) {
+    /// Writes the field of the finest level at full size.
+    pub(super) fn enlarge(&mut self, flow: &mut FlowField) {
         let found = &self.levels[0].flow;
-        if finest == 0 {
+        if self.finest == 0 {
             flow.copy_from(found);
             return;
         }

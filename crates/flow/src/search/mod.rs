@@ -214,11 +214,10 @@ impl InverseSearch {
         for (k, level) in self.levels.iter_mut().enumerate().rev() {
             let is_coarsest = k + 1 == reference.templates.len();
             let rules = (self.params.rules(is_exhaustive && is_coarsest), &self.params.refine);
-            let number = finest + k;
-            let pictures = (&reference.templates[k], current.grey.level(number));
-            dense.search_level(self.simd, (k, number), level, pictures, start, rules);
+            let pictures = (&reference.templates[k], current.grey.level(finest + k));
+            dense.search_level(self.simd, k, level, pictures, start, rules);
         }
-        dense.enlarge(finest, flow);
+        dense.enlarge(flow);
         self.dense = (self.frequency == Frequency::EveryFrame).then_some(dense);
     }
 }

@@ -73,15 +73,11 @@ impl Drag {
     pub(super) fn find(&mut self, surface: &Surface, contact: &ContactFinder) -> bool {
         let found = motion_of(surface, contact);
         self.ratio = found.as_ref().map_or(0.0, |(ratio, _)| *ratio);
-        let Some(motion) = found.map(|(_, motion)| motion) else {
+        let found = found.map(|(ratio, motion)| (ramp(ratio, PARTIAL) * motion.sticking(), motion));
+        let Some((share, motion)) = found.filter(|(share, _)| *share > 0.0) else {
             self.is_found = false;
             return false;
         };
-        let share = ramp(self.ratio, PARTIAL) * motion.sticking();
-        if share <= 0.0 {
-            self.is_found = false;
-            return false;
-        }
         let centres = self.coarse.grid.centres_mm().zip(self.coarse.around());
         for ((centre_mm, around), (touches, wanted)) in centres.zip(self.touches.iter_mut().zip(&mut self.wanted_mm)) {
             let [x, y] = motion.moves(centre_mm).map(|moved| (share * moved) as f32);
