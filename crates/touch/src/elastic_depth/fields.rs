@@ -112,9 +112,9 @@ impl ElasticFields {
         }
         self.contact.values_mut().fill(0);
         self.contact_area_mm2 = 0.0;
-        self.is_at_rest = true;
-        if let Some(grid) = &mut self.traction_mpa {
-            grid.traction_mpa.fill([0.0; 3]);
+        // Readings take the planes above in exchange for others, but not the tractions.
+        if !std::mem::replace(&mut self.is_at_rest, true) {
+            self.traction_mpa.iter_mut().for_each(|grid| grid.traction_mpa.fill([0.0; 3]));
         }
         self.force_n = self.force_n.map(|_| [0.0; 3]);
         self.torque_nmm = self.torque_nmm.map(|_| 0.0);

@@ -237,11 +237,14 @@ impl ElasticDepth {
 
     /// Sets the result to a gel at rest, for a frame in which motion above `still_mm` would be detected.
     fn rest(&mut self, still_mm: f64) {
-        self.held.rest();
-        if let Some(drag) = &mut self.drag {
-            drag.rest();
+        // From one frame at rest to the next, nothing of these changes.
+        if !self.fields.is_at_rest {
+            self.held.rest();
+            if let Some(drag) = &mut self.drag {
+                drag.rest();
+            }
+            self.contact.rest();
         }
-        self.contact.rest();
         self.fields.rest(still_mm / (THRESHOLDS.still_px * self.surface.mm_per_px));
     }
 
