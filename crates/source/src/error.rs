@@ -208,6 +208,9 @@ fn too_few_hint(path: &Path, count: u64) -> String {
     let inside = path.join("frames");
     match count {
         _ if inside.is_dir() => format!("did you mean {}?", inside.display()),
+        _ if path.join("scene.toml").is_file() => {
+            "this simulation has no camera images: simulate the scene without --truth-only".into()
+        }
         0 => READ.into(),
         _ => "record the gel at rest first, then the touch".into(),
     }

@@ -197,7 +197,9 @@ fn too_few_images_are_refused_with_a_hint() {
     let error = open_error(one.path());
     assert!(error.to_string().contains("one frame: tracking needs"), "{error}");
     assert_eq!(error.hint().unwrap(), "record the gel at rest first, then the touch");
-    // What `simulate` writes has a preview beside the frames.
+    // What `simulate` writes has a preview beside the frames, or in place of them.
+    fs::write(one.path().join("scene.toml"), "").unwrap();
+    assert!(open_error(one.path()).hint().unwrap().contains("without --truth-only"));
     fs::create_dir(one.path().join("frames")).unwrap();
     assert!(open_error(one.path()).hint().unwrap().starts_with("did you mean"));
 }
