@@ -50,7 +50,8 @@ impl AffinePatches {
         history: &FlowHistory,
         [last, now]: [&mut FlowField; 2],
     ) -> bool {
-        if std::mem::take(&mut self.blur.skips_next) || !self.is_blurred(reference, history) {
+        let is_blurred = self.is_blurred(reference, history);
+        if std::mem::take(&mut self.blur.skips_next) || !is_blurred {
             return false;
         }
         // Patches that only need another step are not blurred.
