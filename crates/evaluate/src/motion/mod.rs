@@ -58,7 +58,7 @@ pub fn measure(
     let mut outcomes: Vec<Vec<Outcome>> = Disturbance::ALL.iter().map(|_| Vec::new()).collect();
     let mut unsolved = 0;
     for name in names {
-        let mut worst = [0.0_f64; PACES.len()];
+        let mut worst = [f64::NAN; PACES.len()];
         for variant in Variant::ALL {
             progress(&format!("{name}, {}", variant.name()));
             let press = match Press::solve(name, variant, options.mesh, cache) {
@@ -85,10 +85,6 @@ pub fn measure(
     let mut row = |name: &str, asked: Option<Asked>, figure: &dyn Fn(&[Tally]) -> f64| {
         motion.push(name, asked, all.iter().map(|tallies| figure(tallies)).collect());
     };
-    let largest = |tallies: &[Tally], figure: fn(&Tally) -> f64| tallies.iter().map(figure).fold(0.0, f64::max);
-    let mean = |tallies: &[Tally], figure: fn(&Tally) -> f64| {
-        tallies.iter().map(figure).sum::<f64>() / tallies.len().max(1) as f64
-    };
     row("largest step, px", None, &|all| largest(all, |tally| tally.step_px));
     row("presses above 0.15 px in contact, number", None, &|all| {
         all.iter().filter(|tally| tally.contact_px() > LOST_PX).count() as f64
@@ -109,6 +105,16 @@ pub fn measure(
     Ok(Tables { motion, rim: rim(&all[0]), deviation: deviation(&all), disturbed: disturbed(&outcomes) })
 }
 
+/// The largest figure; not a number if there is none, so that a table of no press does not look good.
+fn largest<T>(of: &[T], figure: impl Fn(&T) -> f64) -> f64 {
+    of.iter().map(figure).fold(f64::NAN, f64::max)
+}
+
+/// The mean of the figures; not a number if there is none.
+fn mean<T>(of: &[T], figure: impl Fn(&T) -> f64) -> f64 {
+    of.iter().map(figure).sum::<f64>() / of.len() as f64
+}
+
 /// Errors and flags by disturbance.
 fn disturbed(all: &[Vec<Outcome>]) -> Table {
     let columns = [
@@ -122,19 +128,16 @@ fn disturbed(all: &[Vec<Outcome>]) -> Table {
     ];
     let mut table = Table::new("Disturbed images: error in contact, validity, flags", &columns);
     for (disturbance, outcomes) in Disturbance::ALL.iter().zip(all) {
-        let count = outcomes.len().max(1) as f64;
-        let mean =
-            |figure: fn(&Tally) -> f64| outcomes.iter().map(|outcome| figure(&outcome.disturbed)).sum::<f64>() / count;
-        let largest = |figure: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(figure).fold(0.0, f64::max);
+        let of_disturbed = |figure: fn(&Tally) -> f64| mean(outcomes, |outcome| figure(&outcome.disturbed));
         let silent = outcomes.iter().filter(|outcome| outcome.disturbed.silent_px() > LOST_PX).count() as f64;
-        let later = largest(&|outcome| outcome.after.contact_px());
+        let later = largest(outcomes, |outcome| outcome.after.contact_px());
         let values = vec![
-            mean(Tally::contact_px),
-            largest(&|outcome| outcome.disturbed.contact_px()),
+            of_disturbed(Tally::contact_px),
+            largest(outcomes, |outcome| outcome.disturbed.contact_px()),
             silent,
-            largest(&|outcome| outcome.disturbed.wrong()),
-            mean(Tally::valid),
-            mean(Tally::flagged),
+            largest(outcomes, |outcome| outcome.disturbed.wrong()),
+            of_disturbed(Tally::valid),
+            of_disturbed(Tally::flagged),
             if matches!(disturbance, Disturbance::MotionBlur { .. }) { f64::NAN } else { later },
         ];
         table.push(disturbance.name(), None, values);
@@ -173,4 +176,15 @@ fn deviation(all: &[Vec<Tally>]) -> Table {
         table.push(name, Some(Asked::AtLeast(asked)), sums.places().map(|place| place.covered(k)).collect());
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_of_no_press_are_missing() {
+        assert!(largest(&[], Tally::wrong).is_nan() && mean(&[], Tally::valid).is_nan());
+        assert_eq!((largest(&[2.0, 3.0, 1.0], |x| *x), mean(&[2.0, 3.0, 1.0], |x| *x)), (3.0, 2.0));
+    }
 }
