@@ -50,6 +50,7 @@ impl AffinePatches {
         history: &FlowHistory,
         [last, now]: [&mut FlowField; 2],
     ) -> bool {
+        // Also where no search follows: how likely blur is comes from it.
         let is_blurred = self.is_blurred(reference, history);
         if std::mem::take(&mut self.blur.skips_next) || !is_blurred {
             return false;
