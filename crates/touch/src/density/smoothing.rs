@@ -2,8 +2,13 @@
 
 use std::f64::consts::PI;
 
-use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, prelude::*};
 use fearless_simd_macros::simd;
+
+/// Taps on each side that are processed together.
+const STEP: usize = 4;
+/// Nodes that are processed together.
+const LANES: usize = 16;
 
 /// The taps of a symmetric kernel, from its centre outwards, that turns two cubic B-splines into a Gaussian.
 ///
@@ -55,25 +60,46 @@ pub(super) fn smooth<S: Simd>(
 #[simd]
 fn weigh<'a, S: Simd>(simd: S, taps: &[f32], at: impl Fn(usize) -> &'a [f32], to: &mut [f32]) {
     let reach = taps.len() - 1;
-    for (to, centre) in to.iter_mut().zip(at(reach)) {
-        *to = taps[0] * centre;
-    }
-    for n in (1..reach).step_by(4) {
-        let before = std::array::from_fn(|k| at(reach - n - k));
-        let behind = std::array::from_fn(|k| at(reach + n + k));
-        add_taps(simd, to, &taps[n..n + 4], before, behind);
+    let centre = (taps[0], at(reach));
+    for first in (1..reach).step_by(STEP) {
+        let sides = std::array::from_fn(|k| [at(reach - first - k), at(reach + first + k)]);
+        let factors = std::array::from_fn(|k| taps[first + k]);
+        add_taps(simd, to, if first == 1 { Some(centre) } else { None }, factors, sides);
     }
 }
 
-/// `to += Σ taps[k] · (before[k] + behind[k])` over four taps.
+/// Adds `Σ taps[k] · (sides[k][0] + sides[k][1])` to the product of a tap and the `centre`, or without a centre to `to`.
 #[simd]
-fn add_taps<S: Simd>(_: S, to: &mut [f32], taps: &[f32], before: [&[f32]; 4], behind: [&[f32]; 4]) {
-    let [first, second, third, fourth] = std::array::from_fn(|k| before[k].iter().zip(behind[k]));
-    let inputs = first.zip(second).zip(third.zip(fourth));
-    for (to, ((first, second), (third, fourth))) in to.iter_mut().zip(inputs) {
-        let near = taps[0] * (first.0 + first.1) + taps[1] * (second.0 + second.1);
-        let far = taps[2] * (third.0 + third.1) + taps[3] * (fourth.0 + fourth.1);
-        *to += near + far;
+fn add_taps<S: Simd>(
+    simd: S,
+    to: &mut [f32],
+    centre: Option<(f32, &[f32])>,
+    taps: [f32; STEP],
+    sides: [[&[f32]; 2]; STEP],
+) {
+    let width = to.len();
+    let sides = sides.map(|[before, behind]| [&before[..width], &behind[..width]]);
+    let (chunks, rest) = to.as_chunks_mut::<LANES>();
+    for (chunk, to) in chunks.iter_mut().enumerate() {
+        let at = chunk * LANES;
+        let mut sum = match centre {
+            Some((tap, centre)) => f32x16::from_slice(simd, &centre[at..][..LANES]) * tap,
+            None => f32x16::from_slice(simd, to),
+        };
+        for k in 0..STEP {
+            let before = f32x16::from_slice(simd, &sides[k][0][at..][..LANES]);
+            let behind = f32x16::from_slice(simd, &sides[k][1][at..][..LANES]);
+            sum += (before + behind) * taps[k];
+        }
+        sum.store_slice(to);
+    }
+    let first = width - rest.len();
+    for (at, to) in (first..).zip(rest) {
+        let mut sum = centre.map_or(*to, |(tap, centre)| centre[at] * tap);
+        for k in 0..STEP {
+            sum += (sides[k][0][at] + sides[k][1][at]) * taps[k];
+        }
+        *to = sum;
     }
 }
 
