@@ -6,7 +6,7 @@
 use crate::benchmark::{Case, cases};
 use crate::experiment::{ElasticScore, ExperimentError, Extent, Following, Recording, follow_last};
 use crate::{Asked, PressOptions, Table};
-use fingervision_gel::{PressCache, Scene};
+use fingervision_gel::PressCache;
 use rayon::prelude::*;
 
 /// The variations of the benchmark that are measured, and what the table calls them.
@@ -41,9 +41,7 @@ pub fn measure(
     cache: &PressCache,
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Tables, ExperimentError> {
-    for scene in &options.scenes {
-        Scene::find(scene)?;
-    }
+    options.check()?;
     let all = cases(Extent::Full, options.mesh)?;
     let picked = presses(&all, options);
     let scored = picked.par_iter().map(|(name, case)| {

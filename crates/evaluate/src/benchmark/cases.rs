@@ -1,9 +1,10 @@
 //! The cases of the benchmark: scenes × variations.
 
-use fingervision_gel::{MeshParams, ReadyMade, Resolution, Scene, SceneError};
+use fingervision_gel::{MeshParams, Resolution, Scene, SceneError};
 use serde::Serialize;
 
 use crate::experiment::Extent;
+use crate::press_options::ready_made_presses;
 
 /// A change of the default sensor, or of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -99,10 +100,9 @@ pub struct Case {
 ///
 /// [`SceneError`] if a scene is impossible under a variation.
 pub fn cases(extent: Extent, mesh: Resolution) -> Result<Vec<Case>, SceneError> {
-    let is_press = |name: &str| name != "board" && !name.starts_with("calibration-");
     let is_asked = |name: &str| extent == Extent::Full || ["circle", "sphere", "letter"].contains(&name);
     let variations = if extent == Extent::Full { Variation::ALL } else { &Variation::ALL[..1] };
-    let scenes = ReadyMade::ALL.iter().filter(|ready| is_press(ready.name) && is_asked(ready.name));
+    let scenes = ready_made_presses().filter(|ready| is_asked(ready.name));
     let mut cases = Vec::new();
     for ready in scenes {
         for variation in variations {
@@ -123,6 +123,8 @@ pub(super) fn adapt(scene: &mut Scene, extent: Extent, resolution: Resolution) -
 
 #[cfg(test)]
 mod tests {
+    use fingervision_gel::ReadyMade;
+
     use super::*;
 
     #[test]

@@ -16,8 +16,9 @@ pub use follow::{PACES, Press, Variant};
 pub use tally::{BANDS_MM, Sums, Tally};
 
 use crate::experiment::ExperimentError;
+use crate::press_options::ready_made_presses;
 use crate::{Asked, PressOptions, Table};
-use fingervision_gel::{PressCache, ReadyMade};
+use fingervision_gel::PressCache;
 use rayon::prelude::*;
 
 /// Error of the flow in contact, px, above which a contact may be lost.
@@ -48,8 +49,8 @@ pub fn measure(
     cache: &PressCache,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Tables, ExperimentError> {
-    let is_press = |name: &str| name != "board" && !name.starts_with("calibration-");
-    let names = ReadyMade::ALL.iter().map(|scene| scene.name).filter(|name| is_press(name) && options.includes(name));
+    options.check()?;
+    let names = ready_made_presses().map(|scene| scene.name).filter(|name| options.includes(name));
     let columns = PACES.map(|pace| if pace == 1 { "1 step".to_owned() } else { format!("{pace} steps") });
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     let mut motion =
