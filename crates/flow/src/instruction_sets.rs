@@ -47,14 +47,18 @@ fn flow(params: &FlowParams, level: Level, is_cold: bool) -> Estimate {
     estimate
 }
 
-/// The largest difference of the flow, px; the largest relative difference of the deviation, where both are valid; and
-/// the part of the pixels where only one is valid.
+/// The largest difference of the flow where either is valid, px; the largest relative difference of the deviation, where both
+/// are valid; and the part of the pixels where only one is valid.
 fn differences(a: &Estimate, b: &Estimate) -> [f32; 3] {
     let (mut flow_px, mut deviation, mut validity) = (0.0_f32, 0.0_f32, 0.0);
     for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
         let difference = (a.flow.u.at(x, y) - b.flow.u.at(x, y)).hypot(a.flow.v.at(x, y) - b.flow.v.at(x, y));
         assert!(difference.is_finite(), "({x}, {y})");
-        flow_px = flow_px.max(difference);
+        let is_valid = a.valid.at(x, y) == 1 || b.valid.at(x, y) == 1;
+        assert!(is_valid || difference < 1e-3, "({x}, {y}): {difference} px where the flow is not valid");
+        if is_valid {
+            flow_px = flow_px.max(difference);
+        }
         match (a.valid.at(x, y), b.valid.at(x, y)) {
             (1, 1) => deviation = deviation.max((a.deviation.at(x, y) / b.deviation.at(x, y) - 1.0).abs()),
             (0, 0) => {}

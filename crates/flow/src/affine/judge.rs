@@ -11,6 +11,7 @@ use super::nodes::{NodeField, UNKNOWNS};
 use super::refinement::Refinement;
 use super::symmetric::packed;
 use super::template::Template;
+use super::visible::LEAST_VISIBLE;
 use crate::{Estimate, ValidityParams};
 use fearless_simd::{Simd, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
@@ -22,6 +23,14 @@ pub(super) const FLOOR_VARIANCE: f32 = 0.003 * 0.003;
 const ROUGH_PATCH: f32 = 0.06;
 /// The same for a patch that only its neighbours determine.
 const ROUGH_STEP: f32 = 0.2;
+
+/// Increase of the variance from a node to one without texture, px²: the flow there is only a guess from that around it, and where
+/// the flow has a slope of a twentieth it is off by as much.
+const BLIND_STEP: f32 = 0.3 * 0.3;
+
+/// Error of a patch that lies partly outside the current image, px, relative to the part that is outside: the visible part has
+/// another middle. Measured on patterns that turn by 20° and grow by 15 %.
+const HIDDEN_PX: f32 = 0.8;
 
 /// A patch has converged if its step is shorter than this, px.
 const CONVERGED_PX: f32 = 0.1;
@@ -112,6 +121,9 @@ impl Refinement {
         let floor = rules.noise_floor.powi(2) * self.noise_variance;
         let n = self.grid.nodes();
         field.mark_inside(&mut self.is_inside[..n]);
+        for (is_inside, visible) in self.is_inside.iter_mut().zip(&self.visible) {
+            *is_inside &= *visible >= LEAST_VISIBLE;
+        }
         let (variance, samples) = (&template.variance[..n], &template.samples[..n]);
         let (energy, contrast) = (&self.energy[..n], &self.contrast[..n]);
         let (is_inside, trust, mean) = (&self.is_inside[..n], &mut self.trust[..n], &mut self.mean_energy[..n]);
@@ -131,18 +143,26 @@ impl Refinement {
 
     /// Writes the variance of every patch: its own, scaled by the residual where that exceeds the noise, plus the part
     /// from rough flow; the largest number for failed patches. Writes to `steps` the increase of the variance from node
-    /// to node; `smooth_step` is that in a smooth field.
-    pub(crate) fn scale_variance(&self, own: &[f32], smooth_step: f32, variance: &mut [f32], steps: &mut [f32]) {
+    /// to node; `smooth_step` is that in a smooth field. Patches with an own variance above `textured` have no texture.
+    pub(crate) fn scale_variance(
+        &self,
+        (own, textured): (&[f32], f32),
+        smooth_step: f32,
+        variance: &mut [f32],
+        steps: &mut [f32],
+    ) {
         for node in 0..self.grid.nodes() {
             let rough = self.coupling.roughness(node) * smooth_step;
             let excess = (self.mean_energy[node] / self.noise_variance).max(1.0);
-            steps[node] = smooth_step + ROUGH_STEP * rough;
+            let blind = BLIND_STEP * (own[node] / textured - 1.0).clamp(0.0, 1.0);
+            steps[node] = smooth_step + ROUGH_STEP * rough + blind;
             let known = own[node] * excess + ROUGH_PATCH * rough;
             variance[node] = if self.trust[node] > 0.0 { known } else { f32::MAX };
         }
     }
 
-    /// Adds the error that further steps would correct, that of blur with its likelihood, and another one. Neighbours do not
+    /// Adds the error that further steps would correct, those of blur with its likelihood and of pixels outside the image, and
+    /// another one. Neighbours do not
     /// reduce them.
     pub(crate) fn add_own_errors(
         &self,
@@ -152,7 +172,9 @@ impl Refinement {
         variance: &mut [f32],
     ) {
         for (node, variance) in variance[..self.grid.nodes()].iter_mut().enumerate() {
-            *variance += self.remaining_error[node] + blur_likelihood * self.blur_error(template, node) + other(node);
+            let hidden = HIDDEN_PX * (1.0 - self.visible[node]);
+            let other = other(node) + hidden * hidden;
+            *variance += self.remaining_error[node] + blur_likelihood * self.blur_error(template, node) + other;
         }
     }
 

@@ -18,5 +18,6 @@ pub(crate) mod refinement;
 mod symmetric;
 pub(crate) mod template;
 pub(crate) mod texel;
+mod visible;
 
 pub use self::history::FlowHistory;

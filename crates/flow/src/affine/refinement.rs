@@ -11,9 +11,10 @@ use super::grid::{PatchGrid, STRIDE};
 use super::measurement::{Current, Measurement, Strip, Sums};
 use super::moments::Window;
 use super::nodes::{NodeField, UNKNOWNS};
-use super::own_variance::own_variances;
+use super::own_variance::{noise_gradient, own_variance, signal};
 use super::template::{BlurredTemplate, Template};
 use super::texel::Texel;
+use super::visible::{LEAST_VISIBLE, VisiblePart};
 use crate::{FlowField, Team};
 use fearless_simd::{Level, Simd, dispatch};
 use fingervision_image::Image;
@@ -57,7 +58,10 @@ pub(crate) struct Refinement {
     pub(super) mean_energy: Vec<f32>,
     /// Square of the error that further steps would correct, px².
     pub(super) remaining_error: Vec<f32>,
-    /// Whether the patch's centre lies in the current image.
+    visible_part: VisiblePart,
+    /// The part of each patch that lies in the current image, 0 to 1.
+    pub(super) visible: Vec<f32>,
+    /// Whether enough of the patch lies in the current image.
     pub(super) is_inside: Vec<bool>,
     pub(super) trust: Vec<f32>,
     pub(super) increment: NodeField,
@@ -82,6 +86,8 @@ impl Refinement {
             energy: plane(),
             mean_energy: plane(),
             remaining_error: plane(),
+            visible_part: VisiblePart::new(),
+            visible: vec![1.0; grid.plane_len()],
             is_inside: vec![true; grid.plane_len()],
             trust: vec![1.0; grid.plane_len()],
             increment: NodeField::zero(grid),
@@ -108,9 +114,17 @@ impl Refinement {
     /// Computes what follows from the normal equations of a template.
     pub(super) fn complete(&self, template: &mut Template) {
         let scale = self.scale();
-        self.coupling.set_coarse_blocks(&template.normal, scale, &mut template.coarse);
         let slope_stiffness = self.coupling.stiffness().curvature;
-        own_variances(self.grid, &template.normal, scale, slope_stiffness, &mut template.own_variance);
+        for node in 0..self.grid.nodes() {
+            let noise = noise_gradient(template.samples[node], 0.5 * self.noise_variance);
+            let normal = |entry: usize| template.normal[entry][node];
+            template.own_variance[node] = own_variance(normal, noise, scale, slope_stiffness);
+            template.signal[node] = signal(normal, noise);
+        }
+        for plane in &mut template.normal {
+            plane.iter_mut().zip(&template.signal).for_each(|(value, signal)| *value *= signal);
+        }
+        self.coupling.set_coarse_blocks(&template.normal, scale, &mut template.coarse);
     }
 
     /// Prepares the template as a picture shows it that is exposed during `part` of the motion; see [`BlurredTemplate::set`].
@@ -239,6 +253,18 @@ impl Refinement {
             energy,
         };
         measurement.run(*level, team, strips, sums);
+        self.complete_sums(field);
+    }
+
+    /// Extrapolates the sums of patches that lie partly outside the current image to the whole patch.
+    fn complete_sums(&mut self, field: &NodeField) {
+        self.visible_part.write(self.grid, field, &mut self.visible);
+        for (node, visible) in self.visible.iter().enumerate().filter(|(_, visible)| **visible < 1.0) {
+            let factor = 1.0 / visible.max(LEAST_VISIBLE);
+            for plane in self.gradient.iter_mut().chain(&mut self.light).chain([&mut self.energy]) {
+                plane[node] *= factor;
+            }
+        }
     }
 
     /// Eliminates the change of light from the gradient sums and scales them by the noise.
@@ -258,7 +284,7 @@ impl Refinement {
             for (node, gradient) in gradient.iter_mut().enumerate() {
                 let explained = by_light[0][node] * gain[node] + by_light[1][node] * offset[node];
                 let contrast = self.contrast[node].clamp(CONTRASTS.0, CONTRASTS.1);
-                *gradient = scale * (*gradient - explained) / contrast;
+                *gradient = scale * template.signal[node] * (*gradient - explained) / contrast;
             }
         }
     }

@@ -47,6 +47,9 @@ const ROUGH_PATCH: f32 = 0.03;
 /// large deviation, the cause is blur or noise, not a rim.
 const MOST_REFINED: f32 = 0.3;
 
+/// A patch whose middle is nearer to the border of the current image, px, lies partly outside and is not valid.
+const INNER_PX: f32 = 3.0;
+
 /// A coarse patch that should be refined.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rough {
@@ -122,7 +125,8 @@ impl FinePatches {
 
     /// Prepares a new reference, whose texels are in `template`.
     pub(crate) fn prepare(&self, template: &Template, channels: usize, fine: &mut FineTemplate) {
-        fine.prepare(self.level, template, channels, self.scale, self.stiffness.curvature);
+        let noise_variance = 0.5 * self.noise_variance;
+        fine.prepare(self.level, template, channels, noise_variance, self.scale, self.stiffness.curvature);
     }
 
     /// Refines the flow in `out` at the coarse patches for which `rough` returns a value.
@@ -273,8 +277,14 @@ impl FinePatches {
             let blur = node.blur_error(template_variance, self.noise_variance, blur_likelihood);
             let other = rough + blur + REMAINING_ERROR * (u * u + v * v) + FLOOR_VARIANCE;
             let variance = fine.own_variance[node.place] * excess + other;
-            let deviation = if node.is_trusted { variance.sqrt() } else { f32::INFINITY };
             let (left, top) = (STRIDE * (node.place % self.grid.columns), STRIDE * (node.place / self.grid.columns));
+            let middle = (left + STRIDE / 2, top + STRIDE / 2);
+            let (px, py) = (
+                middle.0 as f32 + out.flow.u.at(middle.0, middle.1),
+                middle.1 as f32 + out.flow.v.at(middle.0, middle.1),
+            );
+            let is_whole = px >= INNER_PX && py >= INNER_PX && px <= right - INNER_PX && py <= bottom - INNER_PX;
+            let deviation = if node.is_trusted && is_whole { variance.sqrt() } else { f32::INFINITY };
             for y in top..top + STRIDE {
                 for x in left..left + STRIDE {
                     let (px, py) = (x as f32 + out.flow.u.at(x, y), y as f32 + out.flow.v.at(x, y));

@@ -2,7 +2,7 @@
 
 use super::cell::template_moments;
 use super::grid::{CornerWeights, FineGrid, window_weights};
-use crate::affine::own_variance::own_variance;
+use crate::affine::own_variance::{noise_gradient, own_variance};
 use crate::affine::template::{MOMENTS, PatchEquations, Template};
 use fearless_simd::{Level, Simd, dispatch};
 
@@ -23,13 +23,14 @@ impl FineTemplate {
         Self { grid, equations: Vec::with_capacity(grid.nodes()), own_variance: Vec::with_capacity(grid.nodes()) }
     }
 
-    /// Prepares a new reference, whose texels are in `template`. `scale` is one over the noise variance and the
-    /// overlap, `slope_stiffness` the curvature stiffness of a pair with bond 1.
+    /// Prepares a new reference, whose texels are in `template`. `noise_variance` is that of one image, `scale` is one
+    /// over the noise variance of two and the overlap, `slope_stiffness` the curvature stiffness of a pair with bond 1.
     pub(crate) fn prepare(
         &mut self,
         level: Level,
         template: &Template,
         channels: usize,
+        noise_variance: f32,
         scale: f32,
         slope_stiffness: f32,
     ) {
@@ -38,8 +39,10 @@ impl FineTemplate {
         dispatch!(level, simd => self.sum(simd, template, channels, &weights, &mut sums));
         self.equations.clear();
         self.equations.extend(sums.iter().map(|sums| PatchEquations::new(|moment| sums[moment])));
-        let variance =
-            |equations: &PatchEquations| own_variance(|entry| equations.normal[entry], scale, slope_stiffness);
+        let variance = |equations: &PatchEquations| {
+            let noise = noise_gradient(equations.samples, noise_variance);
+            own_variance(|entry| equations.normal[entry], noise, scale, slope_stiffness)
+        };
         self.own_variance.clear();
         self.own_variance.extend(self.equations.iter().map(variance));
     }

@@ -57,11 +57,11 @@ impl AffinePatches {
         let Self { params, levels, blur, variance, steps, ranks, .. } = self;
         let template = blur.template(&reference.full);
         let LevelState { refinement, field, .. } = &mut levels[0];
+        let limit = params.validity.max_deviation_px;
         let step_variance = params.affine.continuity_px.powi(2) + params.affine.curvature_px.powi(2);
-        refinement.scale_variance(&template.own_variance, step_variance, variance, steps);
+        refinement.scale_variance((&template.own_variance, limit.powi(2)), step_variance, variance, steps);
         spread_variance(field.grid, steps, variance);
         refinement.add_own_errors(template, blur.likelihood(), |node| blur.path_error(node), variance);
-        let limit = params.validity.max_deviation_px;
         let found = refinement.summarise(template, limit.powi(2), ranks);
         (out.matched, out.residual_levels, out.unexplained) = (found.part, found.residual_levels, found.unexplained);
         let (grid, trust) = (field.grid, refinement.trust());

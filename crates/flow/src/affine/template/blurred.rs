@@ -135,6 +135,7 @@ impl Template {
             light_inverse,
             samples,
             variance,
+            signal,
             own_variance,
         } = self;
         Arc::make_mut(lines).copy_from_slice(&other.lines);
@@ -142,7 +143,12 @@ impl Template {
         let light_gain = light_gain.as_flattened_mut().iter_mut().zip(other.light_gain.as_flattened());
         let planes = normal.iter_mut().zip(&other.normal).chain(light_gain);
         let planes = planes.chain(light_inverse.iter_mut().zip(&other.light_inverse));
-        let others = [(samples, &other.samples), (variance, &other.variance), (own_variance, &other.own_variance)];
+        let others = [
+            (samples, &other.samples),
+            (variance, &other.variance),
+            (signal, &other.signal),
+            (own_variance, &other.own_variance),
+        ];
         for (plane, other) in planes.chain(others) {
             plane.copy_from_slice(other);
         }
