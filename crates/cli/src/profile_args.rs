@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use fingervision_touch::{Fields, Profile};
+use fingervision_touch::{Fields, Profile, Weight};
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -20,6 +20,15 @@ pub(crate) struct ProfileArgs {
     /// no effect with the other settings is refused.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = assignment)]
     assignments: Vec<(String, String)>,
+}
+
+/// Notes the values of a profile with which the numbers would be wrong; `profile check` lists them, too.
+pub(crate) fn note_faults(profile: &Profile, frame_size: (usize, usize), output: OutputArgs) {
+    let remarks = profile.review(Some(frame_size)).remarks;
+    for remark in remarks.into_iter().filter(|remark| remark.weight == Weight::Fault) {
+        output
+            .note(&format!("the profile is faulty, so the numbers may be wrong: {}: {}", remark.message, remark.hint));
+    }
 }
 
 impl ProfileArgs {

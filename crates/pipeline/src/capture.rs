@@ -57,6 +57,10 @@ impl Capture {
                 self.hand_on(Captured { frame, captured_s, truth });
             }
             Next::Event(text) => self.event(text),
+            Next::Damaged(text) => {
+                self.handle.shared.count(|counts| counts.damaged += 1);
+                self.event(text);
+            }
             Next::Nothing => {}
             Next::End(reason) => {
                 if let Some(reason) = reason {

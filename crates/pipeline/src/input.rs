@@ -182,7 +182,7 @@ impl Player {
                     (frame, gap_s)
                 }
                 Ok(None) => return Next::End(None),
-                Err(error) if self.source.resume() => return Next::Event(error.to_string()),
+                Err(error) if self.source.resume() => return Next::Damaged(error.to_string()),
                 Err(error) => return Next::End(Some(error.into())),
             },
         };

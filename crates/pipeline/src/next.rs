@@ -8,6 +8,8 @@ pub(crate) enum Next {
     Frame { captured_s: f64 },
     /// An event, as a sentence.
     Event(String),
+    /// A frame that cannot be read is left out, as a sentence.
+    Damaged(String),
     /// No frame yet.
     Nothing,
     /// The end, with the error if it came early.

@@ -60,7 +60,7 @@ impl Sensor {
             }
             let captured_s = match input.next(FIRST_FRAME, &mut first) {
                 Next::Frame { captured_s } => captured_s,
-                Next::Event(text) => {
+                Next::Event(text) | Next::Damaged(text) => {
                     failure.get_or_insert(text);
                     continue;
                 }

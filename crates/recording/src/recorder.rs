@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use fingervision_pipeline::{Interest, Message, SensorHandle, Subscription, host_time_s};
 use fingervision_source::EncodedFrame;
@@ -14,6 +14,8 @@ use crate::{Clock, RecordedSensor, RecordingError, RecordingWriter};
 
 /// How long the thread waits for a message before it checks whether a chunk must be written.
 const WAIT: Duration = Duration::from_millis(100);
+/// Longest time until the first frame of a sensor is tracked.
+const LONGEST_START: Duration = Duration::from_secs(2);
 /// Time between two surfaces of a sensor.
 const SURFACE_PERIOD: Duration = Duration::from_millis(100);
 /// Messages that may wait for the disk. Half of them are frames; a sensor provides at most about 190 at a time.
@@ -232,6 +234,7 @@ impl Recorder {
                 }
                 if times.first_s.is_none() {
                     times.first_s = Some(time_s);
+                    await_reference(&self.handles[*sensor]);
                     let is_written = write_reference(writer, *sensor, &self.handles[*sensor], frame, *captured_s)?;
                     shared.lock().frames += u64::from(is_written);
                 }
@@ -288,6 +291,16 @@ impl Times {
 
     fn duration_s(&self) -> f64 {
         self.first_s.map_or(0.0, |first_s| self.last_s - first_s)
+    }
+}
+
+/// Waits for the reference of a sensor that has just been opened: its first frame may have been captured before this recording
+/// began, and not yet been tracked. Messages wait in the subscription meanwhile.
+fn await_reference(handle: &SensorHandle) {
+    let begin = Instant::now();
+    let is_coming = || handle.is_tracked() && !handle.is_ended() && handle.reference().is_none();
+    while is_coming() && begin.elapsed() < LONGEST_START {
+        thread::sleep(Duration::from_millis(1));
     }
 }
 

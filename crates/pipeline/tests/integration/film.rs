@@ -13,6 +13,8 @@ pub(crate) struct Film {
     frames: std::vec::IntoIter<Frame>,
     /// The number of the frame that waits for a word, and where that comes from.
     gate: Option<(u64, Receiver<()>)>,
+    /// The number of the frame that cannot be read.
+    damaged: Option<u64>,
 }
 
 impl Film {
@@ -31,13 +33,18 @@ impl Film {
     }
 
     pub(crate) fn source(frames: Vec<Frame>) -> Box<dyn Source> {
-        Box::new(Self { frames: frames.into_iter(), gate: None })
+        Box::new(Self { frames: frames.into_iter(), gate: None, damaged: None })
+    }
+
+    /// As [`Film::source`], but frame `number` cannot be read.
+    pub(crate) fn damaged(frames: Vec<Frame>, number: u64) -> Box<dyn Source> {
+        Box::new(Self { frames: frames.into_iter(), gate: None, damaged: Some(number) })
     }
 
     /// As [`Film::source`], but frame `number` comes only after something is sent.
     pub(crate) fn gated(frames: Vec<Frame>, number: u64) -> (Box<dyn Source>, Sender<()>) {
         let (open, gate) = channel();
-        (Box::new(Self { frames: frames.into_iter(), gate: Some((number, gate)) }), open)
+        (Box::new(Self { frames: frames.into_iter(), gate: Some((number, gate)), damaged: None }), open)
     }
 }
 
@@ -49,7 +56,14 @@ impl Source for Film {
         {
             gate.recv().unwrap();
         }
+        if next.as_ref().map(|frame| frame.sequence) == self.damaged && self.damaged.is_some() {
+            return Err(SourceError::NotFound { path: "frame.png".into() });
+        }
         Ok(next)
+    }
+
+    fn resume(&mut self) -> bool {
+        true
     }
 
     fn frame_count(&self) -> Option<u64> {

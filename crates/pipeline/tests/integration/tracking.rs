@@ -174,6 +174,20 @@ fn a_frame_of_another_size_is_left_out_with_a_sentence() {
 }
 
 #[test]
+fn a_frame_that_cannot_be_read_is_counted_and_the_next_one_follows() {
+    let input = Input::source(Film::damaged(Film::of(4, 30.0), 2), Pace::Lossless);
+    let sensor = Sensor::open("finger", Profile::default(), input, Fields::default()).unwrap();
+    let pipeline = Pipeline::prepare(vec![sensor]);
+    let subscription = pipeline.subscribe(Interest::readings());
+    let running = pipeline.start().unwrap();
+    let messages = until_the_end(&subscription);
+    let is_event = |message: &Message| matches!(message, Message::Event { text, .. } if text.contains("frame.png"));
+    assert!(messages.iter().any(is_event));
+    let counts = running.handles()[0].counts();
+    assert_eq!((counts.tracked, counts.damaged), (3, 1));
+}
+
+#[test]
 fn a_profile_that_does_not_fit_is_refused_before_the_start() {
     let mut profile = Profile::default();
     profile.set("image.region_of_interest", "[0, 0, 1000, 1000]").unwrap();

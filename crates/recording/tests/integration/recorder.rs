@@ -142,6 +142,28 @@ fn a_recording_that_begins_later_starts_with_the_reference() {
 }
 
 #[test]
+fn a_recording_that_begins_before_the_first_frame_is_tracked_starts_with_it() {
+    let folder = tempfile::tempdir().unwrap();
+    for attempt in 0..20 {
+        let path = folder.path().join(format!("{attempt}.mcap"));
+        let running = Pipeline::prepare(vec![sensor("left", u64::MAX)]).start().unwrap();
+        while running.handles()[0].counts().captured == 0 {
+            std::thread::yield_now();
+        }
+        let subscription = running.subscriptions().subscribe(RecorderThread::interest());
+        let recorder =
+            RecorderThread::start(&path, running.handles(), subscription, RecorderOptions::default()).unwrap();
+        while recorder.progress().frames < 3 {
+            std::thread::yield_now();
+        }
+        assert_eq!(recorder.stop().error, None);
+        let mut source = RecordingSource::open(Recording::open(&path).unwrap(), 0).unwrap();
+        assert_eq!(source.next_frame().unwrap().unwrap().sequence, 0, "attempt {attempt}");
+        running.stop();
+    }
+}
+
+#[test]
 fn a_recorder_that_is_stopped_closes_its_file_while_sensors_run() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.mcap");

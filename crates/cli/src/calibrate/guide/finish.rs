@@ -9,7 +9,7 @@ use fingervision_calibrate::depth::{DepthFit, FittedLaw, Method};
 use fingervision_calibrate::gel::GelTable;
 use fingervision_calibrate::update_profile;
 use fingervision_elastic::GelBlock;
-use fingervision_touch::Profile;
+use fingervision_touch::{Profile, Remark, Weight};
 use serde::Serialize;
 
 use crate::calibrate::press::images_of;
@@ -59,6 +59,8 @@ struct GelOutcome {
     fitted: Option<GelTable>,
     /// Why nothing was determined.
     remark: Option<String>,
+    /// What is suspicious in the values.
+    warnings: Vec<String>,
 }
 
 /// The values written to `[flow]`.
@@ -120,7 +122,9 @@ fn fit_gel(draft: &Path, described: GelBlock, presses: &[String], output: Output
     update_profile(draft, "gel", &described)?;
     let report = match gel::fit(presses, &Profile::load(draft)?, output) {
         Ok(report) => report,
-        Err(failure) => return Ok(GelOutcome { described, fitted: None, remark: Some(failure.to_string()) }),
+        Err(failure) => {
+            return Ok(GelOutcome { described, fitted: None, remark: Some(failure.to_string()), warnings: Vec::new() });
+        }
     };
     let fitted = report.table();
     let thickness_mm = fitted.and_then(|table| table.thickness_mm).unwrap_or(described.thickness_mm);
@@ -136,9 +140,19 @@ fn fit_gel(draft: &Path, described: GelBlock, presses: &[String], output: Output
     }
     if let Some(table) = &fitted {
         update_profile(draft, "gel", table)?;
+        refuse_faults(&Profile::load(draft)?)?;
     }
     let remark = fitted.is_none().then(|| "the presses do not determine it".into());
-    Ok(GelOutcome { described, fitted, remark })
+    Ok(GelOutcome { described, fitted, remark, warnings: report.warnings })
+}
+
+/// Refuses values that no sensor has.
+fn refuse_faults(profile: &Profile) -> Result<(), Failure> {
+    let fault = profile.review(None).remarks.into_iter().find(|remark| remark.weight == Weight::Fault);
+    fault.map_or(Ok(()), |Remark { message, .. }| {
+        let hint = "check the units of the presses' forces (N; 1 g is 0.00981 N) and depths (mm): nothing was written";
+        Err(Failure::new(format!("the presses give an impossible gel: {message}"), hint))
+    })
 }
 
 /// Refuses a camera whose field of view contradicts the ruler or the gel's size.
@@ -232,7 +246,7 @@ impl fmt::Display for Outcome {
 impl Outcome {
     /// The result for the gel, if it is described.
     fn write_gel(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(GelOutcome { fitted, remark, .. }) = &self.gel else { return Ok(()) };
+        let Some(GelOutcome { fitted, remark, warnings, .. }) = &self.gel else { return Ok(()) };
         let values = fitted.map(|GelTable { poissons_ratio, thickness_mm, youngs_modulus_mpa }| {
             let named = [
                 ("Poisson's ratio", poissons_ratio, ""),
@@ -247,7 +261,8 @@ impl Outcome {
             (Some(values), _) => writeln!(f, "gel       {values}, from the presses; the rest as you described it"),
             (None, Some(remark)) => writeln!(f, "gel       as you described it: {remark}"),
             (None, None) => writeln!(f, "gel       as you described it"),
-        }
+        }?;
+        warnings.iter().try_for_each(|warning| writeln!(f, "warning   {warning}"))
     }
 
     fn folder(&self) -> std::path::Display<'_> {
