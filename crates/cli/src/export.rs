@@ -70,10 +70,16 @@ struct ExportSummary {
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     if args.lerobot {
-        let hint = "pip install 'fingervision[lerobot]', and use the command `fingervision` of that package";
+        let hint = "pip install './python[lerobot]' in the project's folder, and use the command `fingervision` of that package";
         return Err(Failure::new("this program does not write LeRobot data sets", hint));
     }
     let format = args.format()?;
+    // A run has no camera images: it is refused whatever the video's format.
+    if format == Format::Mp4 && cfg!(not(feature = "mp4")) && !args.source.is_dir() {
+        let message = format!("{}: this program was built without MP4", args.out.display());
+        let hint = "name it .avi, or build the program with `cargo install --path crates/cli --features mp4`";
+        return Err(Failure::new(message, hint));
+    }
     args.clear_destination(format)?;
     let frames = match Place::of(&args.source)? {
         Place::Recording(path, sensor) => args.export_recording(&path, sensor.as_deref(), format)?,
@@ -106,13 +112,6 @@ impl Args {
             let message =
                 format!("{}: the name of a video ends in .avi or .mp4, as its format does", self.out.display());
             return Err(Failure::new(message, "name it so, and leave out --format"));
-        }
-        if format == Format::Mp4 && cfg!(not(feature = "mp4")) {
-            let message = format!("{}: this program was built without MP4", self.out.display());
-            return Err(Failure::new(
-                message,
-                "name it .avi, or build the program with `cargo install --path crates/cli --features mp4`",
-            ));
         }
         Ok(format)
     }

@@ -208,7 +208,7 @@ impl fmt::Display for SimulationSummary {
                 "next     fingervision calibrate camera {folder}/frames --step-mm {step_mm} --profile SENSOR.toml --prior distance_mm={}±0.5",
                 self.distance_mm
             )?;
-        } else if self.has_images {
+        } else if self.has_images && self.frames > 1 {
             writeln!(f, "next     fingervision track {folder}/frames --profile {folder}/profile.toml --out RUN")?;
         }
         Ok(())

@@ -50,6 +50,11 @@ pub(crate) fn decode(bytes: &[u8]) -> Result<Pixels, PictureFault> {
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(image::ImageError::IoError)?;
     let (mut image, orientation) = match reader.format() {
         Some(ImageFormat::Jpeg) => decode_jpeg(bytes)?,
+        Some(ImageFormat::Tiff) if has_more_pages(bytes) => {
+            return Err(PictureFault::Damaged(
+                "a TIFF of several pages is not read: write each page to a file of its own".into(),
+            ));
+        }
         Some(ImageFormat::Tiff) if is_float_tiff(bytes) => decode_float_tiff(bytes)?,
         Some(ImageFormat::Png | ImageFormat::Tiff | ImageFormat::Bmp) => {
             let mut decoder = reader.into_decoder()?;
@@ -105,6 +110,10 @@ fn filled<T>((width, height): (usize, usize), values: Vec<T>) -> Result<Image<T>
         return Err(format!("an image of {width}x{height} px has no pixels"));
     }
     Image::from_vec(width, height, values).map_err(|error| error.to_string())
+}
+
+fn has_more_pages(bytes: &[u8]) -> bool {
+    TiffDecoder::new(Cursor::new(bytes)).is_ok_and(|tiff| tiff.more_images())
 }
 
 fn is_float_tiff(bytes: &[u8]) -> bool {

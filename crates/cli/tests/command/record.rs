@@ -135,6 +135,7 @@ fn exports_that_are_not_possible_are_refused() {
     bench.press(3);
     bench.run("track press --out run").expect_done();
     bench.run("export run --out run.avi").expect_failure("has no camera images", "--overlay");
+    bench.run("export run --out run.mp4").expect_failure("has no camera images", "--overlay");
     bench.run("export press --out x.npz").expect_failure("press is not a run", "`fingervision track`");
     bench.run("export run --out x.xyz").expect_failure("x.xyz names no format", ".npz, .csv, .zarr, .avi or .mp4");
     bench.run("export run --out x.csv").expect_done();

@@ -33,7 +33,7 @@ pub struct Evaluation {
 /// The deepest frame so far.
 #[derive(Debug, Clone, Copy)]
 struct Deepest {
-    frame: u64,
+    row: usize,
     largest: f64,
 }
 
@@ -67,7 +67,7 @@ impl Evaluation {
             comparer: Comparer::new(&inputs),
             force_peak_n: inputs.forces.as_ref().map_or(0.0, |[_, truth]| force::peak_n(truth, inputs.frames)),
             frames: Vec::with_capacity(inputs.frames as usize),
-            deepest: Deepest { frame: 0, largest: f64::NEG_INFINITY },
+            deepest: Deepest { row: 0, largest: f64::NEG_INFINITY },
             shown: Shown::new(&inputs),
             inputs,
         })
@@ -86,16 +86,16 @@ impl Evaluation {
     /// [`RunError::Read`] if a file can no longer be read, [`RunError::NotFinite`] if the run has a value that is not
     /// finite where it is marked as valid.
     pub fn advance(&mut self) -> Result<bool, RunError> {
-        let frame = self.frames.len() as u64;
-        if frame == self.inputs.frames {
+        let row = self.frames.len();
+        if row as u64 == self.inputs.frames {
             return Ok(false);
         }
         self.inputs.advance()?;
-        let errors = self.comparer.compare(&mut self.inputs, frame)?;
-        let report = self.frame_report(frame, &errors);
+        let errors = self.comparer.compare(&mut self.inputs, row as u64)?;
+        let report = self.frame_report(row, &errors);
         let depth = report.true_depth_mm.or(report.true_flow_px).unwrap_or(f64::NEG_INFINITY);
-        if frame == 0 || depth >= self.deepest.largest - AS_DEEP * self.deepest.largest.abs() {
-            self.deepest = Deepest { frame, largest: depth.max(self.deepest.largest) };
+        if row == 0 || depth >= self.deepest.largest - AS_DEEP * self.deepest.largest.abs() {
+            self.deepest = Deepest { row, largest: depth.max(self.deepest.largest) };
             self.shown.copy_from(&self.inputs, &self.comparer);
         }
         self.frames.push(report);
@@ -116,8 +116,9 @@ impl Evaluation {
             ("force", inputs.forces.is_some()),
         ];
         let place = inputs.place;
+        let deepest = frames.get(deepest.row);
         let mut notes = inputs.notes;
-        notes.extend(frames.get(deepest.frame as usize).and_then(unlike_truth));
+        notes.extend(deepest.and_then(unlike_truth));
         let report = Report {
             run: inputs.run_folder,
             truth: inputs.truth_folder,
@@ -126,7 +127,7 @@ impl Evaluation {
             fields: fields.into_iter().filter_map(|(name, is_compared)| is_compared.then_some(name)).collect(),
             border_mm: BORDER_MM,
             notes,
-            deepest_frame: deepest.frame,
+            deepest_frame: deepest.map_or(0, |deepest| deepest.frame),
             mean: FieldErrors::mean_of(&frames),
             pooled: comparer.pooled(),
             peak_depth_correlation: comparer.peak_depth_correlation(),
@@ -136,10 +137,9 @@ impl Evaluation {
         Outcome { report, shown }
     }
 
-    fn frame_report(&self, frame: u64, errors: &FieldErrors) -> FrameReport {
-        let row = frame as usize;
+    fn frame_report(&self, row: usize, errors: &FieldErrors) -> FrameReport {
         FrameReport {
-            frame,
+            frame: self.inputs.number(row),
             true_depth_mm: self.largest_seen(self.inputs.truth.depth.as_ref().map(|depth| {
                 let values = depth.values();
                 move |at: usize| f64::from(values[at])

@@ -30,6 +30,8 @@ pub(super) struct Inputs {
     /// Estimated and true; absent unless both are known.
     pub(super) forces: Option<[Forces; 2]>,
     pub(super) frames: u64,
+    /// The numbers of the run's frames in the truth, unless it begins with frame 0 and has no gap.
+    numbers: Option<Vec<u64>>,
     /// Number of truth frames to advance for each frame of the run; 1 beyond its end.
     truth_steps: std::vec::IntoIter<u64>,
     pub(super) notes: Vec<String>,
@@ -102,8 +104,14 @@ impl Inputs {
         }
         let frames = frame_count(&counts, options, &mut notes)?;
         let run_folder = run_path.to_owned();
-        let truth_steps = numbers::steps(&part.unwrap_or_default()).into_iter();
-        Ok(Self { run_folder, truth_folder, run, truth, place, band, forces, frames, truth_steps, notes })
+        let truth_steps = numbers::steps(part.as_deref().unwrap_or_default()).into_iter();
+        let numbers = part;
+        Ok(Self { run_folder, truth_folder, run, truth, place, band, forces, frames, numbers, truth_steps, notes })
+    }
+
+    /// The number of the frame in this row of the run's arrays.
+    pub(super) fn number(&self, row: usize) -> u64 {
+        self.numbers.as_ref().map_or(row as u64, |numbers| numbers[row])
     }
 
     /// Reads the next frame of all arrays.
@@ -128,7 +136,7 @@ fn part_note(numbers: &[u64]) -> String {
     let (first, last) = (numbers.first().copied().unwrap_or(0), numbers.last().copied().unwrap_or(0));
     format!(
         "the run contains {} frames, numbers {first} to {last} of the recording: each is compared with the truth's frame of the same \
-         number; the frame numbers below count from the run's first frame",
+         number",
         numbers.len()
     )
 }

@@ -134,8 +134,13 @@ fn facts(report: &Report) -> String {
 
 fn plots(report: &Report) -> Vec<FramePlot> {
     let line = |name: String, value: &dyn Fn(&FieldErrors) -> Option<f64>| {
-        let values = report.per_frame.iter().map(|frame| value(&frame.errors).map_or(f32::NAN, |value| value as f32));
-        (name, values.collect::<Vec<_>>())
+        // One value for each number up to the last one: a run may have gaps.
+        let count = report.per_frame.last().map_or(0, |last| last.frame + 1);
+        let mut values = vec![f32::NAN; usize::try_from(count).unwrap_or_default()];
+        for frame in &report.per_frame {
+            values[frame.frame as usize] = value(&frame.errors).map_or(f32::NAN, |value| value as f32);
+        }
+        (name, values)
     };
     let of = |regions: Option<Regions>, region| regions.as_ref().and_then(|regions| regions.get(region)).copied();
     let has_values = |(_, values): &(String, Vec<f32>)| values.iter().any(|value| value.is_finite());

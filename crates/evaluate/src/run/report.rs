@@ -310,7 +310,7 @@ impl Report {
     /// The results of the deepest frame; none if there is no frame.
     #[must_use]
     pub fn deepest(&self) -> Option<&FrameReport> {
-        self.per_frame.get(usize::try_from(self.deepest_frame).ok()?)
+        self.per_frame.iter().find(|frame| frame.frame == self.deepest_frame)
     }
 }
 

@@ -172,6 +172,19 @@ fn a_floating_point_tiff_becomes_16_bit() {
 }
 
 #[test]
+fn a_tiff_of_several_pages_is_refused() {
+    let folder = tempdir().unwrap();
+    for name in ["a.tif", "b.tif"] {
+        let mut encoder = TiffEncoder::new(fs::File::create(folder.path().join(name)).unwrap()).unwrap();
+        for page in 0..2 {
+            encoder.write_image::<colortype::Gray8>(4, 2, &[page; 8]).unwrap();
+        }
+    }
+    let error = open_error(folder.path()).to_string();
+    assert!(error.contains("a.tif") && error.contains("several pages"), "{error}");
+}
+
+#[test]
 fn a_floating_point_pixel_outside_0_to_1_is_named() {
     for bad in [f32::NAN, f32::INFINITY, -0.1, 1.5] {
         let folder = tempdir().unwrap();

@@ -1,6 +1,6 @@
 """Runs and recordings as LeRobot data sets, format v3.0: ``export_lerobot``, or ``python -m fingervision.lerobot --help``.
 
-Needs pyarrow and Pillow: ``pip install 'fingervision[lerobot]'``.
+Needs pyarrow and Pillow: ``pip install pyarrow Pillow``.
 """
 
 from fingervision.lerobot._export import export_lerobot

@@ -32,7 +32,7 @@ def library(name: str) -> Any:
     except ImportError as missing:
         package = _PACKAGES[name.split(".")[0]]
         error = Error(f"LeRobot data sets need {package}, which is not installed")
-        error.hint = "pip install 'fingervision[lerobot]'"
+        error.hint = "pip install pyarrow Pillow"
         raise error from missing
 
 
