@@ -34,8 +34,8 @@ pub enum Flag {
     /// Noise and motion do not explain how the image differs from the reference: blur, compression, or an image of
     /// another sensor. Deviations are larger accordingly.
     ImageMismatch,
-    /// The flow's deviation is more than 1.8 times that of the images elastic depth was trained on: depth, contact and
-    /// force are less certain than their deviation says.
+    /// The flow's deviation is more than 1.8 times that of the images elastic depth was trained on, or less than half of the
+    /// textured pixels are valid: depth, contact and force are less certain than their deviation says.
     UncertainFlow,
     /// An area of more than 0.75 % of the image was not found in it: hidden, or moved too far. Its flow is not valid;
     /// depth, contact and force are those of the rest.

@@ -50,6 +50,8 @@ const LOST_BELOW: f32 = 0.5;
 const MOST_LOST: f32 = 0.0075;
 /// An image has too little texture if less than this part of its patches can be measured.
 const LEAST_TEXTURED: f32 = 0.1;
+/// The flow is uncertain if less than this part of the textured pixels is valid.
+const LEAST_VALID: f32 = 0.5;
 /// A mean brightness that differs from the reference's by more than this factor, up or down, is flagged.
 const LIGHT_FACTOR: f32 = 1.25;
 /// An image less sharp than the reference by more than this factor is flagged. Presses, real and simulated ones, change
@@ -297,12 +299,14 @@ impl Tracker {
         raise_if(Flag::Lost, is_lost);
         raise_if(Flag::Dropped, dropped > 0);
         let pixels = self.estimate.valid.values().len() as f32;
+        let valid: u32 = self.estimate.valid.values().iter().map(|&valid| u32::from(valid)).sum();
         raise_if(Flag::AreaLost, !is_lost && self.estimate.lost_px2 > MOST_LOST * pixels);
         raise_if(Flag::OutOfFocus, self.estimate.is_motion_blurred);
         raise_if(Flag::ImageMismatch, self.estimate.unexplained > MOST_UNEXPLAINED);
         if let Some(first) = self.references.first() {
             let (light, then) = (self.picture.mean_level().max(1.0), first.mean_level().max(1.0));
             raise_if(Flag::NoTexture, first.textured() < LEAST_TEXTURED);
+            raise_if(Flag::UncertainFlow, !is_lost && (valid as f32) < LEAST_VALID * first.textured() * pixels);
             raise_if(Flag::LightChanged, light > then * LIGHT_FACTOR || then > light * LIGHT_FACTOR);
             raise_if(Flag::OutOfFocus, SHARPNESS_FACTOR * sharpness < first.sharpness());
         }

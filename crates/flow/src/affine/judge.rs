@@ -30,7 +30,7 @@ const BLIND_STEP: f32 = 0.3 * 0.3;
 
 /// Error of a patch that lies partly outside the current image, px, relative to the part that is outside: the visible part has
 /// another middle. Measured on patterns that turn by 20° and grow by 15 %.
-const HIDDEN_PX: f32 = 0.8;
+const HIDDEN_PX: f32 = 0.5;
 
 /// A patch has converged if its step is shorter than this, px.
 const CONVERGED_PX: f32 = 0.1;

@@ -48,7 +48,7 @@ const ROUGH_PATCH: f32 = 0.03;
 const MOST_REFINED: f32 = 0.3;
 
 /// A patch whose middle is nearer to the border of the current image, px, lies partly outside and is not valid.
-const INNER_PX: f32 = 3.0;
+const INNER_PX: f32 = 2.0;
 
 /// A coarse patch that should be refined.
 #[derive(Debug, Clone, Copy)]
