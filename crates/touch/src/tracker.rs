@@ -299,7 +299,7 @@ impl Tracker {
         raise_if(Flag::Lost, is_lost);
         raise_if(Flag::Dropped, dropped > 0);
         let pixels = self.estimate.valid.values().len() as f32;
-        let valid: u32 = self.estimate.valid.values().iter().map(|&valid| u32::from(valid)).sum();
+        let valid = count_ones(self.estimate.valid.values());
         raise_if(Flag::AreaLost, !is_lost && self.estimate.lost_px2 > MOST_LOST * pixels);
         raise_if(Flag::OutOfFocus, self.estimate.is_motion_blurred);
         raise_if(Flag::ImageMismatch, self.estimate.unexplained > MOST_UNEXPLAINED);
@@ -320,6 +320,11 @@ fn centre_of_perspective(profile: &Profile, frame_size: (usize, usize), region: 
     let middle = |size: usize, begin: usize| 0.5 * (size as f32 - 1.0) - begin as f32;
     let of_frame = [middle(frame_size.0, region.x), middle(frame_size.1, region.y)];
     profile.camera.map_or(of_frame, |camera| camera.principal_point_px.map(|at| at as f32))
+}
+
+/// Number of ones among zeros and ones. The sums of short parts fit into a byte, so a register adds many at a time.
+fn count_ones(values: &[u8]) -> u32 {
+    values.chunks(128).map(|part| u32::from(part.iter().sum::<u8>())).sum()
 }
 
 /// Largest value where `valid` is 1; none if no pixel is valid.

@@ -121,8 +121,8 @@ impl Refinement {
         let floor = rules.noise_floor.powi(2) * self.noise_variance;
         let n = self.grid.nodes();
         field.mark_inside(&mut self.is_inside[..n]);
-        for (is_inside, visible) in self.is_inside.iter_mut().zip(&self.visible) {
-            *is_inside &= *visible >= LEAST_VISIBLE;
+        for &node in &self.partial {
+            self.is_inside[node] &= self.visible[node] >= LEAST_VISIBLE;
         }
         let (variance, samples) = (&template.variance[..n], &template.samples[..n]);
         let (energy, contrast) = (&self.energy[..n], &self.contrast[..n]);
@@ -154,8 +154,10 @@ impl Refinement {
         for node in 0..self.grid.nodes() {
             let rough = self.coupling.roughness(node) * smooth_step;
             let excess = (self.mean_energy[node] / self.noise_variance).max(1.0);
-            let blind = BLIND_STEP * (own[node] / textured - 1.0).clamp(0.0, 1.0);
-            steps[node] = smooth_step + ROUGH_STEP * rough + blind;
+            steps[node] = smooth_step + ROUGH_STEP * rough;
+            if own[node] > textured {
+                steps[node] += BLIND_STEP * (own[node] / textured - 1.0).min(1.0);
+            }
             let known = own[node] * excess + ROUGH_PATCH * rough;
             variance[node] = if self.trust[node] > 0.0 { known } else { f32::MAX };
         }
@@ -172,9 +174,10 @@ impl Refinement {
         variance: &mut [f32],
     ) {
         for (node, variance) in variance[..self.grid.nodes()].iter_mut().enumerate() {
-            let hidden = HIDDEN_PX * (1.0 - self.visible[node]);
-            let other = other(node) + hidden * hidden;
-            *variance += self.remaining_error[node] + blur_likelihood * self.blur_error(template, node) + other;
+            *variance += self.remaining_error[node] + blur_likelihood * self.blur_error(template, node) + other(node);
+        }
+        for &node in &self.partial {
+            variance[node] += (HIDDEN_PX * (1.0 - self.visible[node])).powi(2);
         }
     }
 

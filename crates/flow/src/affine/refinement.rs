@@ -61,6 +61,8 @@ pub(crate) struct Refinement {
     visible_part: VisiblePart,
     /// The part of each patch that lies in the current image, 0 to 1.
     pub(super) visible: Vec<f32>,
+    /// The nodes whose patch may lie partly outside.
+    pub(super) partial: Vec<usize>,
     /// Whether enough of the patch lies in the current image.
     pub(super) is_inside: Vec<bool>,
     pub(super) trust: Vec<f32>,
@@ -86,8 +88,9 @@ impl Refinement {
             energy: plane(),
             mean_energy: plane(),
             remaining_error: plane(),
-            visible_part: VisiblePart::new(),
+            visible_part: VisiblePart::new(grid),
             visible: vec![1.0; grid.plane_len()],
+            partial: Vec::with_capacity(grid.nodes()),
             is_inside: vec![true; grid.plane_len()],
             trust: vec![1.0; grid.plane_len()],
             increment: NodeField::zero(grid),
@@ -258,9 +261,9 @@ impl Refinement {
 
     /// Extrapolates the sums of patches that lie partly outside the current image to the whole patch.
     fn complete_sums(&mut self, field: &NodeField) {
-        self.visible_part.write(self.grid, field, &mut self.visible);
-        for (node, visible) in self.visible.iter().enumerate().filter(|(_, visible)| **visible < 1.0) {
-            let factor = 1.0 / visible.max(LEAST_VISIBLE);
+        self.visible_part.write(self.grid, field, &mut self.visible, &mut self.partial);
+        for &node in &self.partial {
+            let factor = 1.0 / self.visible[node].max(LEAST_VISIBLE);
             for plane in self.gradient.iter_mut().chain(&mut self.light).chain([&mut self.energy]) {
                 plane[node] *= factor;
             }

@@ -14,33 +14,44 @@ pub(super) const LEAST_VISIBLE: f32 = 0.5;
 pub(super) struct VisiblePart {
     /// The weight before each pixel of the window, and that of all.
     before: [f32; WINDOW + 1],
+    /// The first pixel of the patches of every column.
+    lefts: Vec<f32>,
 }
 
 impl VisiblePart {
-    pub(super) fn new() -> Self {
+    /// For the patches of a grid.
+    pub(super) fn new(grid: PatchGrid) -> Self {
         let mut before = [0.0; WINDOW + 1];
         for (k, weight) in window_weights().into_iter().enumerate() {
             before[k + 1] = before[k] + weight;
         }
-        Self { before }
+        Self { before, lefts: (0..grid.columns).map(Self::first).collect() }
     }
 
-    /// Writes for every node the part of its patch's weight in the reference that lies in the current image, 0 to 1.
-    pub(super) fn write(&self, grid: PatchGrid, field: &NodeField, visible: &mut [f32]) {
+    /// Writes for every node the part of its patch's weight in the reference that lies in the current image, 0 to 1, and to
+    /// `partial` the nodes for which it may be below 1.
+    pub(super) fn write(&self, grid: PatchGrid, field: &NodeField, visible: &mut [f32], partial: &mut Vec<usize>) {
+        partial.clear();
         let (columns, width, height) = (grid.columns, grid.width as f32, grid.height as f32);
-        let motions = field.planes[0].chunks(columns).zip(field.planes[3].chunks(columns));
-        for (row, (visible, (u, v))) in visible.chunks_mut(columns).zip(motions).take(grid.rows).enumerate() {
+        let (right, bottom) = (width - WINDOW as f32, height - WINDOW as f32);
+        let motions = field.planes[0].chunks_exact(columns).zip(field.planes[3].chunks_exact(columns));
+        for (row, (visible, (u, v))) in visible.chunks_exact_mut(columns).zip(motions).take(grid.rows).enumerate() {
             let top = Self::first(row);
-            for (column, (visible, (&u, &v))) in visible.iter_mut().zip(u.iter().zip(v)).enumerate() {
-                let left = Self::first(column);
-                let is_whole = |first: f32, moved: f32, size: f32| {
-                    first + moved >= 0.0 && first + moved + WINDOW as f32 <= size && first >= 0.0
-                };
-                *visible = if is_whole(left, u, width) && is_whole(top, v, height) {
-                    1.0
-                } else {
-                    self.along(left, u, width) * self.along(top, v, height)
-                };
+            // Nearly all patches are whole: a short loop finds the others.
+            let mut whole = 0;
+            let lefts = self.lefts.iter().zip(u.iter().zip(v));
+            for (visible, (left, (u, v))) in visible.iter_mut().zip(lefts) {
+                let (x, y) = (left + u, top + v);
+                let is_whole = (x >= 0.0) & (x <= right) & (y >= 0.0) & (y <= bottom) & (*left >= 0.0) & (top >= 0.0);
+                *visible = if is_whole { 1.0 } else { 0.0 };
+                whole += u32::from(is_whole);
+            }
+            if whole as usize == columns {
+                continue;
+            }
+            for (column, visible) in visible.iter_mut().enumerate().filter(|(_, visible)| **visible <= 0.0) {
+                *visible = self.along(self.lefts[column], u[column], width) * self.along(top, v[column], height);
+                partial.push(row * columns + column);
             }
         }
     }
@@ -77,7 +88,7 @@ mod tests {
         field.planes[0].fill(u);
         field.planes[3].fill(v);
         let mut visible = vec![f32::NAN; grid.nodes()];
-        VisiblePart::new().write(grid, &field, &mut visible);
+        VisiblePart::new(grid).write(grid, &field, &mut visible, &mut Vec::new());
         visible
     }
 

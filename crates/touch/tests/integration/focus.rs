@@ -92,6 +92,17 @@ fn a_hidden_area_is_flagged_at_once_and_until_it_is_seen_again() {
     assert_eq!(is_lost[6..], [false, false], "found again within two frames: {flags:?}");
 }
 
+#[test]
+fn a_pattern_that_has_mostly_left_the_image_is_uncertain() {
+    let sheet = Sheet { width: SIZE.0, height: SIZE.1, ..Sheet::default() };
+    let step_px = 0.11 * SIZE.0 as f64;
+    let images =
+        [0_u32, 1, 2, 3, 4, 5, 6].map(|step| render(&sheet, &Motion::shift(f64::from(step) * step_px), step.into()));
+    let flags = flags(images);
+    let is_uncertain: Vec<bool> = flags.iter().map(|flags| flags.has(Flag::UncertainFlow)).collect();
+    assert!(!is_uncertain[..4].contains(&true) && is_uncertain[5], "{flags:?}");
+}
+
 /// The sheet shifted to the right, px, while the shutter was open over the last `open_px` of its way.
 fn slide(sheet: &Sheet, to_px: f64, open_px: f64) -> Image<[u8; 3]> {
     let images: Vec<_> = (0..8_u32)
