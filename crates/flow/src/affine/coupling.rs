@@ -6,8 +6,8 @@
 //! Σ_i m_i (δᵢᵀ Aᵢ δᵢ − 2 bᵢᵀ δᵢ)  +  Σ_ij |c_ij|²/s_c²  +  Σ_ij |∇_i − ∇_j|²/s_k²
 //! ```
 //!
-//! with the patches' normal equations `A, b` in units of the image noise, `m` 1 where a patch is valid and 0 where it
-//! failed. For neighbours `i, j` the mismatch `c_ij` is the difference of their affine predictions half-way, which
+//! with the patches' normal equations `A, b` in units of the image noise, `m` 1 where a patch is valid, less where its
+//! gradient is partly noise, and 0 where it failed. For neighbours `i, j` the mismatch `c_ij` is the difference of their affine predictions half-way, which
 //! vanishes on any quadratic field, and `∇` are their gradients in px per stride. Where texture is rich the image
 //! determines the flow, where it is poor the neighbours do. The system is solved by a fixed number of
 //! conjugate-gradient steps. Their preconditioner consists of the nodes' own 6×6 blocks, with the current bonds, and
@@ -164,7 +164,7 @@ pub(crate) struct System<'a> {
     pub(crate) coarse: &'a CoarseBlocks,
     /// Factor on `normal`: one over the noise variance, and over the patches' overlap.
     pub(crate) scale: f32,
-    /// `m`: 1 where the patch is valid, else 0.
+    /// `m`: the part of the patch's gradient that is not noise, 0 where the patch failed.
     pub(crate) trust: &'a [f32],
     /// `b`, scaled like `normal`.
     pub(crate) right: &'a Planes,

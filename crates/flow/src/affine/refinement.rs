@@ -66,6 +66,8 @@ pub(crate) struct Refinement {
     /// Whether enough of the patch lies in the current image.
     pub(super) is_inside: Vec<bool>,
     pub(super) trust: Vec<f32>,
+    /// The trust, times the part of each patch's gradient that is not noise.
+    weight: Vec<f32>,
     pub(super) increment: NodeField,
 }
 
@@ -93,6 +95,7 @@ impl Refinement {
             partial: Vec::with_capacity(grid.nodes()),
             is_inside: vec![true; grid.plane_len()],
             trust: vec![1.0; grid.plane_len()],
+            weight: vec![1.0; grid.plane_len()],
             increment: NodeField::zero(grid),
         }
     }
@@ -123,9 +126,6 @@ impl Refinement {
             let normal = |entry: usize| template.normal[entry][node];
             template.own_variance[node] = own_variance(normal, noise, scale, slope_stiffness);
             template.signal[node] = signal(normal, noise);
-        }
-        for plane in &mut template.normal {
-            plane.iter_mut().zip(&template.signal).for_each(|(value, signal)| *value *= signal);
         }
         self.coupling.set_coarse_blocks(&template.normal, scale, &mut template.coarse);
     }
@@ -213,11 +213,14 @@ impl Refinement {
     #[inline(always)]
     fn solve_simd<S: Simd>(&mut self, simd: S, template: &Template, field: &NodeField, iterations: usize) {
         self.form_right(template);
+        for (weight, (trust, signal)) in self.weight.iter_mut().zip(self.trust.iter().zip(&template.signal)) {
+            *weight = trust * signal;
+        }
         let system = System {
             normal: &template.normal,
             coarse: &template.coarse,
             scale: self.scale(),
-            trust: &self.trust,
+            trust: &self.weight,
             right: &self.gradient,
         };
         self.coupling.solve(simd, &system, field, &mut self.increment, iterations);
@@ -287,7 +290,7 @@ impl Refinement {
             for (node, gradient) in gradient.iter_mut().enumerate() {
                 let explained = by_light[0][node] * gain[node] + by_light[1][node] * offset[node];
                 let contrast = self.contrast[node].clamp(CONTRASTS.0, CONTRASTS.1);
-                *gradient = scale * template.signal[node] * (*gradient - explained) / contrast;
+                *gradient = scale * (*gradient - explained) / contrast;
             }
         }
     }

@@ -41,7 +41,7 @@ pub(crate) struct Template {
     pub(crate) samples: Vec<f32>,
     /// Variance of the texels in the window, grey levels².
     pub(crate) variance: Vec<f32>,
-    /// The part of the squared gradient that noise does not explain, 0 to 1: `normal` is already multiplied by it.
+    /// The part of the squared gradient that noise does not explain, 0 to 1.
     pub(crate) signal: Vec<f32>,
     /// Variance of the displacement from the node's own patch, px²; see [`super::judge`].
     pub(crate) own_variance: Vec<f32>,
