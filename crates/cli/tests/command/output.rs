@@ -93,11 +93,11 @@ fn the_bench_writes_its_press_once_with_a_truth_to_compare_runs_with() {
 #[test]
 fn the_bench_tracks_simulated_cameras_at_their_rate() {
     let bench = Workbench::new();
-    let load = "bench --sensors 2 --rate 10 --seconds 1 --size 160x120 --json";
+    let load = "bench --sensors 2 --rate 10 --seconds 2 --size 160x120 --json";
     let report = json(&bench.run(load).expect_done());
     assert_eq!(report["sensors"], 2);
     let count = |key: &str| report[key].as_u64().unwrap();
-    assert_eq!((count("readings") + count("dropped_frames"), count("damaged_frames")), (20, 0), "{report}");
+    assert_eq!((count("readings") + count("dropped_frames"), count("damaged_frames")), (40, 0), "{report}");
     assert!(count("touched_readings") > 0 && count("lost_readings") == 0, "{report}");
     let latency = ["p50", "p95", "p99", "max"].map(|name| report["latency_ms"][name].as_f64().unwrap());
     assert!(latency[0] > 0.0 && latency.is_sorted(), "{report}");
