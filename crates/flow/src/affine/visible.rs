@@ -30,6 +30,7 @@ impl VisiblePart {
 
     /// Writes for every node the part of its patch's weight in the reference that lies in the current image, 0 to 1, and to
     /// `partial` the nodes for which it may be below 1.
+    #[expect(clippy::needless_bitwise_bool, reason = "without branches the loop over a row is vectorised")]
     pub(super) fn write(&self, grid: PatchGrid, field: &NodeField, visible: &mut [f32], partial: &mut Vec<usize>) {
         partial.clear();
         let (columns, width, height) = (grid.columns, grid.width as f32, grid.height as f32);
