@@ -26,7 +26,7 @@ const ROUGH_STEP: f32 = 0.2;
 
 /// Increase of the variance from a node to one without texture, px²: the flow there is only a guess from that around it, and where
 /// the flow has a slope of a twentieth it is off by as much.
-const BLIND_STEP: f32 = 0.3 * 0.3;
+const BLIND_STEP: f32 = 0.2 * 0.2;
 
 /// Error of a patch that lies partly outside the current image, px, relative to the part that is outside: the visible part has
 /// another middle. Measured on patterns that turn by 20° and grow by 15 %.
