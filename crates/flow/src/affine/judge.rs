@@ -24,8 +24,8 @@ const ROUGH_PATCH: f32 = 0.06;
 /// The same for a patch that only its neighbours determine.
 const ROUGH_STEP: f32 = 0.2;
 
-/// Increase of the variance from a node to one without texture, px²: the flow there is only a guess from that around it, and where
-/// the flow has a slope of a twentieth it is off by as much.
+/// Increase of the variance from a node to one without texture, px²: the flow there is only a guess from that around it. A patch
+/// beside texture may then be valid, the next one not.
 const BLIND_STEP: f32 = 0.2 * 0.2;
 
 /// Error of a patch that lies partly outside the current image, px, relative to the part that is outside: the visible part has
