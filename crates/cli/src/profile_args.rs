@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use fingervision_touch::{Fields, Profile, Weight};
+use fingervision_touch::{Fields, Profile, Remark};
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -24,10 +24,8 @@ pub(crate) struct ProfileArgs {
 
 /// Notes the values of a profile with which the numbers would be wrong; `profile check` lists them, too.
 pub(crate) fn note_faults(profile: &Profile, frame_size: (usize, usize), output: OutputArgs) {
-    let remarks = profile.review(Some(frame_size)).remarks;
-    for remark in remarks.into_iter().filter(|remark| remark.weight == Weight::Fault) {
-        output
-            .note(&format!("the profile is faulty, so the numbers may be wrong: {}: {}", remark.message, remark.hint));
+    for Remark { message, hint, .. } in profile.review(Some(frame_size)).faults() {
+        output.note(&format!("the profile is faulty, so the numbers may be wrong: {message}: {hint}"));
     }
 }
 

@@ -45,11 +45,11 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let source = args.source.as_ref().map(|source| open(source, &Options::default())).transpose()?;
     let frame_size = source.map(|source| source.size());
     let review = profile.review(frame_size);
-    let faults: Vec<_> = review.remarks.iter().filter(|remark| remark.weight == Weight::Fault).cloned().collect();
-    let checked = Checked { file: args.file.clone(), frame_size, is_sound: faults.is_empty(), review, profile };
+    let is_sound = review.faults().next().is_none();
+    let checked = Checked { file: args.file.clone(), frame_size, is_sound, review, profile };
     args.output.result(out, &checked, &checked.to_string())?;
-    let Some(first) = faults.into_iter().next() else { return Ok(()) };
-    Err(Failure::new(format!("{}: {}", args.file.display(), first.message), first.hint))
+    let Some(first) = checked.review.faults().next() else { return Ok(()) };
+    Err(Failure::new(format!("{}: {}", args.file.display(), first.message), first.hint.clone()))
 }
 
 impl fmt::Display for Checked {
@@ -64,8 +64,8 @@ impl fmt::Display for Checked {
             writeln!(f, "{:15} {}", Facts::word(remark.weight), remark.message)?;
             writeln!(f, "{:15} {}", "", remark.hint)?;
         }
-        let count = |weight| review.remarks.iter().filter(|remark| remark.weight == weight).count();
-        match (count(Weight::Fault), count(Weight::Warning)) {
+        let warnings = review.remarks.iter().filter(|remark| remark.weight == Weight::Warning).count();
+        match (review.faults().count(), warnings) {
             (0, 0) => writeln!(f, "no faults"),
             (0, 1) => writeln!(f, "no faults, 1 warning"),
             (0, warnings) => writeln!(f, "no faults, {warnings} warnings"),

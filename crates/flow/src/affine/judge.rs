@@ -164,8 +164,7 @@ impl Refinement {
     }
 
     /// Adds the error that further steps would correct, those of blur with its likelihood and of pixels outside the image, and
-    /// another one. Neighbours do not
-    /// reduce them.
+    /// another one. Neighbours do not reduce them.
     pub(crate) fn add_own_errors(
         &self,
         template: &Template,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::remarks::{self, Remark};
+use super::remarks::{self, Remark, Weight};
 use super::view::View;
 use super::{DepthMethod, Profile};
 
@@ -29,6 +29,13 @@ pub struct ProfileReview {
     pub is_outside_training_range: Option<bool>,
     /// Wrong, suspicious and missing values, faults first.
     pub remarks: Vec<Remark>,
+}
+
+impl ProfileReview {
+    /// The values with which tracking fails, or its numbers are wrong.
+    pub fn faults(&self) -> impl Iterator<Item = &Remark> {
+        self.remarks.iter().filter(|remark| remark.weight == Weight::Fault)
+    }
 }
 
 impl Profile {

@@ -9,7 +9,7 @@ use fingervision_calibrate::depth::{DepthFit, FittedLaw, Method};
 use fingervision_calibrate::gel::GelTable;
 use fingervision_calibrate::update_profile;
 use fingervision_elastic::GelBlock;
-use fingervision_touch::{Profile, Remark, Weight};
+use fingervision_touch::{Profile, Remark};
 use serde::Serialize;
 
 use crate::calibrate::press::images_of;
@@ -148,11 +148,10 @@ fn fit_gel(draft: &Path, described: GelBlock, presses: &[String], output: Output
 
 /// Refuses values that no sensor has.
 fn refuse_faults(profile: &Profile) -> Result<(), Failure> {
-    let fault = profile.review(None).remarks.into_iter().find(|remark| remark.weight == Weight::Fault);
-    fault.map_or(Ok(()), |Remark { message, .. }| {
-        let hint = "check the units of the presses' forces (N; 1 g is 0.00981 N) and depths (mm): nothing was written";
-        Err(Failure::new(format!("the presses give an impossible gel: {message}"), hint))
-    })
+    let review = profile.review(None);
+    let Some(Remark { message, .. }) = review.faults().next() else { return Ok(()) };
+    let hint = "check the units of the presses' forces (N; 1 g is 0.00981 N) and depths (mm): nothing was written";
+    Err(Failure::new(format!("the presses give an impossible gel: {message}"), hint))
 }
 
 /// Refuses a camera whose field of view contradicts the ruler or the gel's size.

@@ -30,7 +30,7 @@ use super::measurement::Current;
 use super::refinement::REMAINING_ERROR;
 use super::template::Template;
 use super::texel::Texel;
-use crate::{Estimate, ValidityParams};
+use crate::{Estimate, FlowField, ValidityParams};
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 
@@ -278,18 +278,15 @@ impl FinePatches {
             let other = rough + blur + REMAINING_ERROR * (u * u + v * v) + FLOOR_VARIANCE;
             let variance = fine.own_variance[node.place] * excess + other;
             let (left, top) = (STRIDE * (node.place % self.grid.columns), STRIDE * (node.place / self.grid.columns));
-            let middle = (left + STRIDE / 2, top + STRIDE / 2);
-            let (px, py) = (
-                middle.0 as f32 + out.flow.u.at(middle.0, middle.1),
-                middle.1 as f32 + out.flow.v.at(middle.0, middle.1),
-            );
-            let is_whole = px >= INNER_PX && py >= INNER_PX && px <= right - INNER_PX && py <= bottom - INNER_PX;
+            let is_inside = |flow: &FlowField, x: usize, y: usize, margin: f32| {
+                let (px, py) = (x as f32 + flow.u.at(x, y), y as f32 + flow.v.at(x, y));
+                px >= margin && py >= margin && px <= right - margin && py <= bottom - margin
+            };
+            let is_whole = is_inside(&out.flow, left + STRIDE / 2, top + STRIDE / 2, INNER_PX);
             let deviation = if node.is_trusted && is_whole { variance.sqrt() } else { f32::INFINITY };
             for y in top..top + STRIDE {
                 for x in left..left + STRIDE {
-                    let (px, py) = (x as f32 + out.flow.u.at(x, y), y as f32 + out.flow.v.at(x, y));
-                    let is_inside = px >= 0.0 && py >= 0.0 && px <= right && py <= bottom;
-                    let deviation = if is_inside { deviation } else { f32::INFINITY };
+                    let deviation = if is_inside(&out.flow, x, y, 0.0) { deviation } else { f32::INFINITY };
                     out.deviation.row_mut(y)[x] = deviation;
                     out.valid.row_mut(y)[x] = u8::from(deviation <= rules.max_deviation_px);
                 }
