@@ -194,3 +194,35 @@ fn many_fine_steps_do_not_diverge() {
         .fold(0.0_f32, |most, (x, y)| most.max((estimate.flow.u.at(x, y) - truth.u.at(x, y)).abs()));
     assert!(farthest < 15.0, "a hidden pixel is off by {farthest} px");
 }
+
+/// Replaces an image from a column on by a grey area with nothing but noise, as if the pattern ended there.
+fn end_pattern(image: &mut Image<[u8; 3]>, column: usize, seed: u64) {
+    let (first, second) = (render(&Motion::STILL, seed), render(&Motion::STILL, seed + 1));
+    for y in 0..SIZE.1 {
+        for x in column..SIZE.0 {
+            let noise = |channel: usize| first.at(x, y)[channel].saturating_sub(second.at(x, y)[channel]);
+            image.row_mut(y)[x] = std::array::from_fn(|channel| 120 + noise(channel));
+        }
+    }
+}
+
+#[test]
+fn valid_flow_where_the_pattern_ends_is_right() {
+    for (end, shift) in [(130, 8), (132, 8), (134, -6), (136, 8), (138, 11)] {
+        let motion = Motion::Shift { by_px: [f64::from(shift), 3.0] };
+        let (mut rest, mut current) = (render(&Motion::STILL, 1), render(&motion, 2));
+        end_pattern(&mut rest, end, 3);
+        end_pattern(&mut current, end.saturating_add_signed(shift as isize), 5);
+        let estimate = estimate(&FlowParams::default(), rest, current);
+        let flow = motion.flow(SIZE.0, SIZE.1);
+        let is_wrong = |x: usize, y: usize| {
+            let (u, v) = (estimate.flow.u.at(x, y) - flow.u.at(x, y), estimate.flow.v.at(x, y) - flow.v.at(x, y));
+            estimate.valid.at(x, y) == 1 && u.hypot(v) > 0.5
+        };
+        let wrong = (0..SIZE.0 * SIZE.1).filter(|k| is_wrong(k % SIZE.0, k / SIZE.0)).count();
+        // Of more than 20,000 valid ones.
+        assert!(wrong < 40, "{wrong} valid pixels are wrong, end {end}, shift {shift} px");
+        let inside = Rect { x: 16, y: 16, width: end - 32, height: SIZE.1 - 32 };
+        assert!(valid_part(&estimate, inside) > 0.99, "{} valid, end {end}", valid_part(&estimate, inside));
+    }
+}
