@@ -52,8 +52,8 @@ pub enum Flag {
     /// The untouched gel has moved by more than 0.25 px since the reference was taken, or matches it clearly worse.
     /// Causes are warming, creep, ageing, or a camera that moved slowly.
     Drift,
-    /// The flow of a part of the gel is never valid at rest, while that of the gel around it is.
-    /// [`Reading::damaged_part`](crate::Reading) is its share of the image.
+    /// The flow of a part of the gel is never valid at rest, while that of the gel around it is, or dirt on the optics hides it.
+    /// [`Reading::damaged_part`](crate::Reading) is its share of the image, at least half a percent.
     GelDamaged,
     /// The reference shows another pattern than the profile's `pattern.fingerprint`: the values of the profile are those
     /// of another sensor.

@@ -23,8 +23,8 @@ pub struct ReadingNumbers {
     pub latency_ms: f64,
     /// The problems of the reading.
     pub flags: Flags,
-    /// Part of the image in which the flow is never valid while that of the gel around it is, 0 to 1; see
-    /// [`Flag::GelDamaged`](crate::Flag).
+    /// Part of the image in which the flow is never valid while that of the gel around it is, or which dirt on the optics hides,
+    /// 0 to 1; see [`Flag::GelDamaged`](crate::Flag).
     pub damaged_part: f32,
     /// Mean grey level of the region of interest, 0 to 255.
     pub mean_level: f32,

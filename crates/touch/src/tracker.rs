@@ -211,6 +211,7 @@ impl Tracker {
         let matched = self.references.track(&mut self.estimator, &self.picture, &mut self.estimate);
         if let Some(id) = self.references.first_id().filter(|&id| self.reference.is_none_or(|(known, _)| known != id)) {
             self.reference = Some((id, frame.sequence));
+            self.watch.take_reference(self.picture.grey());
         }
         self.times.flow_ms = watch.lap_ms();
         let (levels, sharpness) = (self.picture.levels(), self.picture.sharpness());
@@ -268,6 +269,7 @@ impl Tracker {
         let is_lost = flags.has(Flag::Lost);
         let seen = Seen { time_s, grey: self.picture.grey(), levels, first, estimate: &self.estimate, is_lost };
         self.watch.watch(seen, flags);
+        self.watch.hide_dirt(&mut self.estimate);
     }
 
     /// Refuses a frame that does not follow the previous one; returns the number of missing frames between them.

@@ -80,7 +80,8 @@ impl Damage {
             count -= self.unmark_border();
         }
         let part = count as f32 / self.missed.len().max(1) as f32;
-        let is_damage = count >= THRESHOLDS.least_damaged && part <= THRESHOLDS.most_damaged;
+        let is_large = count >= THRESHOLDS.least_damaged && part >= THRESHOLDS.least_damaged_part;
+        let is_damage = is_large && part <= THRESHOLDS.most_damaged;
         self.part = if is_damage { part } else { 0.0 };
     }
 

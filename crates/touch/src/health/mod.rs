@@ -1,10 +1,12 @@
 //! Checks of whether readings can be trusted. They use only the picture, or more than one frame.
 
 mod damage;
+mod dirt;
 mod rest;
 mod thresholds;
 
 use damage::Damage;
+use dirt::Dirt;
 use fingervision_flow::{Estimate, Levels};
 use fingervision_image::Image;
 use rest::Rest;
@@ -36,6 +38,9 @@ pub(crate) struct Watch {
     noise_levels: f32,
     rest: Rest,
     damage: Damage,
+    dirt: Dirt,
+    /// Whether the next frame is the reference itself, whose flow is relative to the reference before.
+    is_reference: bool,
     /// The fingerprint in the profile.
     fingerprint: Option<Fingerprint>,
     /// Whether the reference shows another sensor; `None` before it was compared.
@@ -52,6 +57,8 @@ impl Watch {
             noise_levels: profile.flow.noise_levels,
             rest,
             damage,
+            dirt: Dirt::new(size, profile.flow.noise_levels),
+            is_reference: false,
             fingerprint: profile.fingerprint(),
             is_other: None,
             was_lost: false,
@@ -65,6 +72,12 @@ impl Watch {
         self.damage.restart();
         self.was_lost = false;
         self.is_other = None;
+    }
+
+    /// Takes the grey levels of a reference, to which the flow of the frames that follow is relative.
+    pub(crate) fn take_reference(&mut self, grey: &Image<f32>) {
+        self.dirt.restart(grey);
+        self.is_reference = true;
     }
 
     /// Takes a frame and raises its flags.
@@ -85,17 +98,27 @@ impl Watch {
         raise_if(Flag::OtherSensor, self.is_other == Some(true));
         raise_if(Flag::Found, std::mem::replace(&mut self.was_lost, seen.is_lost) && !seen.is_lost);
         self.time_s = seen.time_s;
+        let is_reference = std::mem::take(&mut self.is_reference);
         let is_at_rest = self.rest.watch(seen.time_s, seen.estimate, seen.is_lost);
         raise_if(Flag::Drift, self.rest.is_drifted());
         if !seen.is_lost {
             self.damage.watch(&seen.estimate.valid, is_at_rest);
+            let has_same_light = (seen.levels.mean - seen.first.mean).abs() <= THRESHOLDS.same_light * seen.first.mean;
+            if !is_reference && !is_at_rest && has_same_light && !seen.estimate.is_motion_blurred {
+                self.dirt.watch(seen.grey, seen.estimate);
+            }
         }
-        raise_if(Flag::GelDamaged, self.damage.part() > 0.0);
+        raise_if(Flag::GelDamaged, self.damage.part() > 0.0 || self.dirt.part() >= THRESHOLDS.least_damaged_part);
     }
 
-    /// The part of the image that is damaged, 0 to 1.
+    /// Marks the flow that dirt on the optics hides as not valid.
+    pub(crate) fn hide_dirt(&self, estimate: &mut Estimate) {
+        self.dirt.hide(estimate);
+    }
+
+    /// The part of the image that is damaged or hidden by dirt, 0 to 1.
     pub(crate) fn damaged_part(&self) -> f32 {
-        self.damage.part()
+        (self.damage.part() + self.dirt.part()).min(1.0)
     }
 
     /// Notes that the last frame shows contact.

@@ -30,10 +30,35 @@ pub(super) struct Thresholds {
     pub(super) repeated_levels: f32,
     /// Number of frames at rest without a valid flow after which a cell counts as damaged.
     pub(super) damaged_frames: u16,
-    /// Least number of damaged cells for a report.
+    /// Least number of damaged cells for a report, and least part of the image, damaged or hidden by dirt: gaps in a sparse pattern,
+    /// and edges of parts of the housing, are smaller.
     pub(super) least_damaged: usize,
+    pub(super) least_damaged_part: f32,
     /// If a larger part of the cells than this is never valid, the pattern is too sparse, not damaged.
     pub(super) most_damaged: f32,
+    /// A frame has the reference's light if its mean level differs by less than this, relative to it.
+    pub(super) same_light: f32,
+    /// Least motion of the gel around a cell for a comparison with the reference, px.
+    pub(super) moves_px: f32,
+    /// Least difference of this motion from that of the comparisons before, px.
+    pub(super) further_px: f32,
+    /// Places around a cell move in the same way if their motion differs by less than this from the mean, relative to it.
+    pub(super) similar_motion: f32,
+    /// Least number of the eight places around a cell that move in the same way.
+    pub(super) similar_places: usize,
+    /// The flow in a cell is suspicious if it is smaller than this, relative to the motion around it.
+    pub(super) still_motion: f32,
+    /// Two levels are the same if they differ by less than this many times the camera's noise.
+    pub(super) same_noise: f32,
+    /// A pixel has moved if its level differs from the reference by more than this many times that difference.
+    pub(super) other_levels: f32,
+    /// A pixel has not moved with the gel around it if its level differs by more than this many times that difference.
+    pub(super) moved_levels: f32,
+    /// Least number of pixels of a dirty cell that stand still in one comparison or more, the last of them after at least this
+    /// motion, px; or in two or more after any motion. At the border of a pressed ball the gel itself rests in a narrow ring.
+    pub(super) clear_px: f32,
+    pub(super) still_once: usize,
+    pub(super) still_twice: usize,
 }
 
 /// The values in use.
@@ -60,5 +85,18 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     repeated_levels: 0.05,
     damaged_frames: 30,
     least_damaged: 2,
+    least_damaged_part: 0.005,
     most_damaged: 0.25,
+    same_light: 0.05,
+    moves_px: 0.6,
+    further_px: 0.3,
+    similar_motion: 0.5,
+    similar_places: 6,
+    still_motion: 0.4,
+    same_noise: 4.2,
+    other_levels: 3.0,
+    moved_levels: 1.5,
+    clear_px: 1.2,
+    still_once: 9,
+    still_twice: 7,
 };

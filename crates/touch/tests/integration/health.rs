@@ -182,3 +182,38 @@ fn damaged_gel_is_flagged_with_its_share() {
     let torn = (48 * 32) as f32 / (SIZE.0 * SIZE.1) as f32;
     assert!((0.3 * torn..3.0 * torn).contains(&part), "{part} of the image, {torn} in truth");
 }
+
+/// Opaque specks on the optics, the same in every image.
+fn with_specks(mut image: Image<[u8; 3]>) -> Image<[u8; 3]> {
+    for (centre_x, centre_y) in [(90_usize, 70_usize), (150, 60), (120, 110), (70, 120), (170, 115)] {
+        for y in centre_y - 6..=centre_y + 6 {
+            for x in centre_x - 6..=centre_x + 6 {
+                if x.abs_diff(centre_x).pow(2) + y.abs_diff(centre_y).pow(2) <= 30 {
+                    image.row_mut(y)[x] = [30; 3];
+                }
+            }
+        }
+    }
+    image
+}
+
+#[test]
+fn specks_on_the_optics_are_flagged_once_the_gel_moves_behind_them() {
+    for (has_specks, grows) in [(true, true), (false, true), (true, false)] {
+        let mut stage = Stage::new(None);
+        let mut flags = Flags::default();
+        for frame in 0..8 {
+            let motion = Motion::Shift { by_px: if grows { [0.8 * f64::from(frame), 0.3] } else { [0.0; 2] } };
+            let image = stage.render(&motion);
+            flags = stage.show(if has_specks { with_specks(image) } else { image });
+        }
+        let reading = stage.tracker.reading();
+        assert_eq!(flags.has(Flag::GelDamaged), has_specks && grows, "{has_specks} {grows}: {flags}");
+        if has_specks && grows {
+            assert!((0.01..0.2).contains(&reading.numbers.damaged_part), "{}", reading.numbers.damaged_part);
+            assert_eq!(reading.valid.at(120, 110), 0, "the flow of a speck is not valid");
+            let moves_px = reading.flow.u.at(120, 110);
+            assert!((moves_px - 5.6).abs() < 0.3, "the gel behind a speck moves by {moves_px} px instead of 5.6");
+        }
+    }
+}
