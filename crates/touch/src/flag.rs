@@ -26,8 +26,8 @@ pub enum Flag {
     /// Gel and camera are outside the network's training range: depth, contact and force can be worse than their
     /// deviation says.
     OutsideTraining,
-    /// The flow is valid in less than a tenth of contact, because it moves too fast or strains too much: depth there is
-    /// derived from the gel around it.
+    /// The flow is valid in less than a tenth of contact, or nowhere within 1.5 mm of a place in it, because it moves too fast,
+    /// strains too much, or has no pattern: depth there is derived from the gel around it.
     ContactUntracked,
     /// The image is blurred more than the reference, by lost focus or by motion.
     OutOfFocus,
@@ -151,7 +151,7 @@ impl Flag {
                 "the network was not trained for such a gel and camera, so depth and force have larger errors: check the profile, or measure the error with a known object"
             }
             Self::ContactUntracked => {
-                "hardly any pixel of contact can be tracked, so depth there is derived from the gel around it: press or move more slowly"
+                "contact or a large part of it cannot be tracked, so depth there is derived from the gel around it: press or move more slowly, or look for a worn pattern"
             }
             Self::OutOfFocus => {
                 "the image is more blurred than the reference: move more slowly, or focus the camera, lock the lens and re-zero"

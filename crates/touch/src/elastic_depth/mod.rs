@@ -31,6 +31,7 @@ mod stiffening;
 mod surface;
 mod thresholds;
 mod traction;
+mod untracked;
 
 pub use coarse::{Around, CoarseGrid};
 pub use error::ElasticError;
@@ -53,6 +54,7 @@ use std::ops::Range;
 use std::sync::OnceLock;
 use surface::{KNOWN, Surface};
 use thresholds::THRESHOLDS;
+use untracked::Untracked;
 
 /// Cells along the gel's longer side.
 const CELLS: usize = 120;
@@ -97,6 +99,7 @@ pub struct ElasticDepth {
     /// None where the network is not used.
     drag: Option<Drag>,
     held: HeldGel,
+    untracked: Untracked,
     /// Depth, its deviation and the share in contact of the cells, to be interpolated to the pixels; a fourth number
     /// fills the lanes.
     cells: Vec<[f32; KNOWN]>,
@@ -132,6 +135,7 @@ impl ElasticDepth {
         let held = HeldGel::new(coarse, operator, limits);
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
         let cells = vec![[0.0; KNOWN]; surface.grid.len()];
+        let untracked = Untracked::new(surface.grid.len());
         let is_outside_training = params.is_outside_training(camera, gel);
         Ok(Self {
             gel: *gel,
@@ -139,6 +143,7 @@ impl ElasticDepth {
             contact,
             drag,
             held,
+            untracked,
             cells,
             surface,
             rays: OnceLock::new(),
@@ -290,7 +295,7 @@ impl ElasticDepth {
         self.fields.is_flow_uncertain = self.contact.is_flow_uncertain;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
         self.fields.is_outside_training = self.is_outside_training;
-        self.fields.is_untracked = (self.tracked() as f64) < THRESHOLDS.least_tracked * touched as f64;
+        self.fields.is_untracked = self.untracked.look(&self.surface, &self.contact.touches);
         let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);
         // After a misfit, the gel has to fit well or to come to rest.
@@ -298,12 +303,6 @@ impl ElasticDepth {
         let most = if was_unexplained { 0.5 * MOST_UNEXPLAINED } else { MOST_UNEXPLAINED } as f32;
         self.fields.is_unexplained = self.fields.unexplained.map_or(was_unexplained, |part| part > most);
         self.fields.is_misfit = self.fields.is_unexplained && !self.fields.is_flow_uncertain;
-    }
-
-    /// Number of cells in contact with valid flow.
-    fn tracked(&self) -> usize {
-        let cells = self.surface.seen.iter().zip(&self.contact.touches);
-        cells.filter(|(seen, touches)| **touches && seen.trust > 0.5).count()
     }
 
     fn deepest_mm(&self) -> f64 {

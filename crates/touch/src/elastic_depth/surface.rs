@@ -211,6 +211,11 @@ impl Surface {
         self.border.iter().copied()
     }
 
+    /// Whether the camera sees a cell in the current frame.
+    pub(super) fn is_seen(&self, cell: usize) -> bool {
+        self.is_seen[cell]
+    }
+
     /// Takes a frame's flow, px, its deviation, px, and its validity. Cells outside the field of view take the
     /// displacement of the nearest visible cell.
     pub(super) fn look(&mut self, flow: &FlowField, deviation: &Image<f32>, valid: &Image<u8>) {

@@ -319,6 +319,21 @@ fn contact_that_was_not_followed_is_flagged() {
 }
 
 #[test]
+fn contact_with_a_large_hole_is_flagged_and_with_a_small_one_not() {
+    let press = stuck_circle();
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    // A pixel is 0.125 mm wide, and contact has a radius of 4 mm.
+    for (radius_mm, is_untracked) in [(1.0, false), (2.5, true)] {
+        let valid = Image::from_fn(SIZE.0, SIZE.1, |x, y| {
+            let from_centre_mm = 0.125 * (x as f64 - 119.5).hypot(y as f64 - 119.5);
+            press.valid.at(x, y) * u8::from(from_centre_mm > radius_mm)
+        });
+        let fields = inverse.solve(&press.flow, &press.deviation, &valid);
+        assert_eq!(fields.is_untracked, is_untracked, "a hole of radius {radius_mm} mm");
+    }
+}
+
+#[test]
 fn a_flow_with_holes_leaves_no_hole_in_depth_and_frames_do_not_allocate() {
     let mut press = stuck_circle();
     for y in 100..110 {

@@ -1,0 +1,45 @@
+//! The part of contact in which no flow is valid.
+
+use super::nearest::{Place, distance, nearest_into};
+use super::surface::Surface;
+use super::thresholds::THRESHOLDS;
+
+/// Least valid part of a cell that is tracked.
+const TRACKED: f32 = 0.5;
+
+/// Decides whether contact is tracked well enough for its depth. Owns its scratch memory.
+#[derive(Debug)]
+pub(super) struct Untracked {
+    is_tracked: Vec<bool>,
+    nearest: Vec<Place>,
+}
+
+impl Untracked {
+    /// For surfaces of this many cells.
+    pub(super) fn new(cells: usize) -> Self {
+        Self { is_tracked: vec![false; cells], nearest: vec![[0, 0]; cells] }
+    }
+
+    /// Whether hardly a cell of contact is tracked, or none in a large area of it that the camera sees.
+    pub(super) fn look(&mut self, surface: &Surface, touches: &[bool]) -> bool {
+        let touched = touches.iter().filter(|touches| **touches).count();
+        let cells = surface.seen.iter().zip(touches);
+        let tracked = cells.filter(|(seen, touches)| **touches && seen.trust > TRACKED).count();
+        let hole_cells = THRESHOLDS.hole_mm / surface.grid.cell_mm;
+        let may_have_hole = (touched - tracked) as f64 > hole_cells * hole_cells;
+        (tracked as f64) < THRESHOLDS.least_tracked * touched as f64
+            || may_have_hole && self.has_hole(surface, touches, hole_cells)
+    }
+
+    /// Whether a cell of contact is farther than this from each that is tracked, in cells.
+    fn has_hole(&mut self, surface: &Surface, touches: &[bool], hole_cells: f64) -> bool {
+        let Self { is_tracked, nearest } = self;
+        for (is_tracked, seen) in is_tracked.iter_mut().zip(&surface.seen) {
+            *is_tracked = seen.trust > TRACKED;
+        }
+        let columns = surface.grid.columns;
+        nearest_into(columns, is_tracked, nearest);
+        let is_far = |cell: usize| distance(columns, cell, nearest[cell]) > hole_cells;
+        (0..touches.len()).any(|cell| touches[cell] && surface.is_seen(cell) && is_far(cell))
+    }
+}
