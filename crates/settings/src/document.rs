@@ -146,6 +146,7 @@ fn without_type_names(message: &str) -> String {
         "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number, 0 or more",
         "i8" | "i16" | "i32" | "i64" | "isize" => "a whole number",
         "f32" | "f64" => "a number",
+        _ if name == "a map" || name.starts_with("struct ") => "a table",
         _ => return message.into(),
     };
     format!("{start}expected {meaning}")

@@ -139,8 +139,11 @@ fn principal_point(profile: &Profile, view: &View, frame_size: Option<(usize, us
             "; if the region is not in the middle of the camera's image, check with a recording, which gives the image's size"
         }
     };
-    let hint =
-        "it is in px of the region of interest: subtract the region's x and y from the position in the camera's image";
+    let [calibrated_width, calibrated_height] = [x + begin[0] as f64, y + begin[1] as f64].map(|at| 2.0 * at + 1.0);
+    let hint = format!(
+        "it is in px of the region of interest: subtract the region's x and y from the position in the camera's image; or use \
+         images of the size with which the camera was calibrated, perhaps {calibrated_width:.0}x{calibrated_height:.0} px"
+    );
     Some(Remark::new(Weight::Warning, message, format!("{hint}{elsewhere}")))
 }
 

@@ -127,6 +127,8 @@ fn a_wrong_type_is_named_with_its_line() {
     let (error, hint) = refusal("[gel]\nsize_mm = [30, 30]\nthickness_mm = 'thick'\npoissons_ratio = 0.4");
     assert_eq!(error, "line 3: gel.thickness_mm: invalid type: string \"thick\", expected a number");
     assert!(hint.contains("without quotes"), "{hint}");
+    let (error, _) = refusal("gel = 3");
+    assert_eq!(error, "line 1: gel: invalid type: integer `3`, expected a table");
     let (error, _) = refusal("[flow.affine]\nsteps = -1");
     assert_eq!(error, "line 2: flow.affine.steps: invalid value: integer `-1`, expected a whole number, 0 or more");
     let (error, hint) = refusal("[depth]\nmethod = 'elastik'");
