@@ -14,7 +14,7 @@ mod hidden;
 #[cfg(test)]
 mod tests;
 
-use around::{AROUND, difference, length2, suspicious_motion};
+use around::{AROUND, Suspicion, difference, length2, suspicion};
 use fingervision_flow::Estimate;
 use fingervision_image::{Between, Image};
 use hidden::Hidden;
@@ -25,6 +25,9 @@ use super::thresholds::THRESHOLDS;
 const CELL: usize = 8;
 /// In how many frames a cell is compared at most.
 const LOOKS: usize = 6;
+/// How far from the motion around a cell that in it may be, relative to it and at most, px.
+const NEAR: f32 = 0.25;
+const MOST_NEAR_PX: f32 = 0.3;
 /// The count of a pixel that has clearly changed: it is never counted again.
 const HAS_CHANGED: u8 = 0x80;
 
@@ -93,11 +96,11 @@ impl Dirt {
                 if cell.looks == LOOKS || cell.is_dirty {
                     continue;
                 }
-                let Some(motion) = suspicious_motion(estimate, (column, row)) else { continue };
+                let Some(Suspicion { motion, is_valid }) = suspicion(estimate, (column, row)) else { continue };
                 let is_further =
                     |before: &[f32; 2]| length2(difference(*before, motion)) >= THRESHOLDS.further_px.powi(2);
                 if cell.motions[..cell.looks].iter().all(is_further) {
-                    is_new |= self.look(grey, (column, row), motion);
+                    is_new |= self.look(grey, (column, row), motion, is_valid);
                 }
             }
         }
@@ -107,26 +110,20 @@ impl Dirt {
     }
 
     /// Compares a cell with the reference; returns whether it turns out to be dirty. `motion` is that of the gel around it, px.
-    fn look(&mut self, grey: &Image<f32>, (column, row): (usize, usize), motion: [f32; 2]) -> bool {
+    fn look(&mut self, grey: &Image<f32>, (column, row): (usize, usize), motion: [f32; 2], is_valid: bool) -> bool {
         let (left, top) = (column * CELL, row * CELL);
         let (mut once, mut twice) = (0, 0);
         for y in top..top + CELL {
             for x in left..left + CELL {
                 let level = grey.at(x, y);
                 let change = (level - self.reference.at(x, y)).abs();
+                let is_same = change <= self.same_levels;
+                let is_other = is_same && self.is_other(level, (x, y), motion);
                 let still = &mut self.still.row_mut(y)[x];
                 if change > THRESHOLDS.other_levels * self.same_levels {
                     *still = HAS_CHANGED;
-                } else if *still != HAS_CHANGED && change <= self.same_levels {
-                    let from = (x as f32 - motion[0], y as f32 - motion[1]);
-                    let least = THRESHOLDS.moved_levels * self.same_levels;
-                    *still += u8::from(is_other(
-                        &self.reference,
-                        from,
-                        level,
-                        least,
-                        (0.25 * motion[0].hypot(motion[1])).min(0.3),
-                    ));
+                } else if *still != HAS_CHANGED {
+                    *still += u8::from(is_other);
                 }
                 once += usize::from(matches!(*still, 1..HAS_CHANGED));
                 twice += usize::from(matches!(*still, 2..HAS_CHANGED));
@@ -135,9 +132,22 @@ impl Dirt {
         let cell = &mut self.cells[row * self.columns + column];
         cell.motions[cell.looks] = motion;
         cell.looks += 1;
-        let is_fast = length2(motion) >= THRESHOLDS.clear_px.powi(2);
-        cell.is_dirty = is_fast && once >= THRESHOLDS.still_once || twice >= THRESHOLDS.still_twice;
+        let is_clear = is_valid && length2(motion) >= THRESHOLDS.clear_px.powi(2);
+        cell.is_dirty = is_clear && once >= THRESHOLDS.still_once || twice >= THRESHOLDS.still_twice;
         cell.is_dirty
+    }
+
+    /// Whether no gel of this level can have come to a pixel by a motion, px, or by about that motion: the gel in a cell does not move
+    /// exactly as that around it.
+    fn is_other(&self, level: f32, (x, y): (usize, usize), motion: [f32; 2]) -> bool {
+        let near = (NEAR * length2(motion).sqrt()).min(MOST_NEAR_PX);
+        let least = THRESHOLDS.moved_levels * self.same_levels;
+        let about = [(0.0, 0.0), (near, 0.0), (-near, 0.0), (0.0, near), (0.0, -near)];
+        about.into_iter().all(|(dx, dy)| {
+            let from = (x as f32 - motion[0] + dx, y as f32 - motion[1] + dy);
+            let other = Between::clamped(from, self.reference.size()).sample(&self.reference);
+            (other - level).abs() > least
+        })
     }
 
     /// Hides the dirty cells and those around them.
@@ -163,13 +173,4 @@ impl Dirt {
             hidden.replace(estimate);
         }
     }
-}
-
-/// Whether the reference differs from a level by more than `least` at a position and close to it: the flow around a cell is not
-/// exactly that in it.
-fn is_other(reference: &Image<f32>, (x, y): (f32, f32), level: f32, least: f32, near: f32) -> bool {
-    [(0.0, 0.0), (near, 0.0), (-near, 0.0), (0.0, near), (0.0, -near)].into_iter().all(|(dx, dy)| {
-        let from = Between::clamped((x + dx, y + dy), reference.size());
-        (from.sample(reference) - level).abs() > least
-    })
 }

@@ -46,16 +46,17 @@ pub(super) struct Thresholds {
     pub(super) similar_motion: f32,
     /// Least number of the eight places around a cell that move in the same way.
     pub(super) similar_places: usize,
-    /// The flow in a cell is suspicious if it is smaller than this, relative to the motion around it.
+    /// The flow in a cell is suspicious if it is smaller than this, relative to the motion around it, and than this, px.
     pub(super) still_motion: f32,
+    pub(super) still_px: f32,
     /// Two levels are the same if they differ by less than this many times the camera's noise.
     pub(super) same_noise: f32,
     /// A pixel has moved if its level differs from the reference by more than this many times that difference.
     pub(super) other_levels: f32,
     /// A pixel has not moved with the gel around it if its level differs by more than this many times that difference.
     pub(super) moved_levels: f32,
-    /// Least number of pixels of a dirty cell that stand still in one comparison or more, the last of them after at least this
-    /// motion, px; or in two or more after any motion. At the border of a pressed ball the gel itself rests in a narrow ring.
+    /// Least number of pixels of a dirty cell that stand still in one comparison or more, the last of them where the flow is valid
+    /// and after at least this motion, px; or in two or more. At the border of contact gel may rest in a narrow ring.
     pub(super) clear_px: f32,
     pub(super) still_once: usize,
     pub(super) still_twice: usize,
@@ -93,6 +94,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     similar_motion: 0.5,
     similar_places: 6,
     still_motion: 0.4,
+    still_px: 0.6,
     same_noise: 4.2,
     other_levels: 3.0,
     moved_levels: 1.5,

@@ -18,12 +18,25 @@ const PLACES: [(usize, usize); 8] = [
     (0, 2 * AROUND),
     (2 * AROUND, 0),
 ];
-/// The motion of the gel around a cell, px, if the flow in the cell, valid or not, is much smaller.
-pub(super) fn suspicious_motion(estimate: &Estimate, cell: (usize, usize)) -> Option<[f32; 2]> {
+/// A cell whose flow is much smaller than the motion of the gel around it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Suspicion {
+    /// The motion around it, px.
+    pub(super) motion: [f32; 2],
+    /// Whether its flow is valid. Gel whose flow is not valid, beside a wall, may rest between parts that move.
+    pub(super) is_valid: bool,
+}
+
+/// Compares the flow in a cell, valid or not, with that around it.
+pub(super) fn suspicion(estimate: &Estimate, cell: (usize, usize)) -> Option<Suspicion> {
     let own_px2 = least_motion(&estimate.flow, cell);
     // A cell seldom passes the first test, so that the others take no time.
     let motion = may_be_suspicious(&estimate.flow, cell, own_px2).then(|| motion_around(estimate, cell))??;
-    (own_px2 < THRESHOLDS.still_motion.powi(2) * length2(motion)).then_some(motion)
+    let least_px2 = (THRESHOLDS.still_motion.powi(2) * length2(motion)).min(THRESHOLDS.still_px.powi(2));
+    let stands_still =
+        |(x, y): &(usize, usize)| length2([estimate.flow.u.at(*x, *y), estimate.flow.v.at(*x, *y)]) < least_px2;
+    let is_valid = samples(cell).iter().filter(|place| stands_still(place)).any(|&(x, y)| estimate.valid.at(x, y) == 1);
+    (own_px2 < least_px2).then_some(Suspicion { motion, is_valid })
 }
 
 pub(super) fn difference(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
@@ -40,13 +53,16 @@ fn centre((column, row): (usize, usize), (dx, dy): (usize, usize)) -> (usize, us
     ((column + dx - AROUND) * CELL + CELL / 2, (row + dy - AROUND) * CELL + CELL / 2)
 }
 
-/// Square of the smallest flow in a cell, valid or not, px².
-fn least_motion(flow: &FlowField, (column, row): (usize, usize)) -> f32 {
-    let (left, top) = (column * CELL, row * CELL);
+/// Four places in a cell, px.
+fn samples((column, row): (usize, usize)) -> [(usize, usize); 4] {
     let [near, far] = [CELL / 4, CELL - 1 - CELL / 4];
-    [(near, near), (far, near), (near, far), (far, far)].into_iter().fold(f32::INFINITY, |least, (dx, dy)| {
-        least.min(length2([flow.u.at(left + dx, top + dy), flow.v.at(left + dx, top + dy)]))
-    })
+    [(near, near), (far, near), (near, far), (far, far)].map(|(dx, dy)| (column * CELL + dx, row * CELL + dy))
+}
+
+/// Square of the smallest flow in a cell, valid or not, px².
+fn least_motion(flow: &FlowField, cell: (usize, usize)) -> f32 {
+    let lengths2 = samples(cell).map(|(x, y)| length2([flow.u.at(x, y), flow.v.at(x, y)]));
+    lengths2.into_iter().fold(f32::INFINITY, f32::min)
 }
 
 /// Whether the motion around a cell can be so much larger than in it that the cell is suspicious. It is only if at least two of the
