@@ -160,7 +160,7 @@ impl PyReading {
         PyTuple::new(py, names)
     }
 
-    /// Part of the image that never tracks while the gel around it does, 0 to 1.
+    /// Part of the image that never tracks while the gel around it does, or that dirt hides, 0 to 1.
     #[getter]
     fn damaged_part(&self) -> f32 {
         self.reading.damaged_part

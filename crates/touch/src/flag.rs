@@ -26,8 +26,8 @@ pub enum Flag {
     /// Gel and camera are outside the network's training range: depth, contact and force can be worse than their
     /// deviation says.
     OutsideTraining,
-    /// The flow is valid in less than a tenth of contact, or nowhere within 1.5 mm of a place in it, because it moves too fast,
-    /// strains too much, or has no pattern: depth there is derived from the gel around it.
+    /// The flow is valid in less than a tenth of contact, or nowhere within 24 px of a place in it, because it moves too fast,
+    /// strains too much, has no pattern or is hidden by dirt: depth there is derived from the gel around it.
     ContactUntracked,
     /// The image is blurred more than the reference, by lost focus or by motion.
     OutOfFocus,
@@ -151,7 +151,7 @@ impl Flag {
                 "the network was not trained for such a gel and camera, so depth and force have larger errors: check the profile, or measure the error with a known object"
             }
             Self::ContactUntracked => {
-                "contact or a large part of it cannot be tracked, so depth there is derived from the gel around it: press or move more slowly, or look for a worn pattern"
+                "contact or a large part of it cannot be tracked, so depth there is derived from the gel around it: press or move more slowly, or look for dirt and a worn pattern"
             }
             Self::OutOfFocus => {
                 "the image is more blurred than the reference: move more slowly, or focus the camera, lock the lens and re-zero"
@@ -177,7 +177,7 @@ impl Flag {
                 "the untouched gel differs from the reference, so small forces are wrong: let go of the gel and re-zero"
             }
             Self::GelDamaged => {
-                "a part of the gel can never be tracked, so nothing is measured there: look for dirt, tears and worn pattern"
+                "a part of the gel cannot be tracked or is hidden by dirt, so its motion is only interpolated: clean the optics, look for tears and worn pattern"
             }
             Self::OtherSensor => {
                 "the pattern is not that of the profile, so depth and force are computed for another sensor: use the profile of this sensor, or write the fingerprint again"

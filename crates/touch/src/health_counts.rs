@@ -34,7 +34,7 @@ impl HealthCounts {
         Flag::ALL.into_iter().zip(self.flagged).filter(|(_, count)| *count > 0)
     }
 
-    /// The largest part of the image in which the flow was never valid, 0 to 1; see [`Flag::GelDamaged`].
+    /// The largest part of the image in which the flow was never valid or hidden by dirt, 0 to 1; see [`Flag::GelDamaged`].
     #[must_use]
     pub fn damaged_part(&self) -> f32 {
         self.damaged_part

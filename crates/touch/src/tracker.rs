@@ -209,10 +209,6 @@ impl Tracker {
         }
         self.exchange_planes();
         let matched = self.references.track(&mut self.estimator, &self.picture, &mut self.estimate);
-        if let Some(id) = self.references.first_id().filter(|&id| self.reference.is_none_or(|(known, _)| known != id)) {
-            self.reference = Some((id, frame.sequence));
-            self.watch.take_reference(self.picture.grey());
-        }
         self.times.flow_ms = watch.lap_ms();
         let (levels, sharpness) = (self.picture.levels(), self.picture.sharpness());
         let mut flags = self.flags(dropped, sharpness);
@@ -221,6 +217,10 @@ impl Tracker {
             self.watch.restart();
         }
         self.check(frame.capture_time_s, levels, &mut flags);
+        if let Some(id) = self.references.first_id().filter(|&id| self.reference.is_none_or(|(known, _)| known != id)) {
+            self.reference = Some((id, frame.sequence));
+            self.watch.take_reference(self.picture.grey());
+        }
         let reading = &mut self.reading;
         reading.numbers.sequence = frame.sequence;
         reading.numbers.capture_time_s = frame.capture_time_s;
@@ -270,6 +270,11 @@ impl Tracker {
         let seen = Seen { time_s, grey: self.picture.grey(), levels, first, estimate: &self.estimate, is_lost };
         self.watch.watch(seen, flags);
         self.watch.hide_dirt(&mut self.estimate);
+        let textured = self.references.first().map_or(0.0, Reference::textured);
+        let (valid, pixels) = (self.estimate.valid.values(), self.estimate.valid.values().len() as f32);
+        if !is_lost && (count_ones(valid) as f32) < LEAST_VALID * textured * pixels {
+            flags.raise(Flag::UncertainFlow);
+        }
     }
 
     /// Refuses a frame that does not follow the previous one; returns the number of missing frames between them.
@@ -301,14 +306,12 @@ impl Tracker {
         raise_if(Flag::Lost, is_lost);
         raise_if(Flag::Dropped, dropped > 0);
         let pixels = self.estimate.valid.values().len() as f32;
-        let valid = count_ones(self.estimate.valid.values());
         raise_if(Flag::AreaLost, !is_lost && self.estimate.lost_px2 > MOST_LOST * pixels);
         raise_if(Flag::OutOfFocus, self.estimate.is_motion_blurred);
         raise_if(Flag::ImageMismatch, self.estimate.unexplained > MOST_UNEXPLAINED);
         if let Some(first) = self.references.first() {
             let (light, then) = (self.picture.mean_level().max(1.0), first.mean_level().max(1.0));
             raise_if(Flag::NoTexture, first.textured() < LEAST_TEXTURED);
-            raise_if(Flag::UncertainFlow, !is_lost && (valid as f32) < LEAST_VALID * first.textured() * pixels);
             raise_if(Flag::LightChanged, light > then * LIGHT_FACTOR || then > light * LIGHT_FACTOR);
             raise_if(Flag::OutOfFocus, SHARPNESS_FACTOR * sharpness < first.sharpness());
         }

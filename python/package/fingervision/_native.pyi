@@ -140,7 +140,7 @@ class Reading:
         """The names of the reading's problems, as in `("lost",)`; `fingervision.FLAGS` explains them."""
     @property
     def damaged_part(self) -> float:
-        """Part of the image that never tracks while the gel around it does, 0 to 1."""
+        """Part of the image that never tracks while the gel around it does, or that dirt hides, 0 to 1."""
     @property
     def fields(self) -> tuple[_Field, ...]:
         """The names of the fields that this reading has."""

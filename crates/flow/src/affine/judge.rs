@@ -27,7 +27,7 @@ const ROUGH_STEP: f32 = 0.2;
 /// Increase of the variance from a node to one without texture that lies between two with texture, px²: the flow there is
 /// interpolated. A patch beside texture may then be valid, the next one not.
 const ENCLOSED_STEP: f32 = 0.2 * 0.2;
-/// The same for a node at the edge of the pattern, where the flow is extrapolated. No patch is then valid.
+/// The same for a node at the edge of the pattern, where the flow is extrapolated. A patch without any texture is then not valid.
 const EDGE_STEP: f32 = 0.3 * 0.3;
 /// How many nodes away from a node without texture those with texture may lie, on both sides of it.
 const ENCLOSED_NODES: usize = 2;

@@ -40,7 +40,7 @@ pub struct ElasticFields {
     pub is_misfit: bool,
     /// Whether the gel moves, the network is switched on, and gel and camera are outside its training range.
     pub is_outside_training: bool,
-    /// Whether the flow is valid in less than a tenth of contact, or nowhere within 1.5 mm of a place in it.
+    /// Whether the flow is valid in less than a tenth of contact, or nowhere within 24 px of a place in it.
     pub is_untracked: bool,
     /// Whether the flow's deviation is more than 1.8 times that of the network's training images.
     pub is_flow_uncertain: bool,

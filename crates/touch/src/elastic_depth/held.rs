@@ -86,7 +86,7 @@ impl HeldGel {
         let (mut left, mut all, mut error, mut count) = (0.0, 0.0, 0.0, 0.0);
         let moved = self.tractions.displacement_mm();
         let cells = self.nearest.iter().enumerate().filter(|&(cell, &from)| distance(columns, cell, from) > away);
-        let cells = cells.map(|(cell, _)| (&self.seen[cell], moved[cell])).filter(|(seen, _)| seen.trust > 0.5);
+        let cells = cells.map(|(cell, _)| (&self.seen[cell], moved[cell])).filter(|(seen, _)| seen.is_tracked());
         for (seen, moved) in cells {
             for axis in 0..2 {
                 let explained = moved[axis] + seen.slope[axis] * moved[2];

@@ -97,6 +97,11 @@ pub(super) struct WithoutDrag<'a> {
 }
 
 impl Seen {
+    /// Whether the flow is valid in most of the cell.
+    pub(super) fn is_tracked(&self) -> bool {
+        self.trust > 0.5
+    }
+
     /// U = b − a d: the displacement along the surface, mm, of a cell at this depth, mm.
     #[must_use]
     pub fn lateral_mm(&self, depth_mm: f32) -> [f32; 2] {
@@ -193,7 +198,7 @@ impl Surface {
 
     /// The largest apparent displacement of a cell with valid flow, mm.
     pub(super) fn largest_apparent_mm(&self) -> f64 {
-        let trusted = self.seen.iter().filter(|seen| seen.trust > 0.5);
+        let trusted = self.seen.iter().filter(|seen| seen.is_tracked());
         let squares = trusted.map(|seen| seen.apparent_mm[0].powi(2) + seen.apparent_mm[1].powi(2));
         f64::from(squares.fold(0.0, f32::max)).sqrt()
     }
@@ -201,7 +206,7 @@ impl Surface {
     /// The median deviation of the cells with valid flow, mm; `scratch` is memory to rank them.
     pub(super) fn typical_deviation_mm(&self, scratch: &mut Vec<f64>) -> f64 {
         scratch.clear();
-        scratch.extend(self.seen.iter().filter(|seen| seen.trust > 0.5).map(|seen| f64::from(seen.deviation_mm)));
+        scratch.extend(self.seen.iter().filter(|seen| seen.is_tracked()).map(|seen| f64::from(seen.deviation_mm)));
         let middle = scratch.len() / 2;
         if scratch.is_empty() { 0.0 } else { *scratch.select_nth_unstable_by(middle, f64::total_cmp).1 }
     }

@@ -52,9 +52,9 @@ pub(super) struct Thresholds {
 
     /// Least part of contact with valid flow; below it the reading is flagged.
     pub(super) least_tracked: f64,
-    /// Largest distance of a place in contact from the nearest one with valid flow, mm; beyond it the reading is flagged. In
-    /// simulated presses it is at most 1 mm, beside walls.
-    pub(super) hole_mm: f64,
+    /// Largest distance of a place in contact from the nearest one with valid flow, px of the undeformed surface; beyond it the
+    /// reading is flagged. In simulated presses it is at most 16 px, beside walls.
+    pub(super) hole_px: f64,
     /// Depth beyond which the strain is too large for linear elasticity, in thicknesses.
     pub(super) linear_range: f64,
     /// Motion of contact along the surface relative to its depth, root mean squares, beyond which shear cannot be subtracted
@@ -91,7 +91,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     free_deviation: [0.001, 0.1],
     rest_deviation: 0.005,
     least_tracked: 0.1,
-    hole_mm: 1.5,
+    hole_px: 24.0,
     linear_range: 0.25,
     most_drag: [0.5, 2.0],
     away: 0.25,

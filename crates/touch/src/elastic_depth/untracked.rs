@@ -4,9 +4,6 @@ use super::nearest::{Place, distance, nearest_into};
 use super::surface::Surface;
 use super::thresholds::THRESHOLDS;
 
-/// Least valid part of a cell that is tracked.
-const TRACKED: f32 = 0.5;
-
 /// Decides whether contact is tracked well enough for its depth. Owns its scratch memory.
 #[derive(Debug)]
 pub(super) struct Untracked {
@@ -21,12 +18,13 @@ impl Untracked {
     }
 
     /// Whether hardly a cell of contact is tracked, or none in a large area of it that the camera sees.
-    pub(super) fn look(&mut self, surface: &Surface, touches: &[bool]) -> bool {
+    pub(super) fn is_untracked(&mut self, surface: &Surface, touches: &[bool]) -> bool {
         let touched = touches.iter().filter(|touches| **touches).count();
         let cells = surface.seen.iter().zip(touches);
-        let tracked = cells.filter(|(seen, touches)| **touches && seen.trust > TRACKED).count();
-        let hole_cells = THRESHOLDS.hole_mm / surface.grid.cell_mm;
-        let may_have_hole = (touched - tracked) as f64 > hole_cells * hole_cells;
+        let tracked = cells.filter(|(seen, touches)| **touches && seen.is_tracked()).count();
+        let hole_cells = THRESHOLDS.hole_px * surface.mm_per_px / surface.grid.cell_mm;
+        // Fewer cells cannot reach as far.
+        let may_have_hole = (touched - tracked) as f64 > hole_cells;
         (tracked as f64) < THRESHOLDS.least_tracked * touched as f64
             || may_have_hole && self.has_hole(surface, touches, hole_cells)
     }
@@ -35,7 +33,7 @@ impl Untracked {
     fn has_hole(&mut self, surface: &Surface, touches: &[bool], hole_cells: f64) -> bool {
         let Self { is_tracked, nearest } = self;
         for (is_tracked, seen) in is_tracked.iter_mut().zip(&surface.seen) {
-            *is_tracked = seen.trust > TRACKED;
+            *is_tracked = seen.is_tracked();
         }
         let columns = surface.grid.columns;
         nearest_into(columns, is_tracked, nearest);

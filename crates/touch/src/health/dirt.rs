@@ -3,11 +3,12 @@
 //! They match the reference if they were there when it was taken, so their flow is too small and looks right. The image is divided
 //! into cells. A cell is suspicious if its flow is much smaller than that around it, which is about the same on all sides.
 //! Gel hardly ever moves like this. Then its pixels are compared with the reference: a pixel stands still if its level is that of the
-//! reference at the same place, and not that at the place from which the gel around it has come. A cell is dirty if many pixels stand
-//! still, or some do so again after the gel has moved further.
+//! reference at the same place, and not that at the place from which the gel around it has come. A cell is dirty if some pixels stand
+//! still again after the gel has moved further, or if more of them stand still once where the flow is valid and the motion is large.
 //!
-//! A cell remains dirty until there is a new reference. Its flow and that of the cells around it are not valid; their flow is
-//! interpolated between the cells beside them.
+//! A cell remains dirty until there is a new reference. Its flow and that of the cells around it are not valid; they are replaced by
+//! values between those of the cells beside them, valid or not. Cells closer to the border than the places around them are not
+//! compared, and dirt that hides these places, too, is not found.
 
 mod around;
 mod hidden;
@@ -25,9 +26,6 @@ use super::thresholds::THRESHOLDS;
 const CELL: usize = 8;
 /// In how many frames a cell is compared at most.
 const LOOKS: usize = 6;
-/// How far from the motion around a cell that in it may be, relative to it and at most, px.
-const NEAR: f32 = 0.25;
-const MOST_NEAR_PX: f32 = 0.3;
 /// The count of a pixel that has clearly changed: it is never counted again.
 const HAS_CHANGED: u8 = 0x80;
 
@@ -73,13 +71,24 @@ impl Dirt {
         }
     }
 
-    /// Begins again with this reference, to which the flow of the frames that follow is relative.
-    pub(super) fn restart(&mut self, grey: &Image<f32>) {
+    /// Begins again with this reference, to which the flow of the next frames is relative.
+    pub(super) fn take_reference(&mut self, grey: &Image<f32>) {
         self.reference.copy_from(grey);
+        self.restart();
+    }
+
+    /// Forgets what was found.
+    pub(super) fn restart(&mut self) {
         self.still.values_mut().fill(0);
         self.cells.fill(Cell::default());
         self.is_hidden.fill(false);
         self.hidden.clear();
+    }
+
+    /// Whether enough is hidden for a report.
+    pub(super) fn is_large(&self) -> bool {
+        let dirty = self.cells.iter().filter(|cell| cell.is_dirty).count();
+        self.part() >= THRESHOLDS.least_damaged_part && dirty >= THRESHOLDS.least_damaged
     }
 
     /// The part of the image that dirt hides, 0 to 1.
@@ -100,7 +109,7 @@ impl Dirt {
                 let is_further =
                     |before: &[f32; 2]| length2(difference(*before, motion)) >= THRESHOLDS.further_px.powi(2);
                 if cell.motions[..cell.looks].iter().all(is_further) {
-                    is_new |= self.look(grey, (column, row), motion, is_valid);
+                    is_new |= self.compare(grey, (column, row), motion, is_valid);
                 }
             }
         }
@@ -110,7 +119,7 @@ impl Dirt {
     }
 
     /// Compares a cell with the reference; returns whether it turns out to be dirty. `motion` is that of the gel around it, px.
-    fn look(&mut self, grey: &Image<f32>, (column, row): (usize, usize), motion: [f32; 2], is_valid: bool) -> bool {
+    fn compare(&mut self, grey: &Image<f32>, (column, row): (usize, usize), motion: [f32; 2], is_valid: bool) -> bool {
         let (left, top) = (column * CELL, row * CELL);
         let (mut once, mut twice) = (0, 0);
         for y in top..top + CELL {
@@ -118,12 +127,12 @@ impl Dirt {
                 let level = grey.at(x, y);
                 let change = (level - self.reference.at(x, y)).abs();
                 let is_same = change <= self.same_levels;
-                let is_other = is_same && self.is_other(level, (x, y), motion);
+                let is_still = is_same && self.cannot_have_come(level, (x, y), motion);
                 let still = &mut self.still.row_mut(y)[x];
-                if change > THRESHOLDS.other_levels * self.same_levels {
+                if change > THRESHOLDS.changed_levels * self.same_levels {
                     *still = HAS_CHANGED;
                 } else if *still != HAS_CHANGED {
-                    *still += u8::from(is_other);
+                    *still += u8::from(is_still);
                 }
                 once += usize::from(matches!(*still, 1..HAS_CHANGED));
                 twice += usize::from(matches!(*still, 2..HAS_CHANGED));
@@ -139,9 +148,9 @@ impl Dirt {
 
     /// Whether no gel of this level can have come to a pixel by a motion, px, or by about that motion: the gel in a cell does not move
     /// exactly as that around it.
-    fn is_other(&self, level: f32, (x, y): (usize, usize), motion: [f32; 2]) -> bool {
-        let near = (NEAR * length2(motion).sqrt()).min(MOST_NEAR_PX);
-        let least = THRESHOLDS.moved_levels * self.same_levels;
+    fn cannot_have_come(&self, level: f32, (x, y): (usize, usize), motion: [f32; 2]) -> bool {
+        let near = (THRESHOLDS.near_motion * length2(motion).sqrt()).min(THRESHOLDS.near_px);
+        let least = THRESHOLDS.elsewhere_levels * self.same_levels;
         let about = [(0.0, 0.0), (near, 0.0), (-near, 0.0), (0.0, near), (0.0, -near)];
         about.into_iter().all(|(dx, dy)| {
             let from = (x as f32 - motion[0] + dx, y as f32 - motion[1] + dy);
@@ -161,10 +170,9 @@ impl Dirt {
             }
         }
         hidden.clear();
-        let size = (columns, rows);
-        let is_known = |x: usize, y: usize| !is_hidden[y * columns + x];
-        let places = (0..cells.len()).map(|cell| (cell % columns, cell / columns)).filter(|&(x, y)| !is_known(x, y));
-        hidden.extend(places.map(|place| Hidden::new(place, size, is_known)));
+        let is_hidden = |x: usize, y: usize| is_hidden[y * columns + x];
+        let places = (0..cells.len()).map(|cell| (cell % columns, cell / columns)).filter(|&(x, y)| is_hidden(x, y));
+        hidden.extend(places.map(|place| Hidden::new(place, (columns, rows), is_hidden)));
     }
 
     /// Replaces the flow that dirt hides by one between those beside it, and marks it as not valid.

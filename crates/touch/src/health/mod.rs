@@ -39,8 +39,6 @@ pub(crate) struct Watch {
     rest: Rest,
     damage: Damage,
     dirt: Dirt,
-    /// Whether the next frame is the reference itself, whose flow is relative to the reference before.
-    is_reference: bool,
     /// The fingerprint in the profile.
     fingerprint: Option<Fingerprint>,
     /// Whether the reference shows another sensor; `None` before it was compared.
@@ -58,7 +56,6 @@ impl Watch {
             rest,
             damage,
             dirt: Dirt::new(size, profile.flow.noise_levels),
-            is_reference: false,
             fingerprint: profile.fingerprint(),
             is_other: None,
             was_lost: false,
@@ -70,14 +67,14 @@ impl Watch {
     pub(crate) fn restart(&mut self) {
         self.rest.restart();
         self.damage.restart();
+        self.dirt.restart();
         self.was_lost = false;
         self.is_other = None;
     }
 
-    /// Takes the grey levels of a reference, to which the flow of the frames that follow is relative.
+    /// Takes the grey levels of a reference, to which the flow of the next frames is relative.
     pub(crate) fn take_reference(&mut self, grey: &Image<f32>) {
-        self.dirt.restart(grey);
-        self.is_reference = true;
+        self.dirt.take_reference(grey);
     }
 
     /// Takes a frame and raises its flags.
@@ -98,17 +95,16 @@ impl Watch {
         raise_if(Flag::OtherSensor, self.is_other == Some(true));
         raise_if(Flag::Found, std::mem::replace(&mut self.was_lost, seen.is_lost) && !seen.is_lost);
         self.time_s = seen.time_s;
-        let is_reference = std::mem::take(&mut self.is_reference);
         let is_at_rest = self.rest.watch(seen.time_s, seen.estimate, seen.is_lost);
         raise_if(Flag::Drift, self.rest.is_drifted());
         if !seen.is_lost {
             self.damage.watch(&seen.estimate.valid, is_at_rest);
             let has_same_light = (seen.levels.mean - seen.first.mean).abs() <= THRESHOLDS.same_light * seen.first.mean;
-            if !is_reference && !is_at_rest && has_same_light && !seen.estimate.is_motion_blurred {
+            if !is_at_rest && has_same_light && !seen.estimate.is_motion_blurred {
                 self.dirt.watch(seen.grey, seen.estimate);
             }
         }
-        raise_if(Flag::GelDamaged, self.damage.part() > 0.0 || self.dirt.part() >= THRESHOLDS.least_damaged_part);
+        raise_if(Flag::GelDamaged, self.damage.part() > 0.0 || self.dirt.is_large());
     }
 
     /// Marks the flow that dirt on the optics hides as not valid.

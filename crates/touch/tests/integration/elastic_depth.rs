@@ -323,7 +323,7 @@ fn contact_with_a_large_hole_is_flagged_and_with_a_small_one_not() {
     let press = stuck_circle();
     let mut inverse = press.inverse(ElasticMode::Exact);
     // A pixel is 0.125 mm wide, and contact has a radius of 4 mm.
-    for (radius_mm, is_untracked) in [(1.0, false), (2.5, true)] {
+    for (radius_mm, is_untracked) in [(2.0, false), (3.5, true)] {
         let valid = Image::from_fn(SIZE.0, SIZE.1, |x, y| {
             let from_centre_mm = 0.125 * (x as f64 - 119.5).hypot(y as f64 - 119.5);
             press.valid.at(x, y) * u8::from(from_centre_mm > radius_mm)

@@ -217,3 +217,23 @@ fn specks_on_the_optics_are_flagged_once_the_gel_moves_behind_them() {
         }
     }
 }
+
+#[test]
+fn a_new_reference_forgets_the_specks_of_the_last_one() {
+    let mut stage = Stage::new(None);
+    let path = |frame: i32| Motion::Shift { by_px: [0.8 * f64::from(frame), 0.3] };
+    let show = |stage: &mut Stage, frame| {
+        let image = with_specks(stage.render(&path(frame)));
+        stage.show(image)
+    };
+    for frame in 0..6 {
+        show(&mut stage, frame);
+    }
+    assert!(stage.tracker.reading().numbers.damaged_part > 0.0);
+    stage.tracker.rezero();
+    let flags = show(&mut stage, 6);
+    let reading = stage.tracker.reading();
+    assert!(!flags.has(Flag::GelDamaged) && reading.valid.at(120, 110) == 1, "{flags}");
+    let frames = [7, 9, 11].map(|frame| show(&mut stage, frame));
+    assert!(frames[2].has(Flag::GelDamaged), "found again with the new reference: {frames:?}");
+}

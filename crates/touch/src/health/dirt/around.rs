@@ -65,8 +65,7 @@ fn least_motion(flow: &FlowField, cell: (usize, usize)) -> f32 {
     lengths2.into_iter().fold(f32::INFINITY, f32::min)
 }
 
-/// Whether the motion around a cell can be so much larger than in it that the cell is suspicious. It is only if at least two of the
-/// first four places move in a similar way as their mean.
+/// Whether the motion around a cell can be so much larger than in it that the cell is suspicious, decided by the first four places.
 fn may_be_suspicious(flow: &FlowField, cell: (usize, usize), own_px2: f32) -> bool {
     let least_px2 = (own_px2 / THRESHOLDS.still_motion.powi(2)).max(THRESHOLDS.moves_px.powi(2));
     let least_px2 = (1.0 - THRESHOLDS.similar_motion).powi(2) * least_px2;
@@ -74,7 +73,7 @@ fn may_be_suspicious(flow: &FlowField, cell: (usize, usize), own_px2: f32) -> bo
         let (x, y) = centre(cell, place);
         length2([flow.u.at(x, y), flow.v.at(x, y)]) >= least_px2
     });
-    moving.count() >= 2
+    moving.count() + PLACES[4..].len() >= THRESHOLDS.similar_places
 }
 
 /// The flow at a pixel, px, if it is valid.

@@ -4,38 +4,31 @@ use fingervision_flow::{Estimate, FlowField};
 
 use super::CELL;
 
-/// A cell without flow, and where flow is known beside it.
+/// A cell that dirt hides, and the nearest pixels beside it that are not hidden.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Hidden {
     left: usize,
     top: usize,
-    /// The nearest columns to the left and right that are not hidden, px; absent beyond the cells.
-    columns: [Option<usize>; 2],
-    /// The nearest rows above and below that are not hidden, px.
-    rows: [Option<usize>; 2],
+    /// Their columns to the left and right, px.
+    beside: [usize; 2],
+    /// Their rows above and below, px.
+    along: [usize; 2],
 }
 
 impl Hidden {
-    /// The cell at a column and row of a grid of cells, of which some are known.
+    /// The cell at a column and row of a grid of this size. The cells at the border of the grid are not hidden.
     pub(super) fn new(
         (x, y): (usize, usize),
         (columns, rows): (usize, usize),
-        is_known: impl Fn(usize, usize) -> bool,
+        is_hidden: impl Fn(usize, usize) -> bool,
     ) -> Self {
-        let last = |cell: usize| (cell + 1) * CELL - 1;
+        let left = (0..x).rev().find(|&x| !is_hidden(x, y)).unwrap_or(0);
+        let right = (x + 1..columns).find(|&x| !is_hidden(x, y)).unwrap_or(columns - 1);
+        let above = (0..y).rev().find(|&y| !is_hidden(x, y)).unwrap_or(0);
+        let below = (y + 1..rows).find(|&y| !is_hidden(x, y)).unwrap_or(rows - 1);
         let first = |cell: usize| cell * CELL;
-        Self {
-            left: first(x),
-            top: first(y),
-            columns: [
-                (0..x).rev().find(|&x| is_known(x, y)).map(last),
-                (x + 1..columns).find(|&x| is_known(x, y)).map(first),
-            ],
-            rows: [
-                (0..y).rev().find(|&y| is_known(x, y)).map(last),
-                (y + 1..rows).find(|&y| is_known(x, y)).map(first),
-            ],
-        }
+        let last = |cell: usize| (cell + 1) * CELL - 1;
+        Self { left: first(x), top: first(y), beside: [last(left), first(right)], along: [last(above), first(below)] }
     }
 
     /// Replaces the flow in the cell and marks it as not valid.
@@ -45,23 +38,22 @@ impl Hidden {
             estimate.valid.row_mut(y)[cell.clone()].fill(0);
             estimate.deviation.row_mut(y)[cell.clone()].fill(f32::INFINITY);
             for x in cell {
-                if let Some([u, v]) = self.between(&estimate.flow, x, y) {
-                    (estimate.flow.u.row_mut(y)[x], estimate.flow.v.row_mut(y)[x]) = (u, v);
-                }
+                let [u, v] = self.between(&estimate.flow, x, y);
+                (estimate.flow.u.row_mut(y)[x], estimate.flow.v.row_mut(y)[x]) = (u, v);
             }
         }
     }
 
-    /// The flow at a pixel, px, from the nearest known one to the left and right, above and below, weighted by one over the distance.
-    fn between(&self, flow: &FlowField, x: usize, y: usize) -> Option<[f32; 2]> {
-        let beside = self.columns.map(|column| column.map(|column| (column.abs_diff(x), (column, y))));
-        let along = self.rows.map(|row| row.map(|row| (row.abs_diff(y), (x, row))));
+    /// The flow at a pixel, px, from those to the left and right, above and below, weighted by one over the distance.
+    fn between(&self, flow: &FlowField, x: usize, y: usize) -> [f32; 2] {
+        let beside = self.beside.map(|column| (column.abs_diff(x), (column, y)));
+        let along = self.along.map(|row| (row.abs_diff(y), (x, row)));
         let (mut sum, mut weights) = ([0.0; 2], 0.0);
-        for (distance, (x, y)) in beside.into_iter().chain(along).flatten() {
+        for (distance, (x, y)) in beside.into_iter().chain(along) {
             let weight = 1.0 / distance as f32;
             sum = [sum[0] + weight * flow.u.at(x, y), sum[1] + weight * flow.v.at(x, y)];
             weights += weight;
         }
-        (weights > 0.0).then(|| sum.map(|sum| sum / weights))
+        sum.map(|sum| sum / weights)
     }
 }

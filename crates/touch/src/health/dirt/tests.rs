@@ -47,7 +47,7 @@ fn estimate(flow: impl Fn(usize, usize) -> [f32; 2]) -> Estimate {
 /// Watches a gel that moves behind a speck, whose flow is zero.
 fn watch(radius_px: f32, path: &[[f32; 2]]) -> (Dirt, Estimate) {
     let mut dirt = Dirt::new(SIZE, 2.0);
-    dirt.restart(&image([0.0; 2], radius_px));
+    dirt.take_reference(&image([0.0; 2], radius_px));
     let mut last = estimate(|_, _| [0.0; 2]);
     for &motion in path {
         last = estimate(|x, y| if is_speck(x, y, radius_px + 3.0) { [0.0; 2] } else { motion });
@@ -77,7 +77,7 @@ fn a_speck_in_front_of_moving_gel_is_hidden_and_the_flow_behind_it_interpolated(
 fn nothing_is_dirty_where_the_gel_is_at_rest_or_moves_everywhere() {
     assert!(watch(5.0, &[[0.0; 2], [0.4, 0.3], [0.0; 2]]).0.part() <= 0.0, "at rest");
     let mut dirt = Dirt::new(SIZE, 2.0);
-    dirt.restart(&image([0.0; 2], 0.0));
+    dirt.take_reference(&image([0.0; 2], 0.0));
     for motion in [[1.5, 0.5], [2.5, 1.0], [4.0, 1.5]] {
         dirt.watch(&image(motion, 0.0), &estimate(|_, _| motion));
     }
@@ -88,7 +88,7 @@ fn nothing_is_dirty_where_the_gel_is_at_rest_or_moves_everywhere() {
 fn gel_that_moves_away_from_a_point_is_not_dirty_there() {
     let radial = |x: usize, y: usize| [0.15 * (x as f32 - SPECK[0]), 0.15 * (y as f32 - SPECK[1])];
     let mut dirt = Dirt::new(SIZE, 2.0);
-    dirt.restart(&image([0.0; 2], 0.0));
+    dirt.take_reference(&image([0.0; 2], 0.0));
     let stretched = Image::from_fn(SIZE.0, SIZE.1, |x, y| {
         texture(SPECK[0] + (x as f32 - SPECK[0]) / 1.15, SPECK[1] + (y as f32 - SPECK[1]) / 1.15)
     });
@@ -100,9 +100,58 @@ fn gel_that_moves_away_from_a_point_is_not_dirty_there() {
 fn a_new_reference_begins_without_dirt() {
     let (mut dirt, _) = watch(5.0, &[[1.5, 0.5], [2.5, 1.0]]);
     assert!(dirt.part() > 0.0);
-    dirt.restart(&image([0.0; 2], 5.0));
+    dirt.take_reference(&image([0.0; 2], 5.0));
     assert!(dirt.part() <= 0.0);
     let mut still = estimate(|_, _| [0.0; 2]);
     dirt.hide(&mut still);
     assert!(still.valid.values().iter().all(|&valid| valid == 1));
+}
+
+/// The flow of a gel that moves by `motion`, except in a disc that seems to rest.
+fn with_still_disc(motion: [f32; 2], is_valid: bool) -> Estimate {
+    let mut seen = estimate(|x, y| if is_speck(x, y, 8.0) { [0.0; 2] } else { motion });
+    for y in 0..SIZE.1 {
+        for x in 0..SIZE.0 {
+            seen.valid.row_mut(y)[x] &= u8::from(is_valid || !is_speck(x, y, 8.0));
+        }
+    }
+    seen
+}
+
+#[test]
+fn gel_that_moves_is_not_dirty_even_if_its_flow_is_zero() {
+    let mut dirt = Dirt::new(SIZE, 2.0);
+    dirt.take_reference(&image([0.0; 2], 0.0));
+    for motion in [[1.5, 0.5], [2.5, 1.0], [4.0, 1.5]] {
+        dirt.watch(&image(motion, 0.0), &with_still_disc(motion, true));
+    }
+    assert!(dirt.part() <= 0.0, "{}", dirt.part());
+}
+
+#[test]
+fn without_valid_flow_one_comparison_is_not_enough() {
+    let motions = [[1.5, 0.5], [2.5, 1.0]];
+    for (is_valid, frames) in [(true, 1), (false, 1), (false, 2)] {
+        let mut dirt = Dirt::new(SIZE, 2.0);
+        dirt.take_reference(&image([0.0; 2], 5.0));
+        for &motion in &motions[..frames] {
+            dirt.watch(&image(motion, 5.0), &with_still_disc(motion, is_valid));
+        }
+        assert_eq!(dirt.part() > 0.0, is_valid || frames == 2, "valid: {is_valid}, {frames} comparisons");
+    }
+}
+
+#[test]
+fn images_of_any_size_are_watched() {
+    for size in [(32, 32), (45, 37), (9, 100)] {
+        let mut dirt = Dirt::new(size, 2.0);
+        let grey = Image::filled(size.0, size.1, 100.0);
+        dirt.take_reference(&grey);
+        let mut seen = Estimate::new(size.0, size.1);
+        seen.flow.u.values_mut().fill(2.0);
+        seen.valid.values_mut().fill(1);
+        dirt.watch(&grey, &seen);
+        dirt.hide(&mut seen);
+        assert!(dirt.part() <= 0.0);
+    }
 }
