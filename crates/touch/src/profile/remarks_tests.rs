@@ -72,6 +72,7 @@ fn a_principal_point_far_from_the_middle_of_the_image_is_a_warning() {
     let point = |place: &'static str| [("camera.principal_point_px", place)];
     let message = "[384.5, 224.5] is 80 px from the middle of the image of 640x480 px, usual are at most 64 px";
     expect(&point("[384.5, 224.5]"), Weight::Warning, message, "subtract the region's x and y");
+    expect(&point("[384.5, 224.5]"), Weight::Warning, message, "perhaps 800x480 px");
     assert_eq!(remarks(&point("[344.5, 244.5]")), []);
     // A region at the side of the image: its own middle is not that of the image.
     let aside = ("image.region_of_interest", "[0, 15, 500, 450]");

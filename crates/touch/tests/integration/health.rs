@@ -237,3 +237,27 @@ fn a_new_reference_forgets_the_specks_of_the_last_one() {
     let frames = [7, 9, 11].map(|frame| show(&mut stage, frame));
     assert!(frames[2].has(Flag::GelDamaged), "found again with the new reference: {frames:?}");
 }
+
+#[test]
+fn a_frame_in_which_specks_are_found_allocates_nothing() {
+    let mut stage = Stage::new(None);
+    let frames: Vec<Frame> = (0..8)
+        .map(|frame| {
+            let image = stage.render(&Motion::Shift { by_px: [0.8 * f64::from(frame), 0.3] });
+            let (sequence, capture_time_s) = (frame as u64, f64::from(frame) / RATE);
+            Frame { sequence, capture_time_s, pixels: Pixels::Rgb8(with_specks(image)) }
+        })
+        .collect();
+    let (first, rest) = frames.split_at(2);
+    for frame in first {
+        stage.tracker.track(frame).unwrap();
+    }
+    assert!(stage.tracker.reading().numbers.damaged_part <= 0.0, "nothing is found yet");
+    let allocations = allocation_counter::measure(|| {
+        for frame in rest {
+            stage.tracker.track(frame).unwrap();
+        }
+    });
+    assert!(stage.tracker.reading().numbers.damaged_part > 0.0, "the specks are found");
+    assert_eq!(allocations.count_total, 0, "{allocations:?}");
+}
