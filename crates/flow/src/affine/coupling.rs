@@ -8,8 +8,8 @@
 //!
 //! with the patches' normal equations `A, b` in units of the image noise, `m` 1 where a patch is valid, less where its
 //! gradient is partly noise, and 0 where it failed. For neighbours `i, j` the mismatch `c_ij` is the difference of their
-//! affine predictions half-way, which vanishes on any quadratic field, and `∇` are their gradients in px per stride. Where texture is rich the image
-//! determines the flow, where it is poor the neighbours do. The system is solved by a fixed number of
+//! affine predictions half-way, which vanishes on any quadratic field, and `∇` are their gradients in px per stride.
+//! Where texture is rich the image determines the flow, where it is poor the neighbours do. The system is solved by a fixed number of
 //! conjugate-gradient steps. Their preconditioner consists of the nodes' own 6×6 blocks, with the current bonds, and
 //! those of two coarser grids ([`super::coarse_grids`]). This is the regularised digital image correlation of
 //! [Hild2012] on patches instead of elements.

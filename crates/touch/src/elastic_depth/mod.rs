@@ -295,7 +295,7 @@ impl ElasticDepth {
         self.fields.is_flow_uncertain = self.contact.is_flow_uncertain;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
         self.fields.is_outside_training = self.is_outside_training;
-        self.fields.is_untracked = self.untracked.is_untracked(&self.surface, &self.contact.touches);
+        self.fields.is_untracked = self.untracked.is_untracked(&self.surface, &self.contact.touches, touched);
         let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);
         // After a misfit, the gel has to fit well or to come to rest.

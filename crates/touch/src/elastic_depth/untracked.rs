@@ -17,9 +17,8 @@ impl Untracked {
         Self { is_tracked: vec![false; cells], nearest: vec![[0, 0]; cells] }
     }
 
-    /// Whether hardly a cell of contact is tracked, or none in a large area of it that the camera sees.
-    pub(super) fn is_untracked(&mut self, surface: &Surface, touches: &[bool]) -> bool {
-        let touched = touches.iter().filter(|touches| **touches).count();
+    /// Whether hardly any of the `touched` cells of contact is tracked, or none in a large area of it that the camera sees.
+    pub(super) fn is_untracked(&mut self, surface: &Surface, touches: &[bool], touched: usize) -> bool {
         let cells = surface.seen.iter().zip(touches);
         let tracked = cells.filter(|(seen, touches)| **touches && seen.is_tracked()).count();
         let hole_cells = THRESHOLDS.hole_px * surface.mm_per_px / surface.grid.cell_mm;

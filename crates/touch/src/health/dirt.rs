@@ -25,16 +25,16 @@ use super::thresholds::THRESHOLDS;
 /// Side of a cell, px.
 const CELL: usize = 8;
 /// In how many frames a cell is compared at most.
-const LOOKS: usize = 6;
+const MOST_COMPARISONS: usize = 6;
 /// The count of a pixel that has clearly changed: it is never counted again.
 const HAS_CHANGED: u8 = 0x80;
 
 /// A cell of the image.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cell {
-    /// Motion of the gel around it in the frames in which it was compared, px; the first `looks` count.
-    motions: [[f32; 2]; LOOKS],
-    looks: usize,
+    /// Motion of the gel around it in the frames in which it was compared, px; the first `comparisons` count.
+    motions: [[f32; 2]; MOST_COMPARISONS],
+    comparisons: usize,
     is_dirty: bool,
 }
 
@@ -87,8 +87,8 @@ impl Dirt {
 
     /// Whether enough is hidden for a report.
     pub(super) fn is_large(&self) -> bool {
-        let dirty = self.cells.iter().filter(|cell| cell.is_dirty).count();
-        self.part() >= THRESHOLDS.least_damaged_part && dirty >= THRESHOLDS.least_damaged
+        let dirty = || self.cells.iter().filter(|cell| cell.is_dirty).count();
+        self.part() >= THRESHOLDS.least_damaged_part && dirty() >= THRESHOLDS.least_damaged
     }
 
     /// The part of the image that dirt hides, 0 to 1.
@@ -102,13 +102,13 @@ impl Dirt {
         for row in AROUND..self.rows.saturating_sub(AROUND) {
             for column in AROUND..self.columns.saturating_sub(AROUND) {
                 let cell = self.cells[row * self.columns + column];
-                if cell.looks == LOOKS || cell.is_dirty {
+                if cell.comparisons == MOST_COMPARISONS || cell.is_dirty {
                     continue;
                 }
                 let Some(Suspicion { motion, is_valid }) = suspicion(estimate, (column, row)) else { continue };
                 let is_further =
                     |before: &[f32; 2]| length2(difference(*before, motion)) >= THRESHOLDS.further_px.powi(2);
-                if cell.motions[..cell.looks].iter().all(is_further) {
+                if cell.motions[..cell.comparisons].iter().all(is_further) {
                     is_new |= self.compare(grey, (column, row), motion, is_valid);
                 }
             }
@@ -139,8 +139,8 @@ impl Dirt {
             }
         }
         let cell = &mut self.cells[row * self.columns + column];
-        cell.motions[cell.looks] = motion;
-        cell.looks += 1;
+        cell.motions[cell.comparisons] = motion;
+        cell.comparisons += 1;
         let is_clear = is_valid && length2(motion) >= THRESHOLDS.clear_px.powi(2);
         cell.is_dirty = is_clear && once >= THRESHOLDS.still_once || twice >= THRESHOLDS.still_twice;
         cell.is_dirty
@@ -163,10 +163,10 @@ impl Dirt {
     fn hide_around(&mut self) {
         let Self { columns, rows, cells, is_hidden, hidden, .. } = self;
         let (columns, rows) = (*columns, *rows);
+        // Cells at the border are not compared, so that all of these exist.
         for cell in (0..cells.len()).filter(|&cell| cells[cell].is_dirty) {
-            let (x, y) = (cell % columns, cell / columns);
-            for near_y in y.saturating_sub(1)..(y + 2).min(rows) {
-                is_hidden[near_y * columns..][x.saturating_sub(1)..(x + 2).min(columns)].fill(true);
+            for near in [cell - columns, cell, cell + columns] {
+                is_hidden[near - 1..near + 2].fill(true);
             }
         }
         hidden.clear();

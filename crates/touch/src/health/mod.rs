@@ -138,3 +138,8 @@ impl Watch {
 fn is_saturated(now: Levels, first: Levels) -> bool {
     now.saturated > (first.saturated + THRESHOLDS.more_saturated).min(THRESHOLDS.most_saturated)
 }
+
+/// The flow at a place, where it is valid.
+fn flow_at(estimate: &Estimate, (x, y): (usize, usize)) -> Option<[f32; 2]> {
+    (estimate.valid.at(x, y) == 1).then(|| [estimate.flow.u.at(x, y), estimate.flow.v.at(x, y)])
+}

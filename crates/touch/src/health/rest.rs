@@ -10,6 +10,7 @@
 
 use fingervision_flow::Estimate;
 
+use super::flow_at;
 use super::thresholds::THRESHOLDS;
 
 /// Distance between samples along both axes, px.
@@ -136,11 +137,6 @@ impl Rest {
 fn places((width, height): (usize, usize)) -> impl Iterator<Item = (usize, usize)> {
     let along = |length: usize| (STEP / 2..length).step_by(STEP);
     along(height).flat_map(move |y| along(width).map(move |x| (x, y)))
-}
-
-/// The flow at a place, where it is valid.
-fn flow_at(estimate: &Estimate, (x, y): (usize, usize)) -> Option<[f32; 2]> {
-    (estimate.valid.at(x, y) == 1).then(|| [estimate.flow.u.at(x, y), estimate.flow.v.at(x, y)])
 }
 
 #[cfg(test)]

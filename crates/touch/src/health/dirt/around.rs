@@ -3,7 +3,7 @@
 use fingervision_flow::{Estimate, FlowField};
 
 use super::CELL;
-use crate::health::thresholds::THRESHOLDS;
+use crate::health::{flow_at, thresholds::THRESHOLDS};
 
 /// Distance along both axes of the places around a cell, in cells.
 pub(super) const AROUND: usize = 2;
@@ -18,6 +18,7 @@ const PLACES: [(usize, usize); 8] = [
     (0, 2 * AROUND),
     (2 * AROUND, 0),
 ];
+
 /// A cell whose flow is much smaller than the motion of the gel around it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Suspicion {
@@ -33,12 +34,12 @@ pub(super) fn suspicion(estimate: &Estimate, cell: (usize, usize)) -> Option<Sus
     // A cell seldom passes the first test, so that the others take no time.
     let motion = may_be_suspicious(&estimate.flow, cell, own_px2).then(|| motion_around(estimate, cell))??;
     let least_px2 = (THRESHOLDS.still_motion.powi(2) * length2(motion)).min(THRESHOLDS.still_px.powi(2));
-    let stands_still =
-        |(x, y): &(usize, usize)| length2([estimate.flow.u.at(*x, *y), estimate.flow.v.at(*x, *y)]) < least_px2;
-    let is_valid = samples(cell).iter().filter(|place| stands_still(place)).any(|&(x, y)| estimate.valid.at(x, y) == 1);
+    let stands_still = |place: &&(usize, usize)| length2(any_flow_at(&estimate.flow, **place)) < least_px2;
+    let is_valid = samples(cell).iter().filter(stands_still).any(|&place| flow_at(estimate, place).is_some());
     (own_px2 < least_px2).then_some(Suspicion { motion, is_valid })
 }
 
+/// From the second to the first.
 pub(super) fn difference(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
     [a[0] - b[0], a[1] - b[1]]
 }
@@ -61,7 +62,7 @@ fn samples((column, row): (usize, usize)) -> [(usize, usize); 4] {
 
 /// Square of the smallest flow in a cell, valid or not, px².
 fn least_motion(flow: &FlowField, cell: (usize, usize)) -> f32 {
-    let lengths2 = samples(cell).map(|(x, y)| length2([flow.u.at(x, y), flow.v.at(x, y)]));
+    let lengths2 = samples(cell).map(|place| length2(any_flow_at(flow, place)));
     lengths2.into_iter().fold(f32::INFINITY, f32::min)
 }
 
@@ -69,24 +70,18 @@ fn least_motion(flow: &FlowField, cell: (usize, usize)) -> f32 {
 fn may_be_suspicious(flow: &FlowField, cell: (usize, usize), own_px2: f32) -> bool {
     let least_px2 = (own_px2 / THRESHOLDS.still_motion.powi(2)).max(THRESHOLDS.moves_px.powi(2));
     let least_px2 = (1.0 - THRESHOLDS.similar_motion).powi(2) * least_px2;
-    let moving = PLACES[..4].iter().filter(|&&place| {
-        let (x, y) = centre(cell, place);
-        length2([flow.u.at(x, y), flow.v.at(x, y)]) >= least_px2
-    });
+    let moving = PLACES[..4].iter().filter(|&&place| length2(any_flow_at(flow, centre(cell, place))) >= least_px2);
     moving.count() + PLACES[4..].len() >= THRESHOLDS.similar_places
 }
 
-/// The flow at a pixel, px, if it is valid.
-fn flow_at(estimate: &Estimate, x: usize, y: usize) -> Option<[f32; 2]> {
-    (estimate.valid.at(x, y) == 1).then(|| [estimate.flow.u.at(x, y), estimate.flow.v.at(x, y)])
+/// The flow at a pixel, px, valid or not.
+fn any_flow_at(flow: &FlowField, (x, y): (usize, usize)) -> [f32; 2] {
+    [flow.u.at(x, y), flow.v.at(x, y)]
 }
 
 /// Motion of the gel around a cell, px, if it is large enough and about the same on all sides.
 fn motion_around(estimate: &Estimate, cell: (usize, usize)) -> Option<[f32; 2]> {
-    let flows = PLACES.map(|place| {
-        let (x, y) = centre(cell, place);
-        flow_at(estimate, x, y)
-    });
+    let flows = PLACES.map(|place| flow_at(estimate, centre(cell, place)));
     let mut motion = mean(flows.into_iter().flatten())?;
     // The second mean is without the places that stand still themselves.
     for _ in 0..2 {
