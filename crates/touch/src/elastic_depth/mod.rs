@@ -30,6 +30,7 @@ mod rigid;
 mod stiffening;
 mod surface;
 mod thresholds;
+mod to_pixels;
 mod traction;
 mod untracked;
 
@@ -50,10 +51,10 @@ use fingervision_image::Image;
 use fingervision_optics::Camera;
 use held::HeldGel;
 use rays::Rays;
-use std::ops::Range;
 use std::sync::OnceLock;
-use surface::{KNOWN, Surface};
+use surface::Surface;
 use thresholds::THRESHOLDS;
+use to_pixels::{Known, Planes};
 use untracked::Untracked;
 
 /// Cells along the gel's longer side.
@@ -102,7 +103,7 @@ pub struct ElasticDepth {
     untracked: Untracked,
     /// Depth, its deviation and the share in contact of the cells, to be interpolated to the pixels; a fourth number
     /// fills the lanes.
-    cells: Vec<[f32; KNOWN]>,
+    cells: Vec<Known>,
     fields: ElasticFields,
     team: Team,
 }
@@ -134,7 +135,7 @@ impl ElasticDepth {
         let drag = drag.map(|operator| Drag::new(surface.grid.len(), coarse, operator, limits));
         let held = HeldGel::new(coarse, operator, limits);
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
-        let cells = vec![[0.0; KNOWN]; surface.grid.len()];
+        let cells = vec![Known::default(); surface.grid.len()];
         let untracked = Untracked::new(surface.grid.len());
         let is_outside_training = params.is_outside_training(camera, gel);
         Ok(Self {
@@ -265,23 +266,15 @@ impl ElasticDepth {
             *values = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
         }
         let ElasticFields { depth_mm, deviation_mm, contact, .. } = &mut self.fields;
-        let write = |pixels: Range<usize>, depth_mm: &mut [f32], deviation_mm: &mut [f32], contact: &mut [u8]| {
-            let targets = depth_mm.iter_mut().zip(deviation_mm).zip(contact);
-            self.surface.to_pixels(pixels, &self.cells, targets, |((depth_mm, deviation_mm), contact), values| {
-                let [depth, deviation, share, _] = values.unwrap_or([0.0, f32::INFINITY, 0.0, 0.0]);
-                let deviation = if is_known { deviation } else { f32::INFINITY };
-                (*depth_mm, *deviation_mm, *contact) = (depth, deviation, u8::from(share > 0.5));
-            });
+        let planes = Planes {
+            depth_mm: depth_mm.values_mut(),
+            deviation_mm: deviation_mm.values_mut(),
+            contact: contact.values_mut(),
         };
-        let pixels = contact.values().len();
-        let middle = pixels / 2;
-        let (depth_mm, other_depth_mm) = depth_mm.values_mut().split_at_mut(middle);
-        let (deviation_mm, other_deviation_mm) = deviation_mm.values_mut().split_at_mut(middle);
-        let (contact, other_contact) = contact.values_mut().split_at_mut(middle);
-        self.team.join(
-            || write(0..middle, depth_mm, deviation_mm, contact),
-            || write(middle..pixels, other_depth_mm, other_deviation_mm, other_contact),
-        );
+        self.surface.write_pixels(&self.cells, planes);
+        if !is_known {
+            deviation_mm.values_mut().fill(f32::INFINITY);
+        }
     }
 
     /// Writes area, flags and force.

@@ -10,36 +10,31 @@
 //!
 //! There are three unknowns for each point: the equations do not determine the depth d. Elasticity has to determine it.
 
-use fearless_simd::{Level, dispatch, f32x4, f32x8, prelude::*};
-use fearless_simd_macros::simd;
+use fearless_simd::Level;
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 use fingervision_flow::{FlowField, Team};
 use fingervision_image::Image;
 use fingervision_optics::Camera;
-use std::ops::Range;
 
 use super::nearest::{Place, cell_at, is_somewhere, nearest_into};
 use super::pixel_sums::{CellPixels, NOWHERE, Pixels, Sum};
 use super::rays::Rays;
+use super::to_pixels::{Known, Planes, ToPixels};
 
 /// If an invalid flow leads to a point nearer to the image's border than this, px, the gel there has left the field of
 /// view.
 const MARGIN_PX: f64 = 8.0;
-/// Numbers of a cell that are interpolated to the pixels together: two cells of them fill a register.
-pub(super) const KNOWN: usize = 4;
 
 /// The cells of a gel's surface, seen by a camera.
 #[derive(Debug, Clone)]
 pub(super) struct Surface {
-    level: Level,
     camera: Camera,
     pub(super) grid: SurfaceGrid,
     /// The cell of each pixel.
     cell_of: Vec<u32>,
     /// The pixels of each cell.
     pixels: CellPixels,
-    /// The four cells around each pixel, for linear interpolation between their centres.
-    corners: Vec<Corners>,
+    to_pixels: ToPixels,
     /// The mean place of each cell's pixels in the reference image, px, and where that is on the gel, mm.
     rest: Vec<Option<Rest>>,
     /// Cells at the border of the visible part of the gel, where the gel continues.
@@ -56,15 +51,6 @@ pub(super) struct Surface {
     pub(super) mm_per_px: f64,
     /// The measurements of the last frame, one for each cell.
     pub(super) seen: Vec<Seen>,
-}
-
-/// The upper left of the four cells around a pixel, and the distance of the pixel from its centre to the right and
-/// down, 0 to 1.
-#[derive(Debug, Clone, Copy)]
-struct Corners {
-    cell: u32,
-    right: f32,
-    down: f32,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -144,12 +130,11 @@ impl Surface {
         let pixels = cell_of.iter().filter(|&&cell| cell != NOWHERE).count();
         let cells_seen = is_seen.iter().filter(|is_seen| **is_seen).count();
         Some(Self {
-            level: Level::new(),
             camera: camera.clone(),
             grid,
             pixels: CellPixels::new(Level::new(), &cell_of, grid.len()),
             cell_of,
-            corners: places.into_iter().map(|place| Corners::around(grid, place)).collect(),
+            to_pixels: ToPixels::new(Level::new(), grid, &places),
             border,
             size,
             is_seen,
@@ -271,39 +256,9 @@ impl Surface {
         self.team = team.clone();
     }
 
-    /// Interpolates values of the cells to some pixels, counted row by row, linear between centres: calls `write` for each
-    /// pixel and its target, with `None` where the pixel does not show the gel.
-    pub(super) fn to_pixels<T>(
-        &self,
-        pixels: Range<usize>,
-        cells: &[[f32; KNOWN]],
-        targets: impl Iterator<Item = T>,
-        write: impl FnMut(T, Option<[f32; KNOWN]>),
-    ) {
-        dispatch!(self.level, simd => self.blend(simd, &self.corners[pixels], cells, targets, write));
-    }
-
-    #[simd]
-    fn blend<S: Simd, T>(
-        &self,
-        simd: S,
-        corners: &[Corners],
-        cells: &[[f32; KNOWN]],
-        targets: impl Iterator<Item = T>,
-        mut write: impl FnMut(T, Option<[f32; KNOWN]>),
-    ) {
-        // Two adjacent cells fill one register.
-        let pair = |cell: usize| f32x8::from_slice(simd, cells[cell..cell + 2].as_flattened());
-        for (&Corners { cell, right, down }, target) in corners.iter().zip(targets) {
-            if cell == NOWHERE {
-                write(target, None);
-                continue;
-            }
-            let (upper, lower) = (pair(cell as usize), pair(cell as usize + self.grid.columns));
-            let (left, other) = simd.split_f32x8(upper + f32x8::splat(simd, down) * (lower - upper));
-            let known = left + f32x4::splat(simd, right) * (other - left);
-            write(target, Some(*known.as_slice().first_chunk().expect("as many lanes")));
-        }
+    /// Interpolates values of the cells to the pixels.
+    pub(super) fn write_pixels(&self, cells: &[Known], planes: Planes<'_>) {
+        self.to_pixels.write(&self.team, cells, planes);
     }
 
     /// The measurement of a cell at a depth, mm, after a displacement, mm, is subtracted from its own.
@@ -325,20 +280,6 @@ impl Surface {
             trust: seen.trust,
             deviation_mm: seen.deviation_mm,
         }
-    }
-}
-
-impl Corners {
-    /// The cells around a place on the grid, in cells, integer at their centres.
-    fn around(grid: SurfaceGrid, place: Option<[f64; 2]>) -> Self {
-        let Some([x, y]) = place else { return Self { cell: NOWHERE, right: 0.0, down: 0.0 } };
-        let split = |place: f64, count: usize| {
-            let place = place.clamp(0.0, (count - 1) as f64);
-            let whole = (place as usize).min(count - 2);
-            (whole, (place - whole as f64) as f32)
-        };
-        let ((column, right), (row, down)) = (split(x, grid.columns), split(y, grid.rows));
-        Self { cell: (row * grid.columns + column) as u32, right, down }
     }
 }
 
