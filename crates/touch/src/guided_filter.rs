@@ -91,11 +91,12 @@ struct Between {
     share: f32,
 }
 
-/// Slope `a` and offset `b` at every pixel of a row.
+/// Slope `a` and offset `b` at every pixel of a row, and the mean line `[a, b]` of each of its cells.
 #[derive(Debug, Clone)]
 struct LineRow {
     slope: Vec<f32>,
     offset: Vec<f32>,
+    cells: Vec<[f32; 2]>,
 }
 
 impl GuidedFilter {
@@ -117,7 +118,7 @@ impl GuidedFilter {
         params.validate()?;
         let cell = params.subsample;
         let (columns, rows) = (width.div_ceil(cell), height.div_ceil(cell));
-        let line_row = LineRow { slope: vec![0.0; width], offset: vec![0.0; width] };
+        let line_row = LineRow { slope: vec![0.0; width], offset: vec![0.0; width], cells: vec![[0.0; 2]; columns] };
         Ok(Self {
             cell,
             radius: (params.radius_px + cell / 2) / cell,
@@ -192,13 +193,13 @@ impl LineRow {
     /// Interpolates the mean lines `[n, Σ a, Σ b, 0] / n` of a row of cells to its pixels.
     #[simd]
     fn interpolate<S: Simd>(&mut self, _: S, windows: &[[f64; 4]], across: &[Between]) {
-        let mean = |[n, slope, offset, _]: [f64; 4]| {
-            if n > 0.0 { ((slope / n) as f32, (offset / n) as f32) } else { (0.0, 0.0) }
-        };
+        for (line, &[n, slope, offset, _]) in self.cells.iter_mut().zip(windows) {
+            *line = if n > 0.0 { [(slope / n) as f32, (offset / n) as f32] } else { [0.0; 2] };
+        }
         for ((slope, offset), between) in self.slope.iter_mut().zip(&mut self.offset).zip(across) {
-            let (first, second) = (mean(windows[between.first]), mean(windows[between.second]));
-            *slope = first.0 + between.share * (second.0 - first.0);
-            *offset = first.1 + between.share * (second.1 - first.1);
+            let (first, second) = (self.cells[between.first], self.cells[between.second]);
+            *slope = first[0] + between.share * (second[0] - first[0]);
+            *offset = first[1] + between.share * (second[1] - first[1]);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod density_stage;
 mod elastic_stage;
+mod planes;
 
 use crate::health::{Seen, Watch};
 use crate::references::References;
@@ -11,7 +12,8 @@ pub use density_stage::DeferredDensity;
 use density_stage::DensityStage;
 use elastic_stage::ElasticStage;
 use fingervision_flow::{Estimate, FlowEstimator, FlowParams, Levels, Picture, Reference, Team};
-use fingervision_image::{Frame, Image, Rect};
+use fingervision_image::{Frame, Rect};
+use planes::count_ones;
 use std::time::Instant;
 
 /// Tracks the gel through a stream of frames.
@@ -325,22 +327,4 @@ fn centre_of_perspective(profile: &Profile, frame_size: (usize, usize), region: 
     let middle = |size: usize, begin: usize| 0.5 * (size as f32 - 1.0) - begin as f32;
     let of_frame = [middle(frame_size.0, region.x), middle(frame_size.1, region.y)];
     profile.camera.map_or(of_frame, |camera| camera.principal_point_px.map(|at| at as f32))
-}
-
-/// Number of ones among zeros and ones. The sums of short parts fit into a byte, so a register adds many at a time.
-fn count_ones(values: &[u8]) -> u32 {
-    values.chunks(128).map(|part| u32::from(part.iter().sum::<u8>())).sum()
-}
-
-/// Largest value where `valid` is 1; none if no pixel is valid.
-fn largest_valid(values: &Image<f32>, valid: &Image<u8>) -> Option<f32> {
-    const LANES: usize = 16;
-    let mut largest = [f32::NEG_INFINITY; LANES];
-    for (values, valid) in values.values().chunks(LANES).zip(valid.values().chunks(LANES)) {
-        for ((largest, &value), &valid) in largest.iter_mut().zip(values).zip(valid) {
-            let value = if valid == 1 { value } else { f32::NEG_INFINITY };
-            *largest = if value > *largest { value } else { *largest };
-        }
-    }
-    largest.into_iter().reduce(f32::max).filter(|largest| largest.is_finite())
 }

@@ -1,7 +1,7 @@
 //! The nearest marked cell of every cell of a grid.
 
 /// Column and row of a cell.
-pub(super) type Place = [isize; 2];
+pub(super) type Place = [i32; 2];
 
 /// The value if there is no marked cell: farther from every cell than any cell of the grid.
 const NOWHERE: Place = [-20_000, -20_000];
@@ -14,12 +14,14 @@ pub(super) fn nearest_into(columns: usize, marks: &[bool], nearest: &mut [Place]
         *nearest = if mark { place(columns, cell) } else { NOWHERE };
     }
     let rows = marks.len() / columns;
-    along(columns, marks, nearest, 0);
+    along(&mut nearest[..columns], 0);
     for row in 1..rows {
-        pass(columns, marks, nearest, row, row - 1);
+        let (above, here) = nearest[(row - 1) * columns..(row + 1) * columns].split_at_mut(columns);
+        pass(above, here, row);
     }
     for row in (1..rows).rev() {
-        pass(columns, marks, nearest, row - 1, row);
+        let (here, below) = nearest[(row - 1) * columns..(row + 1) * columns].split_at_mut(columns);
+        pass(below, here, row - 1);
     }
 }
 
@@ -30,53 +32,59 @@ pub(super) fn is_somewhere(place: Place) -> bool {
 
 /// The distance of a cell from a position, in cells; very large for the impossible position.
 pub(super) fn distance(columns: usize, cell: usize, from: Place) -> f64 {
-    (squared(place(columns, cell), from) as f64).sqrt()
+    f64::from(squared(place(columns, cell), from)).sqrt()
 }
 
 /// The cell at a place.
 pub(super) fn cell_at(columns: usize, [column, row]: Place) -> usize {
-    row.cast_unsigned() * columns + column.cast_unsigned()
+    row.cast_unsigned() as usize * columns + column.cast_unsigned() as usize
 }
 
 fn place(columns: usize, cell: usize) -> Place {
-    [(cell % columns).cast_signed(), (cell / columns).cast_signed()]
+    [number(cell % columns), number(cell / columns)]
 }
 
-/// Propagates the nearest positions from the neighbouring row to this row, then along this row.
-fn pass(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize, beside: usize) {
-    for column in 0..columns {
-        for other in column.saturating_sub(1)..(column + 2).min(columns) {
-            take(columns, marks, nearest, (column, row), beside * columns + other);
+/// Columns and rows are few.
+fn number(index: usize) -> i32 {
+    (index as u32).cast_signed()
+}
+
+/// Propagates the nearest positions from the row beside a row to it, then along it.
+fn pass(beside: &[Place], here: &mut [Place], row: usize) {
+    let last = here.len() - 1;
+    for (column, nearest) in here.iter_mut().enumerate() {
+        let at = [number(column), number(row)];
+        if *nearest == at {
+            continue; // a marked cell
+        }
+        let (left, right) = (column.saturating_sub(1), (column + 1).min(last));
+        for known in [beside[left], beside[column], beside[right]] {
+            *nearest = nearer(at, *nearest, known);
         }
     }
-    along(columns, marks, nearest, row);
+    along(here, row);
 }
 
-fn along(columns: usize, marks: &[bool], nearest: &mut [Place], row: usize) {
-    let first = row * columns;
-    for column in 1..columns {
-        take(columns, marks, nearest, (column, row), first + column - 1);
+fn along(cells: &mut [Place], row: usize) {
+    let mut known = cells[0];
+    for (column, nearest) in cells.iter_mut().enumerate() {
+        known = nearer([number(column), number(row)], *nearest, known);
+        *nearest = known;
     }
-    for column in (0..columns - 1).rev() {
-        take(columns, marks, nearest, (column, row), first + column + 1);
-    }
-}
-
-/// Copies the nearest position of another cell if it is nearer to the cell at this column and row; marked cells keep
-/// their own.
-fn take(columns: usize, marks: &[bool], nearest: &mut [Place], (column, row): (usize, usize), other: usize) {
-    let cell = row * columns + column;
-    if marks[cell] {
-        return;
-    }
-    let (own, known, here) = (nearest[cell], nearest[other], [column.cast_signed(), row.cast_signed()]);
-    if squared(here, known) < squared(here, own) {
-        nearest[cell] = known;
+    for (column, nearest) in cells.iter_mut().enumerate().rev() {
+        known = nearer([number(column), number(row)], *nearest, known);
+        *nearest = known;
     }
 }
 
-fn squared(from: Place, to: Place) -> isize {
-    (to[0] - from[0]).pow(2) + (to[1] - from[1]).pow(2)
+/// The nearer one of two positions; the first if both are as near. So a marked cell keeps its own.
+fn nearer(at: Place, own: Place, known: Place) -> Place {
+    if squared(at, known) < squared(at, own) { known } else { own }
+}
+
+fn squared(from: Place, to: Place) -> i32 {
+    let [x, y] = [to[0] - from[0], to[1] - from[1]];
+    x * x + y * y
 }
 
 #[cfg(test)]

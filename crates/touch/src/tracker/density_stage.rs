@@ -2,6 +2,7 @@
 
 use fingervision_image::Image;
 
+use super::planes::largest_valid;
 use crate::{DensityEstimator, DensityField, DepthLaw, DepthMap, Flag, GuidedFilter, Profile, Reading, TrackError};
 
 /// Density, filter and depth.
@@ -49,7 +50,7 @@ impl DensityStage {
         self.filter.filter_into(&self.field.feature, &reading.valid, feature);
         if let (Some(to_depth), Some(depth)) = (&self.to_depth, &mut reading.depth) {
             to_depth.depth_into(feature, &mut reading.valid, depth);
-            reading.numbers.max_depth_mm = super::largest_valid(depth, &reading.valid);
+            reading.numbers.max_depth_mm = largest_valid(depth, &reading.valid);
         }
     }
 }

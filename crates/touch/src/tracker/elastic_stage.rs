@@ -3,6 +3,7 @@
 use fingervision_flow::Team;
 use fingervision_image::Image;
 
+use super::planes::largest_valid;
 use crate::{ElasticDepth, ElasticFields, Fields, Flag, Profile, Reading, TrackError};
 
 /// Fills the fields of a reading that follow from elasticity.
@@ -75,7 +76,7 @@ impl ElasticStage {
             self.inverse.displacement_into(&reading.flow, displacement);
         }
         let found = self.inverse.fields_mut();
-        let deepest = || super::largest_valid(&found.depth_mm, &found.on_gel);
+        let deepest = || largest_valid(&found.depth_mm, &found.on_gel);
         reading.numbers.max_depth_mm = if found.is_at_rest { Some(0.0) } else { deepest() };
         exchange_planes(found, reading);
         if let (Some(traction), Some(found)) = (&mut reading.traction, &found.traction_mpa) {
