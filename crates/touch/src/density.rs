@@ -72,8 +72,8 @@ impl DensityField {
 
 /// Turns flows of one size into densities.
 ///
-/// Owns its scratch memory: [`DensityMethod::Fast`] allocates nothing per frame. The same flow gives the same bits on
-/// every instruction set.
+/// Owns its scratch memory: [`DensityMethod::Fast`] allocates nothing per frame. On one machine the same flow always gives
+/// the same bits; instruction sets differ in the last ones.
 #[derive(Debug, Clone)]
 pub struct DensityEstimator {
     width: usize,

@@ -4,8 +4,8 @@
 //! kernel, and the result is interpolated between its nodes by a cubic B-spline again. The kernel is chosen so that the
 //! three together give the Gaussian; the remaining effect of the grid is below 5e-4 at σ = 2 px.
 //!
-//! Multiplications and additions are never fused and their order does not depend on the width of the registers: every
-//! instruction set gives the same bits.
+//! The order of sums does not depend on the width of the registers, but multiply and add are fused where the processor
+//! supports it: instruction sets differ in the last bits.
 
 use fearless_simd::{Level, dispatch, prelude::*};
 use fearless_simd_macros::simd;

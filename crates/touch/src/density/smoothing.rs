@@ -89,7 +89,7 @@ fn add_taps<S: Simd>(
         for k in 0..STEP {
             let before = f32x16::from_slice(simd, &sides[k][0][at..][..LANES]);
             let behind = f32x16::from_slice(simd, &sides[k][1][at..][..LANES]);
-            sum += (before + behind) * taps[k];
+            sum = (before + behind).mul_add(taps[k], sum);
         }
         sum.store_slice(to);
     }

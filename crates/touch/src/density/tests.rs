@@ -116,7 +116,7 @@ fn the_fast_sum_is_the_exact_one() {
 }
 
 #[test]
-fn every_instruction_set_gives_the_same_bits() {
+fn instruction_sets_differ_by_rounding_alone() {
     let mut levels = vec![Level::baseline(), Level::new()];
     #[cfg(target_arch = "x86_64")]
     levels.extend(Level::new().as_avx2().map(Level::Avx2));
@@ -126,7 +126,11 @@ fn every_instruction_set_gives_the_same_bits() {
             estimate(&mut DensityEstimator::with_level(WIDTH, HEIGHT, &params, level).unwrap(), &flow)
         });
         let first = fields.next().unwrap();
-        assert!(fields.all(|field| field == first), "{name}");
+        for field in fields {
+            // Some fuse multiply and add, others do not.
+            assert_close(&name, &field.feature, &first.feature, |feature| 1.0 - feature, 3e-6);
+            assert_eq!((&field.valid, field.largest_spacing_px), (&first.valid, first.largest_spacing_px), "{name}");
+        }
     }
 }
 

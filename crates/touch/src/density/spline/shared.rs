@@ -77,9 +77,9 @@ impl<F> SharedBlocks<F> {
             let row = &nodes[self.first + j * columns..][..F::LEN + ACROSS - 1];
             let mut along = F::from_slice(simd, &row[..F::LEN]) * across[0];
             for i in 1..ACROSS {
-                along += F::from_slice(simd, &row[i..][..F::LEN]) * across[i];
+                along = F::from_slice(simd, &row[i..][..F::LEN]).mul_add(across[i], along);
             }
-            sum += along * down[j];
+            sum = along.mul_add(down[j], sum);
         }
         sum
     }
@@ -119,7 +119,7 @@ fn weights_of<S: Simd, F: SimdFloat<S, Element = f32>, const COUNT: usize>(simd:
 pub(super) fn weights<S: Simd, F: SimdFloat<S, Element = f32>>(t: F) -> [F; FEW] {
     let rest = -t + 1.0;
     let first = rest * rest * rest * (1.0 / 6.0);
-    let second = t * t * (t * 0.5 - 1.0) + 2.0 / 3.0;
+    let second = (t * t).mul_add(t * 0.5 - 1.0, 2.0 / 3.0);
     let last = t * t * t * (1.0 / 6.0);
     let third = -(first + second + last) + 1.0;
     [first, second, third, last]

@@ -120,7 +120,7 @@ impl StoredBlocks {
             let mut sum = f32x4::splat(simd, 0.0);
             for j in 0..FEW {
                 let row = &nodes[first as usize + j * columns..][..FEW];
-                sum += f32x4::from_slice(simd, row) * self.weight(SUPPORT + j, x);
+                sum = f32x4::from_slice(simd, row).mul_add(self.weight(SUPPORT + j, x), sum);
             }
             *value = (sum * f32x4::from_fn(simd, |i| self.weight(i, x))).reduce_sum();
         }
@@ -147,11 +147,11 @@ impl StoredBlocks {
             let (head, tail) = nodes[first + j * columns..][..F::LEN + TAIL].split_at_mut(F::LEN);
             let mut head_sum = F::from_slice(simd, head);
             let mut tail_sum = f32x4::from_slice(simd, tail);
-            head_sum += across[0] * F::from_slice(simd, &self.shifted(SUPPORT + j, 0)[..F::LEN]);
+            head_sum = across[0].mul_add(F::from_slice(simd, &self.shifted(SUPPORT + j, 0)[..F::LEN]), head_sum);
             for i in 1..COUNT {
                 let down = self.shifted(SUPPORT + j, i);
-                head_sum += across[i] * F::from_slice(simd, &down[..F::LEN]);
-                tail_sum += across_tail[i] * f32x4::from_slice(simd, &down[F::LEN..][..TAIL]);
+                head_sum = across[i].mul_add(F::from_slice(simd, &down[..F::LEN]), head_sum);
+                tail_sum = across_tail[i].mul_add(f32x4::from_slice(simd, &down[F::LEN..][..TAIL]), tail_sum);
             }
             head_sum.store_slice(head);
             tail_sum.store_slice(tail);
@@ -165,7 +165,7 @@ impl StoredBlocks {
             let across = f32x4::from_fn(simd, |i| self.weight(i, x));
             for j in 0..FEW {
                 let nodes = &mut nodes[first as usize + j * columns..][..FEW];
-                (f32x4::from_slice(simd, nodes) + across * self.weight(SUPPORT + j, x)).store_slice(nodes);
+                across.mul_add(self.weight(SUPPORT + j, x), f32x4::from_slice(simd, nodes)).store_slice(nodes);
             }
         }
     }
