@@ -46,6 +46,7 @@ mod field;
 #[cfg(test)]
 mod instruction_sets;
 mod levels;
+mod multiply_add;
 mod params;
 mod picture;
 mod recovery;

@@ -7,6 +7,7 @@
 
 use super::grid::PatchGrid;
 use super::nodes::Planes;
+use crate::multiply_add::multiply_add;
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
@@ -57,7 +58,6 @@ impl Bonds {
     /// Computes the bonds from the roughness of a field.
     #[simd]
     pub(crate) fn update<S: Simd>(&mut self, simd: S, field: &Planes) {
-        let _ = simd;
         let Self { grid, stiffness, right, below, .. } = self;
         let columns = grid.columns;
         for j in 0..grid.rows {
@@ -67,7 +67,7 @@ impl Bonds {
             for component in [0, 3] {
                 let near = row(field, component, start, columns - 1);
                 let far = row(field, component, start + 1, columns - 1);
-                add_roughness(*stiffness, near, far, near[1], far[1], across);
+                add_roughness(simd, *stiffness, (near, far), 1, across);
             }
             to_bonds(stiffness.tolerance, across);
             if j + 1 < grid.rows {
@@ -76,7 +76,7 @@ impl Bonds {
                 for component in [0, 3] {
                     let near = row(field, component, start, columns);
                     let far = row(field, component, end, columns);
-                    add_roughness(*stiffness, near, far, near[2], far[2], down);
+                    add_roughness(simd, *stiffness, (near, far), 2, down);
                 }
                 to_bonds(stiffness.tolerance, down);
             }
@@ -120,26 +120,25 @@ impl Bonds {
     /// `y += K x` with the stiffness matrix `K` of all pairs.
     #[simd]
     pub(crate) fn add_product<S: Simd>(&mut self, simd: S, x: &Planes, y: &mut Planes) {
-        let _ = simd;
         for component in [0, 3] {
             for j in 0..self.grid.rows {
-                self.add_product_of_row(component, j, x, y);
+                self.add_product_of_row(simd, component, j, x, y);
                 if j + 1 < self.grid.rows {
-                    self.add_product_with_row_below(component, j, x, y);
+                    self.add_product_with_row_below(simd, component, j, x, y);
                 }
             }
         }
     }
 
     #[inline(always)]
-    fn add_product_of_row(&mut self, component: usize, j: usize, x: &Planes, y: &mut Planes) {
+    fn add_product_of_row<S: Simd>(&mut self, simd: S, component: usize, j: usize, x: &Planes, y: &mut Planes) {
         let columns = self.grid.columns;
         let start = j * columns;
         let near = row(x, component, start, columns - 1);
         let far = row(x, component, start + 1, columns - 1);
         let [mismatch, slope_x, slope_y] = &mut self.forces;
         let inner = [&mut mismatch[1..columns], &mut slope_x[1..columns], &mut slope_y[1..columns]];
-        differentiate_energy(self.stiffness, &self.right[start..][..columns - 1], near, far, near[1], far[1], inner);
+        differentiate_energy(simd, self.stiffness, &self.right[start..][..columns - 1], (near, far), 1, inner);
         // The last node has no right neighbour.
         for force in &mut self.forces {
             force[columns] = 0.0;
@@ -149,26 +148,26 @@ impl Bonds {
         let right = self.forces.each_ref().map(|force| &force[1..=columns]);
         for i in 0..columns {
             value[i] += right[0][i] - left[0][i];
-            along[i] += 0.5 * (right[0][i] + left[0][i]) + right[1][i] - left[1][i];
+            along[i] = multiply_add(simd, 0.5, right[0][i] + left[0][i], along[i] + (right[1][i] - left[1][i]));
             beside[i] += right[2][i] - left[2][i];
         }
     }
 
     #[inline(always)]
-    fn add_product_with_row_below(&mut self, component: usize, j: usize, x: &Planes, y: &mut Planes) {
+    fn add_product_with_row_below<S: Simd>(&mut self, simd: S, component: usize, j: usize, x: &Planes, y: &mut Planes) {
         let columns = self.grid.columns;
         let start = j * columns;
         let near = row(x, component, start, columns);
         let far = row(x, component, start + columns, columns);
         let [mismatch, slope_x, slope_y] = self.forces.each_mut().map(|force| &mut force[1..=columns]);
         let inner = [&mut *mismatch, &mut *slope_x, &mut *slope_y];
-        differentiate_energy(self.stiffness, &self.below[start..][..columns], near, far, near[2], far[2], inner);
+        differentiate_energy(simd, self.stiffness, &self.below[start..][..columns], (near, far), 2, inner);
         for (first, sign) in [(start, 1.0), (start + columns, -1.0)] {
             let [value, beside, along] = rows_mut(y, component, first, columns);
             for i in 0..columns {
-                value[i] += sign * mismatch[i];
-                beside[i] += sign * slope_x[i];
-                along[i] += 0.5 * mismatch[i] + sign * slope_y[i];
+                value[i] = multiply_add(simd, sign, mismatch[i], value[i]);
+                beside[i] = multiply_add(simd, sign, slope_x[i], beside[i]);
+                along[i] = multiply_add(simd, 0.5, mismatch[i], multiply_add(simd, sign, slope_y[i], along[i]));
             }
         }
     }
@@ -185,25 +184,24 @@ fn rows_mut(planes: &mut Planes, component: usize, start: usize, len: usize) -> 
     rows.each_mut().map(|plane| &mut plane[start..][..len])
 }
 
-/// Adds the roughness of pairs, relative to what the prior expects. `near_slope` and `far_slope` are the slopes along
-/// the pair.
+/// Adds the roughness of pairs, relative to what the prior expects. Row `along` of both has the slopes along the pair.
 #[inline(always)]
-fn add_roughness(
+fn add_roughness<S: Simd>(
+    simd: S,
     stiffness: Stiffness,
-    near: Row<'_>,
-    far: Row<'_>,
-    near_slope: &[f32],
-    far_slope: &[f32],
+    (near, far): (Row<'_>, Row<'_>),
+    along: usize,
     roughness: &mut [f32],
 ) {
     // Slices of one known length let the loop run without bounds checks.
     let n = roughness.len();
     let (near, far) = (near.map(|row| &row[..n]), far.map(|row| &row[..n]));
-    let (near_slope, far_slope) = (&near_slope[..n], &far_slope[..n]);
     for i in 0..n {
-        let mismatch = near[0][i] - far[0][i] + 0.5 * (near_slope[i] + far_slope[i]);
+        let mismatch = multiply_add(simd, 0.5, near[along][i] + far[along][i], near[0][i] - far[0][i]);
         let (dx, dy) = (near[1][i] - far[1][i], near[2][i] - far[2][i]);
-        roughness[i] += stiffness.continuity * mismatch * mismatch + stiffness.curvature * (dx * dx + dy * dy);
+        let bending = multiply_add(simd, dx, dx, dy * dy);
+        let sum = multiply_add(simd, stiffness.curvature, bending, roughness[i]);
+        roughness[i] = multiply_add(simd, stiffness.continuity * mismatch, mismatch, sum);
     }
 }
 
@@ -215,24 +213,23 @@ fn to_bonds(tolerance: f32, roughness: &mut [f32]) {
     }
 }
 
-/// Derivatives of the energy of pairs by the mismatch and by both slopes.
+/// Derivatives of the energy of pairs by the mismatch and by both slopes. Row `along` of both has the slopes along the pair.
 #[inline(always)]
-fn differentiate_energy(
+fn differentiate_energy<S: Simd>(
+    simd: S,
     stiffness: Stiffness,
     bonds: &[f32],
-    near: Row<'_>,
-    far: Row<'_>,
-    near_slope: &[f32],
-    far_slope: &[f32],
+    (near, far): (Row<'_>, Row<'_>),
+    along: usize,
     [mismatch, slope_x, slope_y]: [&mut [f32]; 3],
 ) {
     let n = bonds.len();
     let (near, far) = (near.map(|row| &row[..n]), far.map(|row| &row[..n]));
-    let (near_slope, far_slope) = (&near_slope[..n], &far_slope[..n]);
     let (mismatch, slope_x, slope_y) = (&mut mismatch[..n], &mut slope_x[..n], &mut slope_y[..n]);
     for i in 0..n {
         let bending = bonds[i] * stiffness.curvature;
-        mismatch[i] = bonds[i] * stiffness.continuity * (near[0][i] - far[0][i] + 0.5 * (near_slope[i] + far_slope[i]));
+        let distance = multiply_add(simd, 0.5, near[along][i] + far[along][i], near[0][i] - far[0][i]);
+        mismatch[i] = bonds[i] * stiffness.continuity * distance;
         slope_x[i] = bending * (near[1][i] - far[1][i]);
         slope_y[i] = bending * (near[2][i] - far[2][i]);
     }

@@ -22,6 +22,7 @@ use super::bonds::Stiffness;
 use super::grid::PatchGrid;
 use super::nodes::{Planes, UNKNOWNS};
 use super::symmetric::{PACKED, packed};
+use crate::multiply_add::multiply_add;
 use fearless_simd::Simd;
 use fearless_simd_macros::simd;
 
@@ -167,7 +168,6 @@ impl CoarseGrid {
     /// Restricts a residual to the coarse nodes: along the columns first, so that whole rows are processed at once.
     #[simd]
     fn restrict<S: Simd>(&mut self, simd: S, residual: &Planes) {
-        let _ = simd;
         let (columns, stride) = (self.fine.columns, self.line_len());
         self.lines.iter_mut().for_each(|line| line.fill(0.0));
         for fine_row in 0..self.fine.rows {
@@ -178,10 +178,10 @@ impl CoarseGrid {
                     let start = row * stride + self.spacing;
                     let [u0, v0, u1, v1] = parts_mut(&mut self.lines, component, start, columns);
                     for i in 0..columns {
-                        u0[i] += basis.g0 * value[i] + basis.d0 * slope_y[i];
-                        v0[i] += basis.g0 * slope_x[i];
-                        u1[i] += basis.g1 * value[i] + basis.d1 * slope_y[i];
-                        v1[i] += basis.g1 * slope_x[i];
+                        u0[i] = multiply_add(simd, basis.g0, value[i], multiply_add(simd, basis.d0, slope_y[i], u0[i]));
+                        v0[i] = multiply_add(simd, basis.g0, slope_x[i], v0[i]);
+                        u1[i] = multiply_add(simd, basis.g1, value[i], multiply_add(simd, basis.d1, slope_y[i], u1[i]));
+                        v1[i] = multiply_add(simd, basis.g1, slope_x[i], v1[i]);
                     }
                 }
             }
@@ -194,9 +194,9 @@ impl CoarseGrid {
                 let node = &mut self.nodes[row * self.columns + column];
                 for component in 0..2 {
                     let [u0, v0, u1, v1] = parts(&self.lines, component, start, support);
-                    node[3 * component] = dots(g0, u0, d0, v0);
-                    node[3 * component + 1] = dots(g1, u0, d1, v0);
-                    node[3 * component + 2] = dots(g0, u1, d0, v1);
+                    node[3 * component] = dots(simd, g0, u0, d0, v0);
+                    node[3 * component + 1] = dots(simd, g1, u0, d1, v0);
+                    node[3 * component + 2] = dots(simd, g0, u1, d0, v1);
                 }
             }
         }
@@ -205,7 +205,6 @@ impl CoarseGrid {
     /// Adds the interpolant of the coarse nodes: along the coarse rows first.
     #[simd]
     fn prolong<S: Simd>(&mut self, simd: S, field: &mut Planes) {
-        let _ = simd;
         self.interpolate_rows();
         let (columns, stride) = (self.fine.columns, self.line_len());
         for fine_row in 0..self.fine.rows {
@@ -215,9 +214,11 @@ impl CoarseGrid {
                     let [u0, v0, u1, v1] = parts(&self.lines, component, row * stride + self.spacing, columns);
                     let [value, slope_x, slope_y] = part_mut(field, component, fine_row * columns, columns);
                     for i in 0..columns {
-                        value[i] += basis.g0 * u0[i] + basis.g1 * u1[i];
-                        slope_x[i] += basis.g0 * v0[i] + basis.g1 * v1[i];
-                        slope_y[i] += basis.d0 * u0[i] + basis.d1 * u1[i];
+                        value[i] = multiply_add(simd, basis.g0, u0[i], multiply_add(simd, basis.g1, u1[i], value[i]));
+                        slope_x[i] =
+                            multiply_add(simd, basis.g0, v0[i], multiply_add(simd, basis.g1, v1[i], slope_x[i]));
+                        slope_y[i] =
+                            multiply_add(simd, basis.d0, u0[i], multiply_add(simd, basis.d1, u1[i], slope_y[i]));
                     }
                 }
             }
@@ -257,13 +258,13 @@ impl CoarseGrid {
 
 /// `Σ a x + b y`, in eight parts that are summed at the end, so that the sum is vectorised.
 #[inline(always)]
-fn dots(a: &[f32], x: &[f32], b: &[f32], y: &[f32]) -> f32 {
+fn dots<S: Simd>(simd: S, a: &[f32], x: &[f32], b: &[f32], y: &[f32]) -> f32 {
     const PARTS: usize = 8;
     let mut sums = [0.0; PARTS];
     let [(a, _), (x, _), (b, _), (y, _)] = [a, x, b, y].map(<[f32]>::as_chunks::<PARTS>);
     for ((a, x), (b, y)) in a.iter().zip(x).zip(b.iter().zip(y)) {
         for k in 0..PARTS {
-            sums[k] += a[k] * x[k] + b[k] * y[k];
+            sums[k] = multiply_add(simd, a[k], x[k], multiply_add(simd, b[k], y[k], sums[k]));
         }
     }
     sums.iter().sum()

@@ -19,6 +19,7 @@ use super::coarse_grids::{CoarseBlocks, CoarseGrids};
 use super::grid::{LANES, PatchGrid};
 use super::nodes::{NodeField, Planes, UNKNOWNS};
 use super::symmetric::{PACKED, packed};
+use crate::multiply_add::multiply_add;
 use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
@@ -96,12 +97,12 @@ impl Coupling {
                 for j in 0..i {
                     // Not yet divided by D: done at the end of the row.
                     for k in 0..j {
-                        block[packed(i, j)] = block[packed(i, j)] - block[packed(i, k)] * block[packed(j, k)];
+                        block[packed(i, j)] = block[packed(i, k)].mul_add(-block[packed(j, k)], block[packed(i, j)]);
                     }
                 }
                 for j in 0..i {
                     let scaled = block[packed(i, j)] * block[packed(j, j)];
-                    block[packed(i, i)] = block[packed(i, i)] - block[packed(i, j)] * scaled;
+                    block[packed(i, i)] = block[packed(i, j)].mul_add(-scaled, block[packed(i, i)]);
                     block[packed(i, j)] = scaled;
                 }
                 block[packed(i, i)] = 1.0 / block[packed(i, i)].max(LEAST_PIVOT);
@@ -201,7 +202,7 @@ fn substitute<S: Simd>(simd: S, factors: &[[[f32; LANES]; PACKED]], x: &Planes, 
         let mut y_here: [_; UNKNOWNS] = std::array::from_fn(|i| f32x16::load_array_ref(simd, &x[i][index]));
         for i in 1..UNKNOWNS {
             for j in 0..i {
-                y_here[i] -= factor(i, j) * y_here[j];
+                y_here[i] = factor(i, j).mul_add(-y_here[j], y_here[i]);
             }
         }
         for i in 0..UNKNOWNS {
@@ -209,7 +210,7 @@ fn substitute<S: Simd>(simd: S, factors: &[[[f32; LANES]; PACKED]], x: &Planes, 
         }
         for i in (0..UNKNOWNS).rev() {
             for j in i + 1..UNKNOWNS {
-                y_here[i] -= factor(j, i) * y_here[j];
+                y_here[i] = factor(j, i).mul_add(-y_here[j], y_here[i]);
             }
         }
         for i in 0..UNKNOWNS {
@@ -245,10 +246,9 @@ fn clear(planes: &mut Planes) {
 /// `x ← y + factor · x`.
 #[simd]
 fn advance<S: Simd>(simd: S, x: &mut Planes, y: &Planes, factor: f32) {
-    let _ = simd;
     for (x, y) in x.iter_mut().zip(y) {
         for (x, y) in x.iter_mut().zip(y) {
-            *x = y + factor * *x;
+            *x = multiply_add(simd, factor, *x, *y);
         }
     }
 }
@@ -256,10 +256,9 @@ fn advance<S: Simd>(simd: S, x: &mut Planes, y: &Planes, factor: f32) {
 /// `x ← x + factor · y`.
 #[simd]
 fn accumulate<S: Simd>(simd: S, x: &mut Planes, y: &Planes, factor: f32) {
-    let _ = simd;
     for (x, y) in x.iter_mut().zip(y) {
         for (x, y) in x.iter_mut().zip(y) {
-            *x += factor * y;
+            *x = multiply_add(simd, factor, *y, *x);
         }
     }
 }

@@ -5,6 +5,8 @@
 
 use super::grid::{PatchGrid, STRIDE};
 use super::nodes::NodeField;
+use crate::multiply_add::multiply_add;
+use fearless_simd::Simd;
 
 /// Hermite basis at the eight pixels between two nodes.
 #[derive(Debug, Clone, Copy)]
@@ -81,8 +83,8 @@ impl Expander {
     /// Writes the displacement along padded row `row`: `out[0]` to the right and `out[1]` downwards, px, at every
     /// padded column up to `STRIDE·(columns + 1)`.
     #[inline(always)]
-    pub(crate) fn row(&self, line: &mut Line, field: &NodeField, row: usize, out: [&mut [f32]; 2]) {
-        self.interpolate(line, field, row);
+    pub(crate) fn row<S: Simd>(&self, simd: S, line: &mut Line, field: &NodeField, row: usize, out: [&mut [f32]; 2]) {
+        self.interpolate(simd, line, field, row);
         let HermiteBasis { value_0, slope_0, value_1, slope_1 } = self.basis;
         for (component, out) in out.into_iter().enumerate() {
             let (value, slope) = (&line.0[2 * component], &line.0[2 * component + 1]);
@@ -91,8 +93,9 @@ impl Expander {
             for (cell, (value, slope)) in cells.iter_mut().zip(nodes) {
                 let (left, right) = ([value[0], slope[0]], [value[1], slope[1]]);
                 for k in 0..STRIDE {
-                    cell[k] =
-                        value_0[k] * left[0] + slope_0[k] * left[1] + value_1[k] * right[0] + slope_1[k] * right[1];
+                    let sum = multiply_add(simd, slope_0[k], left[1], value_0[k] * left[0]);
+                    let sum = multiply_add(simd, value_1[k], right[0], sum);
+                    cell[k] = multiply_add(simd, slope_1[k], right[1], sum);
                 }
             }
         }
@@ -100,7 +103,7 @@ impl Expander {
 
     /// Interpolates value and x slope vertically at every node column.
     #[inline(always)]
-    fn interpolate(&self, line: &mut Line, field: &NodeField, row: usize) {
+    fn interpolate<S: Simd>(&self, simd: S, line: &mut Line, field: &NodeField, row: usize) {
         let columns = self.grid.columns;
         let (below, k) = (row / STRIDE, row % STRIDE);
         let outside = below == 0 || below == self.grid.rows;
@@ -125,8 +128,8 @@ impl Expander {
                 let (upper, lower) = (at(below - 1), at(below));
                 let HermiteBasis { value_0, slope_0, value_1, slope_1 } = &self.basis;
                 let weights = [value_0[k], slope_0[k], value_1[k], slope_1[k]];
-                combine(weights, [upper[0], upper[2], lower[0], lower[2]], inner_value);
-                combine(weights, [upper[1], upper[3], lower[1], lower[3]], inner_slope);
+                combine(simd, weights, [upper[0], upper[2], lower[0], lower[2]], inner_value);
+                combine(simd, weights, [upper[1], upper[3], lower[1], lower[3]], inner_slope);
             }
             line_value[0] = line_value[1] - line_slope[1];
             line_slope[0] = line_slope[1];
@@ -138,11 +141,18 @@ impl Expander {
 
 /// The weighted sum of four rows of nodes. The slices have one length, so that the loop is vectorised.
 #[inline(always)]
-fn combine([h0, g0, h1, g1]: [f32; 4], [value_0, slope_0, value_1, slope_1]: [&[f32]; 4], out: &mut [f32]) {
+fn combine<S: Simd>(
+    simd: S,
+    [h0, g0, h1, g1]: [f32; 4],
+    [value_0, slope_0, value_1, slope_1]: [&[f32]; 4],
+    out: &mut [f32],
+) {
     let n = out.len();
     let [value_0, slope_0, value_1, slope_1] = [value_0, slope_0, value_1, slope_1].map(|row| &row[..n]);
     for i in 0..n {
-        out[i] = h0 * value_0[i] + g0 * slope_0[i] + h1 * value_1[i] + g1 * slope_1[i];
+        let sum = multiply_add(simd, g0, slope_0[i], h0 * value_0[i]);
+        let sum = multiply_add(simd, h1, value_1[i], sum);
+        out[i] = multiply_add(simd, g1, slope_1[i], sum);
     }
 }
 
@@ -151,6 +161,7 @@ mod tests {
     use super::*;
     use crate::FlowField;
     use crate::affine::grid::MARGIN;
+    use fearless_simd::{Level, dispatch};
     use fingervision_image::Image;
 
     #[test]
@@ -173,7 +184,7 @@ mod tests {
         let mut out = [vec![0.0; grid.padded_width()], vec![0.0; grid.padded_width()]];
         for row in 2 * STRIDE..STRIDE * (grid.rows - 1) {
             let [a, b] = &mut out;
-            expander.row(&mut line, &field, row, [a, b]);
+            dispatch!(Level::new(), simd => expander.row(simd, &mut line, &field, row, [a, b]));
             for column in 2 * STRIDE..STRIDE * (grid.columns - 1) {
                 let (x, y) = (column as f32 - MARGIN as f32, row as f32 - MARGIN as f32);
                 assert!((a[column] - u(x, y)).abs() < 1e-3, "({x}, {y}): {} against {}", a[column], u(x, y));
@@ -197,7 +208,7 @@ mod tests {
         let mut out = [vec![0.0; grid.padded_width()], vec![0.0; grid.padded_width()]];
         for y in 0..height {
             let [a, b] = &mut out;
-            expander.row(&mut line, &field, y + MARGIN, [a, b]);
+            dispatch!(Level::new(), simd => expander.row(simd, &mut line, &field, y + MARGIN, [a, b]));
             for x in 0..width - MARGIN {
                 let expected = v(x as f32, y as f32);
                 assert!((b[x + MARGIN] - expected).abs() < 0.08, "({x}, {y}): {} against {expected}", b[x + MARGIN]);

@@ -101,9 +101,9 @@ impl Refinement {
             for i in 0..UNKNOWNS {
                 let mut image = load(&self.gradient[i]) * (-2.0 * unscale);
                 for (j, delta) in delta.iter().enumerate() {
-                    image += load(&template.normal[packed(i, j)]) * *delta;
+                    image = load(&template.normal[packed(i, j)]).mul_add(*delta, image);
                 }
-                left += delta[i] * image;
+                left = delta[i].mul_add(image, left);
             }
             left.max(f32x16::splat(simd, 0.0)).store_slice(&mut self.energy[start..][..LANES]);
         }

@@ -81,11 +81,10 @@ impl Strip {
         rows: Range<usize>,
         [flow_u, flow_v]: [&mut [f32]; 2],
     ) {
-        let _ = simd;
         let width = field.grid.width;
         let [u, v] = &mut self.positions;
         for (k, y) in rows.enumerate() {
-            expander.row(&mut self.line, field, y + MARGIN, [u, v]);
+            expander.row(simd, &mut self.line, field, y + MARGIN, [u, v]);
             flow_u[k * width..][..width].copy_from_slice(&u[MARGIN..][..width]);
             flow_v[k * width..][..width].copy_from_slice(&v[MARGIN..][..width]);
         }
@@ -164,7 +163,7 @@ impl<T: Texel> Measurement<'_, T> {
                 continue;
             }
             let [xs, ys] = &mut strip.positions;
-            self.expander.row(&mut strip.line, self.field, row, [xs, ys]);
+            self.expander.row(simd, &mut strip.line, self.field, row, [xs, ys]);
             to_positions(grid, row, xs, ys);
             multiply_row(simd, self.template, self.current, row, [xs, ys], band, start);
         }

@@ -84,7 +84,10 @@ impl Relaxation<'_> {
     #[inline(always)]
     pub(super) fn run(&self, nodes: &mut [FineNode], Blocks { blocks, steps }: &mut Blocks, sweeps: usize) {
         blocks.clear();
-        blocks.extend(nodes.iter_mut().map(|node| self.prepare(node)));
+        // A loop, because the compiler does not use the instruction set in closures.
+        for node in nodes.iter_mut() {
+            blocks.push(self.prepare(node));
+        }
         steps.clear();
         steps.resize(nodes.len(), [0.0; LANES]);
         let reactions = self.sides().map(|side| self.reaction(side));
