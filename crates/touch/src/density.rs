@@ -85,6 +85,8 @@ pub struct DensityEstimator {
     /// `1/D₀` is the product of a profile along x and one along y.
     inverse_border: (Vec<f32>, Vec<f32>),
     spacings: Spacings,
+    /// 1 for every point of a row that lies in the current image, else 0.
+    in_sight: Vec<f32>,
 }
 
 impl DensityEstimator {
@@ -114,6 +116,7 @@ impl DensityEstimator {
             splines: is_fast.then(|| SplineSum::new(width, height, sigma, level)),
             inverse_border: (inverse_border(width, sigma), inverse_border(height, sigma)),
             spacings: Spacings::new(width),
+            in_sight: vec![0.0; width],
         })
     }
 
@@ -162,25 +165,29 @@ impl DensityEstimator {
         let limit = self.limit_px();
         let rows = field.feature.rows_mut().zip(field.valid.rows_mut());
         for (y, (feature, valid)) in rows.enumerate() {
-            mark_in_sight(simd, flow, y, valid);
+            let in_sight = &mut self.in_sight;
+            mark_in_sight(simd, flow, y, in_sight);
             let (across, down) = (&self.inverse_border.0, self.inverse_border.1[y]);
-            for ((feature, &valid), across) in feature.iter_mut().zip(&*valid).zip(across) {
-                *feature = if valid == 1 { 1.0 - *feature * (across * down) } else { 0.0 };
+            for ((feature, &in_sight), across) in feature.iter_mut().zip(&*in_sight).zip(across) {
+                *feature = if in_sight > 0.0 { 1.0 - *feature * (across * down) } else { 0.0 };
             }
             self.spacings.measure(simd, flow, y);
-            self.spacings.clear_gaps(simd, limit, valid);
+            self.spacings.mark_valid(simd, limit, in_sight, valid);
         }
     }
 }
 
 /// Marks with 1 the points of row `y` that lie on a pixel of the current image, with 0 all others.
 #[simd]
-fn mark_in_sight<S: Simd>(_: S, flow: &FlowField, y: usize, valid: &mut [u8]) {
+#[expect(clippy::needless_bitwise_bool, reason = "without branches the loop is vectorised")]
+fn mark_in_sight<S: Simd>(_: S, flow: &FlowField, y: usize, in_sight: &mut [f32]) {
     let (right, bottom) = (flow.u.width() as f32 - 0.5, flow.u.height() as f32 - 0.5);
     let flow = flow.u.row(y).iter().zip(flow.v.row(y));
-    for (x, (valid, (u, v))) in valid.iter_mut().zip(flow).enumerate() {
-        let (x, y) = (x as f32 + u, y as f32 + v);
-        *valid = u8::from((-0.5..=right).contains(&x) && (-0.5..=bottom).contains(&y));
+    for (x, (in_sight, (u, v))) in in_sight.iter_mut().zip(flow).enumerate() {
+        // A signed integer of 32 bits is converted in one instruction.
+        let (x, y) = ((x as u32).cast_signed() as f32 + u, y as f32 + v);
+        let is_inside = (x >= -0.5) & (x <= right) & (y >= -0.5) & (y <= bottom);
+        *in_sight = if is_inside { 1.0 } else { 0.0 };
     }
 }
 

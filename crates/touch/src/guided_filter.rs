@@ -14,11 +14,15 @@ use fearless_simd::{Level, dispatch, prelude::*};
 use fearless_simd_macros::simd;
 use fingervision_image::Image;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 use crate::ParameterError;
 
 #[cfg(test)]
 mod tests;
+
+/// Values that are written at the same time; most cells have fewer pixels along a side.
+const STEP: usize = 8;
 
 /// Parameters of the guided filter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -76,8 +80,9 @@ pub struct GuidedFilter {
     cells: Vec<[f64; 4]>,
     windows: Vec<[f64; 4]>,
     window_columns: Vec<[f64; 4]>,
-    /// Where each pixel lies between the centres of cells, along rows and columns.
-    across: Vec<Between>,
+    /// For every pixel of a row, the distance from the centre of the cell before it, as a fraction.
+    shares: Vec<f32>,
+    /// Where every row lies between the centres of cells.
     down: Vec<Between>,
     /// The lines at every pixel of two rows through the centres of cells.
     lines: [LineRow; 2],
@@ -91,12 +96,20 @@ struct Between {
     share: f32,
 }
 
-/// Slope `a` and offset `b` at every pixel of a row, and the mean line `[a, b]` of each of its cells.
+/// The mean lines of a row of cells, at its pixels.
 #[derive(Debug, Clone)]
 struct LineRow {
-    slope: Vec<f32>,
-    offset: Vec<f32>,
-    cells: Vec<[f32; 2]>,
+    slope: Interpolated,
+    offset: Interpolated,
+}
+
+/// A number of the cells of a row, interpolated to its pixels.
+#[derive(Debug, Clone)]
+struct Interpolated {
+    /// Half a cell of the first cell's number, then a cell of each number, to one cell behind the row: a pixel lies between the number
+    /// at its place and that a cell farther. [`STEP`] more numbers are not used.
+    steps: Vec<f32>,
+    pixels: Vec<f32>,
 }
 
 impl GuidedFilter {
@@ -118,7 +131,8 @@ impl GuidedFilter {
         params.validate()?;
         let cell = params.subsample;
         let (columns, rows) = (width.div_ceil(cell), height.div_ceil(cell));
-        let line_row = LineRow { slope: vec![0.0; width], offset: vec![0.0; width], cells: vec![[0.0; 2]; columns] };
+        let interpolated = Interpolated { steps: vec![0.0; width + cell + STEP], pixels: vec![0.0; width] };
+        let line_row = LineRow { slope: interpolated.clone(), offset: interpolated };
         Ok(Self {
             cell,
             radius: (params.radius_px + cell / 2) / cell,
@@ -130,7 +144,7 @@ impl GuidedFilter {
             cells: vec![[0.0; 4]; columns * rows],
             windows: vec![[0.0; 4]; columns * rows],
             window_columns: vec![[0.0; 4]; columns],
-            across: between_cells(width, cell),
+            shares: between_cells(width, cell).into_iter().map(|between| between.share).collect(),
             down: between_cells(height, cell),
             lines: [line_row.clone(), line_row],
         })
@@ -142,7 +156,7 @@ impl GuidedFilter {
     ///
     /// If the images differ in size from the filter.
     pub fn filter_into(&mut self, image: &Image<f32>, valid: &Image<u8>, filtered: &mut Image<f32>) {
-        let size = (self.across.len(), self.down.len());
+        let size = (self.shares.len(), self.down.len());
         assert_eq!((image.size(), valid.size(), filtered.size()), (size, size, size), "sizes of the images");
         if size.0 > 0 {
             dispatch!(self.level, simd => self.filter(simd, image, valid, filtered));
@@ -162,7 +176,7 @@ impl GuidedFilter {
             let Between { first, second, share } = self.down[y];
             while next_row <= second {
                 let windows = &self.windows[next_row * self.size.0..][..self.size.0];
-                self.lines[next_row % 2].interpolate(simd, windows, &self.across);
+                self.lines[next_row % 2].interpolate(simd, windows, self.cell, &self.shares);
                 next_row += 1;
             }
             let (above, below) = (&self.lines[first % 2], &self.lines[second % 2]);
@@ -181,8 +195,7 @@ impl GuidedFilter {
             }
             let columns = self.counts.chunks(self.cell).zip(self.sums.chunks(self.cell));
             for (cell, (counts, sums)) in cells.iter_mut().zip(columns) {
-                let n: f64 = counts.iter().copied().map(f64::from).sum();
-                let sum: f64 = sums.iter().copied().map(f64::from).sum();
+                let (n, sum) = (f64::from(sum_of(counts)), f64::from(sum_of(sums)));
                 *cell = if n > 0.0 { [n, sum, sum * sum / n, 0.0] } else { [0.0; 4] };
             }
         }
@@ -192,14 +205,35 @@ impl GuidedFilter {
 impl LineRow {
     /// Interpolates the mean lines `[n, Σ a, Σ b, 0] / n` of a row of cells to its pixels.
     #[simd]
-    fn interpolate<S: Simd>(&mut self, _: S, windows: &[[f64; 4]], across: &[Between]) {
-        for (line, &[n, slope, offset, _]) in self.cells.iter_mut().zip(windows) {
-            *line = if n > 0.0 { [(slope / n) as f32, (offset / n) as f32] } else { [0.0; 2] };
+    fn interpolate<S: Simd>(&mut self, simd: S, windows: &[[f64; 4]], cell: usize, shares: &[f32]) {
+        let Self { slope, offset } = self;
+        let (mut from, mut to) = (0, cell / 2);
+        for (column, &[n, slopes, offsets, _]) in windows.iter().enumerate() {
+            let (a, b) = if n > 0.0 { ((slopes / n) as f32, (offsets / n) as f32) } else { (0.0, 0.0) };
+            to = if column + 1 == windows.len() { shares.len() + cell } else { to + cell };
+            slope.step(from..to, a);
+            offset.step(from..to, b);
+            from = to;
         }
-        for ((slope, offset), between) in self.slope.iter_mut().zip(&mut self.offset).zip(across) {
-            let (first, second) = (self.cells[between.first], self.cells[between.second]);
-            *slope = first[0] + between.share * (second[0] - first[0]);
-            *offset = first[1] + between.share * (second[1] - first[1]);
+        slope.interpolate(simd, cell, shares);
+        offset.interpolate(simd, cell, shares);
+    }
+}
+
+impl Interpolated {
+    /// Sets the number of one cell; what is behind it has any value.
+    #[inline(always)]
+    fn step(&mut self, pixels: Range<usize>, value: f32) {
+        let (step, rest) = self.steps[pixels.start..pixels.end + STEP].split_at_mut(STEP);
+        step.copy_from_slice(&[value; STEP]);
+        rest[..pixels.len().saturating_sub(STEP)].fill(value);
+    }
+
+    #[simd]
+    fn interpolate<S: Simd>(&mut self, _: S, cell: usize, shares: &[f32]) {
+        let between = self.steps.iter().zip(&self.steps[cell..]);
+        for ((pixel, (before, behind)), share) in self.pixels.iter_mut().zip(between).zip(shares) {
+            *pixel = before + share * (behind - before);
         }
     }
 }
@@ -231,6 +265,16 @@ fn add_row<S: Simd>(_: S, row: &[f32], valid: &[u8], counts: &mut [f32], sums: &
         *count += f32::from(valid);
         *sum += if valid == 1 { value } else { 0.0 };
     }
+}
+
+/// The sum of a few values. A loop, because the compiler does not use the instruction set in closures.
+#[inline(always)]
+fn sum_of(values: &[f32]) -> f32 {
+    let mut sum = 0.0;
+    for value in values {
+        sum += value;
+    }
+    sum
 }
 
 /// Sums over the window of every cell, cut at the border, by running sums. In `f64` they do not drift.
@@ -283,8 +327,8 @@ fn apply_lines<S: Simd>(
     (image, valid): (&[f32], &[u8]),
     filtered: &mut [f32],
 ) {
-    let above = above.slope.iter().zip(&above.offset);
-    let below = below.slope.iter().zip(&below.offset);
+    let above = above.slope.pixels.iter().zip(&above.offset.pixels);
+    let below = below.slope.pixels.iter().zip(&below.offset.pixels);
     let pixels = filtered.iter_mut().zip(image.iter().zip(valid));
     for ((filtered, (&value, &valid)), (above, below)) in pixels.zip(above.zip(below)) {
         let slope = above.0 + share * (below.0 - above.0);

@@ -55,15 +55,16 @@ impl Spacings {
         }
     }
 
-    /// Clears `valid` where a point of the row lies `limit` px or more from one of its four neighbours, or where
-    /// either is not finite.
+    /// Marks with 1 the points of the row that lie in the current image and closer than `limit` px to their four neighbours, with 0
+    /// all others and those whose place is not finite.
     #[simd]
-    pub(super) fn clear_gaps<S: Simd>(&self, _: S, limit: f32, valid: &mut [u8]) {
+    #[expect(clippy::needless_bitwise_bool, reason = "without branches the loop is vectorised")]
+    pub(super) fn mark_valid<S: Simd>(&self, _: S, limit: f32, in_sight: &[f32], valid: &mut [u8]) {
         let (left, right) = (&self.across[..valid.len()], &self.across[1..]);
         let sides = left.iter().zip(right).zip(self.above.iter().zip(&self.below));
-        for (valid, ((left, right), (above, below))) in valid.iter_mut().zip(sides) {
+        for ((valid, in_sight), ((left, right), (above, below))) in valid.iter_mut().zip(in_sight).zip(sides) {
             let widest = larger(larger(*left, *right), larger(*above, *below));
-            *valid &= u8::from(widest < limit * limit);
+            *valid = u8::from((widest < limit * limit) & (*in_sight > 0.0));
         }
     }
 

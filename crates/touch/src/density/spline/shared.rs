@@ -38,7 +38,9 @@ impl<F> SharedBlocks<F> {
         if !is_on_grid {
             return None;
         }
-        let first = row as usize * grid.columns + column as usize;
+        // Fewer instructions than a conversion to 64 bits; both are small and positive.
+        let [column, row] = [column, row].map(|at| (at as i32).cast_unsigned() as usize);
+        let first = row * grid.columns + column;
         Some(Self { first, behind: [u - passed_u, v - passed_v], counts: [across, down] })
     }
 
