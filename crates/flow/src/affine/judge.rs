@@ -234,7 +234,7 @@ pub(crate) struct MatchSummary {
     pub(crate) unexplained: f32,
 }
 
-/// Writes deviation and validity of every pixel of an estimate whose flow is known.
+/// Writes deviation and validity of every pixel of an estimate whose flow is known; `of_nodes` is scratch memory.
 ///
 /// A pixel takes the values of the nearest node. It is not valid if that patch failed, or if the pixel has left the
 /// current image.
@@ -242,20 +242,25 @@ pub(crate) struct MatchSummary {
 pub(crate) fn mark_pixels<S: Simd>(
     simd: S,
     grid: PatchGrid,
-    variance: &[f32],
-    trust: &[f32],
+    (variance, trust): (&[f32], &[f32]),
     max_deviation: f32,
+    of_nodes: &mut [f32],
     out: &mut Estimate,
 ) {
     let _ = simd;
+    for ((of_node, variance), trust) in of_nodes.iter_mut().zip(variance).zip(trust) {
+        let deviation = (variance + FLOOR_VARIANCE).sqrt();
+        *of_node = if *trust > 0.0 { deviation } else { f32::INFINITY };
+    }
     for y in 0..grid.height {
         let start = (y / STRIDE).min(grid.rows - 1) * grid.columns;
+        let of_nodes = &of_nodes[start..start + grid.columns];
         let deviation = out.deviation.row_mut(y);
-        for (i, cell) in deviation.chunks_mut(STRIDE).enumerate() {
-            let node = start + i;
-            let of_node = (variance[node] + FLOOR_VARIANCE).sqrt();
-            cell.fill(if trust[node] > 0.0 { of_node } else { f32::INFINITY });
+        let (cells, rest) = deviation.as_chunks_mut::<STRIDE>();
+        for (cell, &of_node) in cells.iter_mut().zip(of_nodes) {
+            *cell = [of_node; STRIDE];
         }
+        rest.fill(of_nodes[cells.len().min(grid.columns - 1)]);
         let size = (grid.width as f32 - 1.0, grid.height as f32 - 1.0);
         mark_outside((out.flow.u.row(y), out.flow.v.row(y)), y as f32, size, deviation);
         for (valid, deviation) in out.valid.row_mut(y).iter_mut().zip(out.deviation.row(y)) {

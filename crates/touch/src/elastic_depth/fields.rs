@@ -1,5 +1,7 @@
 //! The result of the elastic inverse for one frame.
 
+use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd_macros::simd;
 use fingervision_elastic::{GelBlock, SurfaceGrid};
 use fingervision_image::Image;
 
@@ -106,11 +108,9 @@ impl ElasticFields {
     /// image, relative to the usual one.
     pub(crate) fn rest(&mut self, motion: f64) {
         let rest_deviation_mm = self.rest_deviation_mm * motion as f32;
-        self.depth_mm.values_mut().fill(0.0);
-        for (deviation, &on_gel) in self.deviation_mm.values_mut().iter_mut().zip(self.on_gel.values()) {
-            *deviation = if on_gel == 1 { rest_deviation_mm } else { f32::INFINITY };
-        }
-        self.contact.values_mut().fill(0);
+        let Self { depth_mm, deviation_mm, contact, on_gel, .. } = self;
+        let planes = (depth_mm.values_mut(), deviation_mm.values_mut(), contact.values_mut());
+        dispatch!(Level::new(), simd => fill_at_rest(simd, rest_deviation_mm, on_gel.values(), planes));
         self.contact_area_mm2 = 0.0;
         // Readings take the planes above in exchange for others, but not the tractions.
         if !std::mem::replace(&mut self.is_at_rest, true) {
@@ -122,5 +122,21 @@ impl ElasticFields {
         (self.is_beyond_linear, self.is_cut) = (false, false);
         (self.is_unexplained, self.is_misfit) = (false, false);
         (self.is_outside_training, self.is_untracked, self.is_flow_uncertain) = (false, false, false);
+    }
+}
+
+/// Sets depth, deviation and contact of all pixels to those of a gel at rest; beside the gel the deviation is infinite.
+#[simd]
+fn fill_at_rest<S: Simd>(
+    simd: S,
+    rest_deviation_mm: f32,
+    on_gel: &[u8],
+    (depth_mm, deviation_mm, contact): (&mut [f32], &mut [f32], &mut [u8]),
+) {
+    let _ = simd;
+    let planes = depth_mm.iter_mut().zip(deviation_mm).zip(contact).zip(on_gel);
+    for (((depth_mm, deviation_mm), contact), &on_gel) in planes {
+        *deviation_mm = if on_gel == 1 { rest_deviation_mm } else { f32::INFINITY };
+        (*depth_mm, *contact) = (0.0, 0);
     }
 }

@@ -65,6 +65,6 @@ impl AffinePatches {
         let found = refinement.summarise(template, limit.powi(2), ranks);
         (out.matched, out.residual_levels, out.unexplained) = (found.part, found.residual_levels, found.unexplained);
         let (grid, trust) = (field.grid, refinement.trust());
-        dispatch!(self.simd, simd => mark_pixels(simd, grid, variance, trust, limit, out));
+        dispatch!(self.simd, simd => mark_pixels(simd, grid, (variance, trust), limit, steps, out));
     }
 }
