@@ -19,8 +19,8 @@ pub struct Levels {
 }
 
 impl Levels {
-    /// The levels of a picture, from a sample of its pixels.
-    pub(crate) fn of(grey: &Image<f32>, colour: Option<&Image<[f32; 4]>>) -> Self {
+    /// The levels of a picture with these channels, from a sample of its pixels.
+    pub(crate) fn of(grey: &Image<f32>, channels: &[Image<f32>]) -> Self {
         let [row_step, column_step] = STEPS;
         let (mut sum, mut square, mut count) = (0.0_f32, 0.0_f32, 0.0_f32);
         for row in grey.rows().step_by(row_step) {
@@ -30,20 +30,29 @@ impl Levels {
                 count += 1.0;
             }
         }
-        let saturated = match colour {
-            Some(colour) => count_where(colour, |[red, green, blue, _]| red.max(green).max(blue) >= SATURATED),
-            None => count_where(grey, |level| level >= SATURATED),
-        };
         let count = count.max(1.0);
         let mean = sum / count;
-        Self { mean, contrast: (square / count - mean * mean).max(0.0).sqrt(), saturated: saturated as f32 / count }
+        Self {
+            mean,
+            contrast: (square / count - mean * mean).max(0.0).sqrt(),
+            saturated: count_saturated(channels) as f32 / count,
+        }
     }
 }
 
-fn count_where<T: Copy>(image: &Image<T>, holds: impl Fn(T) -> bool) -> usize {
+/// The sampled pixels of which a channel is saturated.
+fn count_saturated(channels: &[Image<f32>]) -> usize {
     let [row_step, column_step] = STEPS;
-    let rows = image.rows().step_by(row_step);
-    rows.map(|row| row.iter().step_by(column_step).filter(|&&value| holds(value)).count()).sum()
+    let Some(first) = channels.first() else { return 0 };
+    let mut count = 0;
+    for y in (0..first.height()).step_by(row_step) {
+        let others = &channels[1..];
+        for (x, &level) in first.row(y).iter().enumerate().step_by(column_step) {
+            let largest = others.iter().fold(level, |largest, channel| largest.max(channel.row(y)[x]));
+            count += usize::from(largest >= SATURATED);
+        }
+    }
+    count
 }
 
 #[cfg(test)]
@@ -52,18 +61,19 @@ mod tests {
 
     #[test]
     fn levels_of_known_pictures() {
-        let flat = Levels::of(&Image::filled(64, 48, 40.0), None);
+        let of = |grey: Image<f32>| Levels::of(&grey, std::slice::from_ref(&grey));
+        let flat = of(Image::filled(64, 48, 40.0));
         assert_eq!((flat.mean, flat.contrast, flat.saturated), (40.0, 0.0, 0.0));
-        let half = Image::from_fn(64, 48, |x, _| if x < 32 { 0.0 } else { 255.0 });
-        let half = Levels::of(&half, None);
+        let half = of(Image::from_fn(64, 48, |x, _| if x < 32 { 0.0 } else { 255.0 }));
         assert_eq!((half.mean, half.contrast, half.saturated), (127.5, 127.5, 0.5));
     }
 
     #[test]
     fn a_pixel_with_one_saturated_channel_is_saturated() {
         let grey = Image::filled(64, 48, 90.0);
-        let colour = Image::from_fn(64, 48, |_, y| if y < 24 { [255.0, 10.0, 10.0, 0.0] } else { [90.0; 4] });
+        let half = |level: f32| Image::from_fn(64, 48, |_, y| if y < 24 { level } else { 90.0 });
+        let channels = [half(255.0), half(10.0), half(10.0)];
         let expected = Levels { mean: 90.0, contrast: 0.0, saturated: 0.5 };
-        assert_eq!(Levels::of(&grey, Some(&colour)), expected);
+        assert_eq!(Levels::of(&grey, &channels), expected);
     }
 }

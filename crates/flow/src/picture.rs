@@ -1,15 +1,14 @@
 //! A picture prepared for matching: its grey pyramid and, if needed, its colours.
 
 use crate::Levels;
-use fearless_simd::{Level, Simd, dispatch, f32x4, prelude::*, u32x4};
-use fearless_simd_macros::simd;
-use fingervision_image::{Image, ImageError, Pixels, Pyramid, Rect, grey_into, rgbx_into, words};
+use fingervision_image::{Image, ImageError, Pixels, Pyramid, Rect, grey_and_channels_into, grey_into};
 
 /// One image at every pyramid level. Made once per stream and reloaded for every frame.
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub(crate) grey: Pyramid,
-    pub(crate) colour: Option<Image<[f32; 4]>>,
+    /// Red, green and blue at full size.
+    pub(crate) colour: Option<[Image<f32>; 3]>,
 }
 
 impl Picture {
@@ -18,7 +17,7 @@ impl Picture {
     pub fn new(width: usize, height: usize, coarsest_level: usize, colour: bool) -> Self {
         Self {
             grey: Pyramid::new(width, height, coarsest_level),
-            colour: colour.then(|| Image::filled(width, height, [0.0; 4])),
+            colour: colour.then(|| [(); 3].map(|()| Image::filled(width, height, 0.0))),
         }
     }
 
@@ -28,15 +27,10 @@ impl Picture {
     ///
     /// [`ImageError::RegionOutside`] if the region reaches outside the frame.
     pub fn load(&mut self, pixels: &Pixels, region: Rect) -> Result<(), ImageError> {
-        grey_into(pixels, region, self.grey.base_mut())?;
-        if let Some(colour) = &mut self.colour {
-            match pixels {
-                Pixels::Rgb8(image) if colour.size() == (region.width, region.height) => {
-                    let level = Level::new();
-                    dispatch!(level, simd => rgbx_of_bytes(simd, image, region, colour));
-                }
-                _ => rgbx_into(pixels, region, colour)?,
-            }
+        let grey = self.grey.base_mut();
+        match &mut self.colour {
+            Some(colour) => grey_and_channels_into(pixels, region, grey, colour)?,
+            None => grey_into(pixels, region, grey)?,
         }
         self.grey.build();
         Ok(())
@@ -46,7 +40,7 @@ impl Picture {
     pub fn copy_from(&mut self, other: &Self) {
         self.grey.copy_from(&other.grey);
         match (&mut self.colour, &other.colour) {
-            (Some(mine), Some(other)) => mine.copy_from(other),
+            (Some(mine), Some(other)) => mine.iter_mut().zip(other).for_each(|(mine, other)| mine.copy_from(other)),
             (mine, other) => mine.clone_from(other),
         }
     }
@@ -63,6 +57,11 @@ impl Picture {
         self.grey.level(0)
     }
 
+    /// All that the picture has at full size: red, green and blue, or the grey levels.
+    pub(crate) fn channels(&self) -> &[Image<f32>] {
+        self.colour.as_ref().map_or_else(|| std::slice::from_ref(self.grey()), |colour| colour.as_slice())
+    }
+
     /// Mean grey level.
     #[must_use]
     pub fn mean_level(&self) -> f32 {
@@ -73,7 +72,7 @@ impl Picture {
     /// Mean, contrast and saturation.
     #[must_use]
     pub fn levels(&self) -> Levels {
-        Levels::of(self.grey(), self.colour.as_ref())
+        Levels::of(self.grey(), self.channels())
     }
 
     /// Sharpness of the picture, dimensionless: the mean squared difference between neighbours in a row at full size,
@@ -93,27 +92,6 @@ impl Picture {
     }
 }
 
-/// As [`rgbx_into`], for a region inside an image of 8 bits a channel.
-#[simd]
-fn rgbx_of_bytes<S: Simd>(simd: S, image: &Image<[u8; 3]>, region: Rect, rgbx: &mut Image<[f32; 4]>) {
-    let masks = u32x4::from_slice(simd, &[0xff, 0xff00, 0xff_0000, 0]);
-    let scales = f32x4::from_slice(simd, &[1.0, 1.0 / 256.0, 1.0 / 65536.0, 0.0]);
-    for (y, to) in rgbx.rows_mut().enumerate() {
-        let row = &image.row(region.y + y)[region.x..][..region.width];
-        let (blocks, rest) = row.as_chunks::<4>();
-        let (to_blocks, to_rest) = to.as_chunks_mut::<4>();
-        for (pixels, to) in blocks.iter().zip(to_blocks) {
-            for (word, to) in words(pixels).into_iter().zip(to) {
-                let channels: f32x4<S> = (u32x4::splat(simd, word) & masks).to_float();
-                (channels * scales).store_slice(to);
-            }
-        }
-        for (&[red, green, blue], to) in rest.iter().zip(to_rest) {
-            *to = [red, green, blue, 0].map(f32::from);
-        }
-    }
-}
-
 /// Mean squared difference between neighbours in every `step`-th row, grey levels².
 fn roughness(image: &Image<f32>, step: usize) -> f32 {
     let rows = image.rows().step_by(step);
@@ -129,19 +107,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_become_the_same_values_as_any_other_pixels() {
+    fn a_region_of_a_frame_becomes_grey_and_colour() {
         let image = Image::from_fn(23, 9, |x, y| [(11 * x + y) as u8, (250 - 7 * x) as u8, (29 * y + 3 * x) as u8]);
         let region = Rect { x: 2, y: 1, width: 19, height: 7 };
         let pixels = Pixels::Rgb8(image);
-        let mut picture = Picture::new(region.width, region.height, 0, true);
-        picture.load(&pixels, region).unwrap();
-        let mut expected = Image::filled(1, 1, [0.0; 4]);
-        rgbx_into(&pixels, region, &mut expected).unwrap();
-        assert_eq!(picture.colour, Some(expected));
-        let pixels_grey = Image::from_fn(region.width, region.height, |x, y| {
-            let [red, green, blue] = pixels.levels(region.x + x, region.y + y);
-            0.299 * red + 0.587 * green + 0.114 * blue
-        });
-        assert_eq!(picture.grey(), &pixels_grey);
+        let levels = |x: usize, y: usize| pixels.levels(region.x + x, region.y + y);
+        let expected = |of: fn([f32; 3]) -> f32| Image::from_fn(region.width, region.height, |x, y| of(levels(x, y)));
+        let grey = expected(|[red, green, blue]| 0.299 * red + 0.587 * green + 0.114 * blue);
+        for has_colour in [false, true] {
+            let mut picture = Picture::new(region.width, region.height, 0, has_colour);
+            picture.load(&pixels, region).unwrap();
+            assert_eq!(picture.grey(), &grey);
+            let colours = [expected(|levels| levels[0]), expected(|levels| levels[1]), expected(|levels| levels[2])];
+            let channels: &[_] = if has_colour { &colours } else { std::slice::from_ref(&grey) };
+            assert_eq!(picture.channels(), channels);
+        }
     }
 }

@@ -24,22 +24,40 @@ pub fn grey_into(pixels: &Pixels, region: Rect, grey: &mut Image<f32>) -> Result
     }
 }
 
-/// Writes red, green, blue and a zero, 0 to 255, of a region of a frame.
+/// Writes the grey levels as [`grey_into`] does, and red, green and blue, 0 to 255, each into an image of its own.
 ///
-/// The fourth value makes a pixel one vector register. A grey frame repeats its value.
+/// A grey frame repeats its value. The images take the region's size; they allocate only where that grows.
 ///
 /// # Errors
 ///
 /// [`ImageError::RegionOutside`] if the region reaches outside the frame.
-pub fn rgbx_into(pixels: &Pixels, region: Rect, rgbx: &mut Image<[f32; 4]>) -> Result<(), ImageError> {
-    match pixels {
-        Pixels::Grey8(image) => convert(image, region, rgbx, |value| padded([value; 3].map(f32::from))),
-        Pixels::Rgb8(image) => convert(image, region, rgbx, |rgb| padded(rgb.map(f32::from))),
-        Pixels::Grey16(image) => {
-            convert(image, region, rgbx, |value| padded([f32::from(value) * LEVELS_PER_VALUE_16; 3]))
+pub fn grey_and_channels_into(
+    pixels: &Pixels,
+    region: Rect,
+    grey: &mut Image<f32>,
+    channels: &mut [Image<f32>; 3],
+) -> Result<(), ImageError> {
+    if let Pixels::Rgb8(image) = pixels {
+        // Both in one pass.
+        check(image, region)?;
+        for channel in channels.iter_mut() {
+            fit(channel, region);
         }
+        let [red, green, blue] = channels.each_mut().map(Image::rows_mut);
+        let mut channels = red.zip(green).zip(blue).map(|((red, green), blue)| [red, green, blue]);
+        return convert_rows(image, region, grey, |row, grey| {
+            if let Some(channels) = channels.next() {
+                separate_row(row, grey, channels);
+            }
+        });
+    }
+    grey_into(pixels, region, grey)?;
+    match pixels {
+        Pixels::Grey8(image) => separate(image, region, channels, |value| [f32::from(value); 3]),
+        Pixels::Rgb8(image) => separate(image, region, channels, |rgb| rgb.map(f32::from)),
+        Pixels::Grey16(image) => separate(image, region, channels, |value| [f32::from(value) * LEVELS_PER_VALUE_16; 3]),
         Pixels::Rgb16(image) => {
-            convert(image, region, rgbx, |rgb| padded(rgb.map(|value| f32::from(value) * LEVELS_PER_VALUE_16)))
+            separate(image, region, channels, |rgb| rgb.map(|value| f32::from(value) * LEVELS_PER_VALUE_16))
         }
     }
 }
@@ -53,10 +71,7 @@ fn luma_row(row: &[[u8; 3]], grey: &mut [f32]) {
     let (blocks, rest) = row.as_chunks::<4>();
     let (grey_blocks, grey_rest) = grey.as_chunks_mut::<4>();
     for (pixels, grey) in blocks.iter().zip(grey_blocks) {
-        let words = words(pixels);
-        let channel = |mask: u32, scale: f32| words.map(|word| (word & mask).cast_signed() as f32 * scale);
-        // Factors that are powers of two do not change the result.
-        let [red, green, blue] = [channel(0xff, 1.0), channel(0xff00, 1.0 / 256.0), channel(0xff_0000, 1.0 / 65536.0)];
+        let [red, green, blue] = levels_of_four(pixels);
         *grey = std::array::from_fn(|k| luma([red[k], green[k], blue[k]]));
     }
     for (grey, &rgb) in grey_rest.iter_mut().zip(rest) {
@@ -64,18 +79,41 @@ fn luma_row(row: &[[u8; 3]], grey: &mut [f32]) {
     }
 }
 
-/// Red, green and blue of four pixels in the lower three bytes of a word each. The fourth byte is any value.
-#[must_use]
+/// Grey levels and channels of a row, four pixels at once.
+fn separate_row(row: &[[u8; 3]], grey: &mut [f32], [red, green, blue]: [&mut [f32]; 3]) {
+    let (blocks, rest) = row.as_chunks::<4>();
+    let [(grey, grey_rest), (red, red_rest), (green, green_rest), (blue, blue_rest)] =
+        [grey, red, green, blue].map(|line| line.as_chunks_mut::<4>());
+    let lines = grey.iter_mut().zip(red).zip(green.iter_mut().zip(blue));
+    for (pixels, ((grey, red), (green, blue))) in blocks.iter().zip(lines) {
+        let levels = levels_of_four(pixels);
+        *grey = std::array::from_fn(|k| luma(levels.map(|channel| channel[k])));
+        [*red, *green, *blue] = levels;
+    }
+    let lines = grey_rest.iter_mut().zip(red_rest).zip(green_rest.iter_mut().zip(blue_rest));
+    for (&rgb, ((grey, red), (green, blue))) in rest.iter().zip(lines) {
+        let levels = rgb.map(f32::from);
+        *grey = luma(levels);
+        [*red, *green, *blue] = levels;
+    }
+}
+
+/// Red, green and blue of four pixels.
 #[inline(always)]
-pub fn words(pixels: &[[u8; 3]; 4]) -> [u32; 4] {
+fn levels_of_four(pixels: &[[u8; 3]; 4]) -> [[f32; 4]; 3] {
+    let words = words(pixels);
+    let channel = |mask: u32, scale: f32| words.map(|word| (word & mask).cast_signed() as f32 * scale);
+    // Factors that are powers of two do not change the result.
+    [channel(0xff, 1.0), channel(0xff00, 1.0 / 256.0), channel(0xff_0000, 1.0 / 65536.0)]
+}
+
+/// Red, green and blue of four pixels in the lower three bytes of a word each. The fourth byte is any value.
+#[inline(always)]
+fn words(pixels: &[[u8; 3]; 4]) -> [u32; 4] {
     let bytes = pixels.as_flattened();
     // As a whole: single bytes would be loaded one by one.
     let word = |first: usize| bytes[first..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
     [word(0), word(3), word(6), word(8) >> 8]
-}
-
-fn padded([red, green, blue]: [f32; 3]) -> [f32; 4] {
-    [red, green, blue, 0.0]
 }
 
 fn convert<T: Copy, U: Copy + Default>(
@@ -95,19 +133,40 @@ fn convert_rows<T: Copy, U: Copy + Default>(
     from: &Image<T>,
     region: Rect,
     to: &mut Image<U>,
-    convert_row: impl Fn(&[T], &mut [U]),
+    mut convert_row: impl FnMut(&[T], &mut [U]),
 ) -> Result<(), ImageError> {
-    let (width, height) = from.size();
-    if !region.is_inside(width, height) {
-        return Err(ImageError::RegionOutside { region, width, height });
-    }
-    if to.size() != (region.width, region.height) {
-        *to = Image::filled(region.width, region.height, U::default());
-    }
+    check(from, region)?;
+    fit(to, region);
     for (y, to) in to.rows_mut().enumerate() {
         convert_row(&from.row(region.y + y)[region.x..][..region.width], to);
     }
     Ok(())
+}
+
+fn separate<T: Copy>(
+    from: &Image<T>,
+    region: Rect,
+    to: &mut [Image<f32>; 3],
+    levels: impl Fn(T) -> [f32; 3],
+) -> Result<(), ImageError> {
+    check(from, region)?;
+    for (channel, to) in to.iter_mut().enumerate() {
+        convert(from, region, to, |value| levels(value)[channel])?;
+    }
+    Ok(())
+}
+
+/// Checks that a region is inside an image.
+fn check<T: Copy>(image: &Image<T>, region: Rect) -> Result<(), ImageError> {
+    let (width, height) = image.size();
+    if region.is_inside(width, height) { Ok(()) } else { Err(ImageError::RegionOutside { region, width, height }) }
+}
+
+/// Gives an image the size of a region.
+fn fit<T: Copy + Default>(image: &mut Image<T>, region: Rect) {
+    if image.size() != (region.width, region.height) {
+        *image = Image::filled(region.width, region.height, T::default());
+    }
 }
 
 #[cfg(test)]
@@ -125,11 +184,10 @@ mod tests {
         ];
         for pixels in formats {
             let mut grey = Image::filled(1, 1, 0.0);
-            let mut rgbx = Image::filled(1, 1, [0.0; 4]);
-            grey_into(&pixels, region, &mut grey).unwrap();
-            rgbx_into(&pixels, region, &mut rgbx).unwrap();
+            let mut channels = [(); 3].map(|()| Image::filled(1, 1, 0.0));
+            grey_and_channels_into(&pixels, region, &mut grey, &mut channels).unwrap();
             assert!((grey.at(0, 0) - 51.0).abs() < 1e-4, "{pixels:?}");
-            assert!(rgbx.at(0, 0)[..3].iter().all(|level| (level - 51.0).abs() < 1e-4), "{pixels:?}");
+            assert!(channels.iter().all(|channel| (channel.at(0, 0) - 51.0).abs() < 1e-4), "{pixels:?}");
         }
     }
 
@@ -141,5 +199,20 @@ mod tests {
         assert_eq!(grey.values(), [12.0, 13.0, 22.0, 23.0, 32.0, 33.0]);
         let outside = Rect { x: 4, y: 0, width: 2, height: 1 };
         assert!(grey_into(&pixels, outside, &mut grey).is_err());
+    }
+    #[test]
+    fn channels_are_separated_in_rows_of_any_length() {
+        let image = Image::from_fn(23, 9, |x, y| [(11 * x + y) as u8, (250 - 7 * x) as u8, (29 * y + 3 * x) as u8]);
+        let region = Rect { x: 2, y: 1, width: 19, height: 7 };
+        let mut channels = [(); 3].map(|()| Image::filled(0, 0, 0.0));
+        let (mut grey, mut expected) = (Image::filled(0, 0, 0.0), Image::filled(0, 0, 0.0));
+        let pixels = Pixels::Rgb8(image.clone());
+        grey_and_channels_into(&pixels, region, &mut grey, &mut channels).unwrap();
+        grey_into(&pixels, region, &mut expected).unwrap();
+        assert_eq!(grey, expected);
+        for (k, channel) in channels.iter().enumerate() {
+            let level = |x: usize, y: usize| f32::from(image.at(region.x + x, region.y + y)[k]);
+            assert_eq!(channel, &Image::from_fn(region.width, region.height, level));
+        }
     }
 }

@@ -15,7 +15,7 @@ mod pyramid;
 mod rect;
 
 pub use between::Between;
-pub use colour::{LUMA_WEIGHTS, grey_into, rgbx_into, words};
+pub use colour::{LUMA_WEIGHTS, grey_and_channels_into, grey_into};
 pub use error::ImageError;
 pub use frame::{Frame, Pixels};
 pub use grid::Image;

@@ -8,23 +8,16 @@ use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows, sum_rows_twice};
 use super::nodes::{NodeField, UNKNOWNS};
 use super::places::Places;
+use super::products::{Current, products};
+use super::sampling::sample_row;
 use super::template::Template;
-use super::texel::{Texel, products};
 use crate::Team;
 use fearless_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
-use fingervision_image::Image;
 use std::ops::Range;
 
 /// Number of products that are summed over every patch: two for the gradient, two for light, one for the energy.
 const PRODUCTS: usize = 5;
-
-/// The current picture on one level, and the gain that brings its mean to the reference's.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Current<'a, T> {
-    pub(crate) image: &'a Image<T>,
-    pub(crate) gain: f32,
-}
 
 /// Memory to process a part of the picture's rows.
 #[derive(Debug, Clone)]
@@ -46,12 +39,12 @@ pub(super) struct Sums<'a> {
 }
 
 /// What is measured: a picture at a field, against a template.
-pub(super) struct Measurement<'a, T> {
+pub(super) struct Measurement<'a, const CHANNELS: usize> {
     pub(super) window: &'a Window,
     /// Prepared for the field.
     pub(super) expander: &'a Expander,
     pub(super) template: &'a Template,
-    pub(super) current: Current<'a, T>,
+    pub(super) current: Current<'a, CHANNELS>,
     pub(super) field: &'a NodeField,
 }
 
@@ -102,7 +95,7 @@ impl Sums<'_> {
     }
 }
 
-impl<T: Texel> Measurement<'_, T> {
+impl<const CHANNELS: usize> Measurement<'_, CHANNELS> {
     /// Measures all patches.
     pub(super) fn run(&self, level: Level, team: &Team, [first, second]: &mut [Strip; 2], sums: Sums<'_>) {
         let PatchGrid { columns, rows, .. } = self.template.grid;
@@ -190,10 +183,10 @@ fn to_positions(grid: PatchGrid, row: usize, xs: &mut [f32], ys: &mut [f32]) {
 }
 
 #[simd]
-fn multiply_row<S: Simd, T: Texel>(
+fn multiply_row<S: Simd, const CHANNELS: usize>(
     simd: S,
     template: &Template,
-    current: Current<'_, T>,
+    current: Current<'_, CHANNELS>,
     row: usize,
     [xs, ys]: [&[f32]; 2],
     band: &mut [Vec<f32>; PRODUCTS],
@@ -202,10 +195,10 @@ fn multiply_row<S: Simd, T: Texel>(
     for column in (0..xs.len()).step_by(LANES) {
         let x = f32x16::from_slice(simd, &xs[column..][..LANES]);
         let y = f32x16::from_slice(simd, &ys[column..][..LANES]);
-        let places = Places::in_row(x, y, current.image.size());
+        let places = Places::of(x, y, current.size());
         let inside = places.inside(simd);
-        let products =
-            products(simd, current.image, current.gain, &places, |channel| template.block(channel, column, row));
+        let samples = sample_row(simd, current.channels, &places);
+        let products = products(simd, samples, current.gain, |channel| template.block(channel, column, row));
         let [gx, gy] = products.gradient;
         let [gain, offset] = products.light;
         for (plane, product) in band.iter_mut().zip([gx, gy, gain, offset, products.energy]) {

@@ -14,10 +14,11 @@ pub(crate) mod nodes;
 mod own_variance;
 pub(crate) mod patches;
 mod places;
+pub(crate) mod products;
 pub(crate) mod refinement;
+mod sampling;
 mod symmetric;
 pub(crate) mod template;
-pub(crate) mod texel;
 mod visible;
 
 pub use self::history::FlowHistory;

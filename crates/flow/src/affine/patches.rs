@@ -9,14 +9,14 @@ use self::blur::MotionBlur;
 use super::bonds::Stiffness;
 use super::fine::{FinePatches, FineTemplate};
 use super::grid::PatchGrid;
-use super::measurement::Current;
 use super::nodes::NodeField;
+use super::products::Current;
 use super::refinement::Refinement;
 use super::template::Template;
-use super::texel::Texel;
 use crate::search::local::CellMotion;
 use crate::{FlowField, FlowParams, Picture, Team, ValidityParams};
 use fearless_simd::Level;
+use std::slice::from_ref;
 
 /// The reference on every level.
 #[derive(Debug, Clone)]
@@ -77,20 +77,18 @@ impl LevelState {
     ) {
         let count = (steps, params.affine.iterations);
         match &current.colour {
-            Some(image) => self.take_steps(&params.validity, template, Current { image, gain }, count),
-            None => {
-                self.take_steps(&params.validity, template, Current { image: current.grey.level(0), gain }, count);
-            }
+            Some(channels) => self.take_steps(&params.validity, template, Current::colour(channels, gain), count),
+            None => self.take_steps(&params.validity, template, Current::grey(current.grey(), gain), count),
         }
     }
 
     /// Steps at full size, with additional ones while patches still move. Patches that fail in one step have no weight in
     /// the next.
-    fn take_steps<T: Texel>(
+    fn take_steps<const CHANNELS: usize>(
         &mut self,
         rules: &ValidityParams,
         template: &Template,
-        current: Current<'_, T>,
+        current: Current<'_, CHANNELS>,
         (steps, iterations): (usize, usize),
     ) {
         let Self { refinement, field, .. } = self;
@@ -172,9 +170,9 @@ impl AffinePatches {
     pub(crate) fn prepare(&self, picture: &Picture, reference: &mut AffineReference) {
         reference.mean_level = picture.mean_level();
         for (level, (state, template)) in self.levels.iter().zip(&mut reference.grey).enumerate().skip(1) {
-            state.refinement.prepare(picture.grey.level(level), template);
+            state.refinement.prepare(from_ref(picture.grey.level(level)), template);
         }
-        let (refinement, first, grey) = (&self.levels[0].refinement, &mut reference.grey[0], picture.grey.level(0));
+        let (refinement, first, grey) = (&self.levels[0].refinement, &mut reference.grey[0], from_ref(picture.grey()));
         let shares_pixels = !self.params.colour;
         if shares_pixels {
             first.release();
@@ -224,7 +222,7 @@ impl AffinePatches {
         }
         for level in (1..=coarsest).rev() {
             let LevelState { refinement, field, .. } = &mut self.levels[level];
-            let picture = Current { image: current.grey.level(level), gain };
+            let picture = Current::grey(current.grey.level(level), gain);
             refinement.step(&reference.grey[level], picture, field, self.params.affine.iterations);
             let (fine, coarse) = self.levels.split_at_mut(level);
             let (fine, coarse) = (&mut fine[level - 1].field, &mut coarse[0]);
@@ -237,7 +235,7 @@ impl AffinePatches {
     /// The first step at full size.
     fn approach(&mut self, reference: &AffineReference, current: &Picture) {
         self.levels[0].refinement.trust_all();
-        let picture = Current { image: current.grey.level(0), gain: reference.gain(current) };
+        let picture = Current::grey(current.grey(), reference.gain(current));
         self.levels[0].take_steps(&self.params.validity, &reference.grey[0], picture, (1, QUICK_ITERATIONS));
         self.fill_failed();
     }
@@ -320,8 +318,8 @@ impl AffinePatches {
         let template = &reference.full;
         let (gain, iterations) = (reference.gain(current), self.params.affine.iterations);
         match &current.colour {
-            Some(image) => refinement.inspect(template, Current { image, gain }, field, iterations),
-            None => refinement.inspect(template, Current { image: current.grey.level(0), gain }, field, iterations),
+            Some(channels) => refinement.inspect(template, Current::colour(channels, gain), field, iterations),
+            None => refinement.inspect(template, Current::grey(current.grey(), gain), field, iterations),
         }
         refinement.judge(template, field, &self.params.validity);
     }

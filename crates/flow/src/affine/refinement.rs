@@ -8,12 +8,12 @@ use super::bonds::Stiffness;
 use super::coupling::{Coupling, System};
 use super::expander::Expander;
 use super::grid::{PatchGrid, STRIDE};
-use super::measurement::{Current, Measurement, Strip, Sums};
+use super::measurement::{Measurement, Strip, Sums};
 use super::moments::Window;
 use super::nodes::{NodeField, UNKNOWNS};
 use super::own_variance::{noise_gradient, own_variance, signal};
+use super::products::Current;
 use super::template::{BlurredTemplate, Template};
-use super::texel::Texel;
 use super::visible::{LEAST_VISIBLE, VisiblePart};
 use crate::{FlowField, Team};
 use fearless_simd::{Level, Simd, dispatch};
@@ -106,8 +106,8 @@ impl Refinement {
     }
 
     /// Prepares a new reference.
-    pub(crate) fn prepare<T: Texel>(&self, picture: &Image<T>, template: &mut Template) {
-        template.prepare(self.level, picture);
+    pub(crate) fn prepare(&self, channels: &[Image<f32>], template: &mut Template) {
+        template.prepare(self.level, channels);
         self.complete(template);
     }
 
@@ -143,10 +143,10 @@ impl Refinement {
     }
 
     /// One Gauss–Newton step from `field`.
-    pub(crate) fn step<T: Texel>(
+    pub(crate) fn step<const CHANNELS: usize>(
         &mut self,
         template: &Template,
-        current: Current<'_, T>,
+        current: Current<'_, CHANNELS>,
         field: &mut NodeField,
         iterations: usize,
     ) {
@@ -171,10 +171,10 @@ impl Refinement {
 
     /// For every node, whether the picture matches clearly worse at `field` than at `other`. Uses the mean energy as scratch
     /// memory, until the patches are judged again.
-    pub(crate) fn is_worse_at<T: Texel>(
+    pub(crate) fn is_worse_at<const CHANNELS: usize>(
         &mut self,
         template: &Template,
-        current: Current<'_, T>,
+        current: Current<'_, CHANNELS>,
         field: &NodeField,
         other: &NodeField,
     ) -> impl Fn(usize) -> bool {
@@ -187,10 +187,10 @@ impl Refinement {
     }
 
     /// Measures the residual at `field` without changing it. The step that the patches would take counts as its error.
-    pub(crate) fn inspect<T: Texel>(
+    pub(crate) fn inspect<const CHANNELS: usize>(
         &mut self,
         template: &Template,
-        current: Current<'_, T>,
+        current: Current<'_, CHANNELS>,
         field: &NodeField,
         iterations: usize,
     ) {
@@ -203,7 +203,13 @@ impl Refinement {
     }
 
     /// Writes the increment of a step from `field`.
-    fn solve<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, field: &NodeField, iterations: usize) {
+    fn solve<const CHANNELS: usize>(
+        &mut self,
+        template: &Template,
+        current: Current<'_, CHANNELS>,
+        field: &NodeField,
+        iterations: usize,
+    ) {
         self.expander.prepare(field);
         self.measure(template, current, field);
         let level = self.level;
@@ -250,7 +256,12 @@ impl Refinement {
     }
 
     /// Sums the products of residual and template over every patch at a field for which the expander is prepared.
-    fn measure<T: Texel>(&mut self, template: &Template, current: Current<'_, T>, field: &NodeField) {
+    fn measure<const CHANNELS: usize>(
+        &mut self,
+        template: &Template,
+        current: Current<'_, CHANNELS>,
+        field: &NodeField,
+    ) {
         let Self { level, team, window, expander, strips, gradient, light, energy, .. } = self;
         let measurement = Measurement { window, expander, template, current, field };
         let sums = Sums {

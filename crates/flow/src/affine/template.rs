@@ -8,8 +8,8 @@ use super::coarse_grids::CoarseBlocks;
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows};
 use super::nodes::UNKNOWNS;
+use super::products::{MID_LEVEL, TemplateBlock};
 use super::symmetric::{PACKED, packed};
-use super::texel::{MID_LEVEL, TemplateBlock, Texel};
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
 use fingervision_image::Image;
@@ -103,9 +103,9 @@ impl Template {
         3 * (row / self.stored * self.channels + channel) * self.grid.padded_width()
     }
 
-    /// Prepares a new reference of the grid's size.
-    pub(crate) fn prepare<T: Texel>(&mut self, level: Level, picture: &Image<T>) {
-        self.smooth(picture);
+    /// Prepares a new reference of the grid's size, with as many channels as the template has.
+    pub(crate) fn prepare(&mut self, level: Level, channels: &[Image<f32>]) {
+        self.smooth(channels);
         self.sum(level);
     }
 
@@ -130,27 +130,24 @@ impl Template {
         }
     }
 
-    /// Sets the picture, filtered by the cubic B-splines at whole pixels, with its gradient.
-    fn smooth<T: Texel>(&mut self, picture: &Image<T>) {
+    /// Sets the channels, filtered by the cubic B-splines at whole pixels, with their gradients.
+    fn smooth(&mut self, channels: &[Image<f32>]) {
         const VALUE: [f32; 3] = [1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0];
         const SLOPE: [f32; 3] = [-0.5, 0.0, 0.5];
-        let (width, height) = picture.size();
         let padded = self.grid.padded_width();
         let mut pixels = std::mem::take(&mut self.lines);
         let lines = Arc::make_mut(&mut pixels);
-        for y in (0..height).filter(|y| (y + MARGIN).is_multiple_of(self.stored)) {
-            let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| picture.row(y));
-            for x in 0..width {
-                let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
-                let texels = rows.map(|row| columns.map(|x| row[x].channels()));
-                let value = weigh(&texels, VALUE, VALUE);
-                let gradient_x = weigh(&texels, SLOPE, VALUE);
-                let gradient_y = weigh(&texels, VALUE, SLOPE);
-                for channel in 0..self.channels {
-                    let place = self.line(y + MARGIN, channel) + x + MARGIN;
-                    lines[place] = value[channel];
-                    lines[place + padded] = gradient_x[channel];
-                    lines[place + 2 * padded] = gradient_y[channel];
+        for (channel, image) in channels.iter().enumerate() {
+            let (width, height) = image.size();
+            for y in (0..height).filter(|y| (y + MARGIN).is_multiple_of(self.stored)) {
+                let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| image.row(y));
+                let start = self.line(y + MARGIN, channel) + MARGIN;
+                for x in 0..width {
+                    let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+                    let levels = rows.map(|row| columns.map(|x| row[x]));
+                    lines[start + x] = weigh(&levels, VALUE, VALUE);
+                    lines[start + x + padded] = weigh(&levels, SLOPE, VALUE);
+                    lines[start + x + 2 * padded] = weigh(&levels, VALUE, SLOPE);
                 }
             }
         }
@@ -229,14 +226,12 @@ impl PatchEquations {
     }
 }
 
-/// The sum of 3×3 texels with separable weights.
-fn weigh(texels: &[[[f32; 4]; 3]; 3], across: [f32; 3], down: [f32; 3]) -> [f32; 4] {
-    let mut sum = [0.0; 4];
-    for (row, down) in texels.iter().zip(down) {
-        for (texel, across) in row.iter().zip(across) {
-            for (sum, value) in sum.iter_mut().zip(texel) {
-                *sum += down * across * value;
-            }
+/// The sum of 3×3 levels with separable weights.
+fn weigh(levels: &[[f32; 3]; 3], across: [f32; 3], down: [f32; 3]) -> f32 {
+    let mut sum = 0.0;
+    for (row, down) in levels.iter().zip(down) {
+        for (level, across) in row.iter().zip(across) {
+            sum += down * across * level;
         }
     }
     sum

@@ -2,10 +2,10 @@
 
 use super::grid::{CELL, CORNERS, CornerWeights, STRIDE};
 use crate::affine::grid::MARGIN;
-use crate::affine::measurement::Current;
 use crate::affine::places::Places;
+use crate::affine::products::{Current, MID_LEVEL, TemplateBlock, products};
+use crate::affine::sampling::sample;
 use crate::affine::template::{MOMENTS, Template};
-use crate::affine::texel::{MID_LEVEL, TemplateBlock, Texel, products};
 use fearless_simd::{Simd, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 
@@ -82,24 +82,24 @@ pub(super) fn template_moments<S: Simd>(
 /// The sums over the residual for each corner: `(1, ξ, η)` of `r ∂T/∂x` and of `r ∂T/∂y`, two of light, the energy.
 /// `flow` is the displacement of the sixteen pixels.
 #[simd]
-pub(super) fn residuals<S: Simd, T: Texel>(
+pub(super) fn residuals<S: Simd, const CHANNELS: usize>(
     simd: S,
     template: &Template,
-    current: Current<'_, T>,
+    current: Current<'_, CHANNELS>,
     weights: &CornerWeights<6>,
     (left, top): (usize, usize),
     flow: [[f32; CELL]; 2],
 ) -> [[f32; RESIDUALS]; CORNERS] {
-    let cell = CellTemplate::of(template, T::CHANNELS, (left, top));
+    let cell = CellTemplate::of(template, CHANNELS, (left, top));
     let (mut columns, mut rows) = ([0.0; CELL], [0.0; CELL]);
     for (k, (column, row)) in columns.iter_mut().zip(&mut rows).enumerate() {
         (*column, *row) = ((left + k % STRIDE) as f32, (top + k / STRIDE) as f32);
     }
     let (column, row) = (f32x16::load_array(simd, columns), f32x16::load_array(simd, rows));
     let (u, v) = (f32x16::load_array(simd, flow[0]), f32x16::load_array(simd, flow[1]));
-    let places = Places::of(column + u, row + v, current.image.size());
+    let places = Places::of(column + u, row + v, current.size());
     let inside = places.inside(simd);
-    let found = products(simd, current.image, current.gain, &places, |channel| cell.block(channel));
+    let found = products(simd, sample(simd, current.channels, &places), current.gain, |channel| cell.block(channel));
     let (gx, gy) = (found.gradient[0] * inside, found.gradient[1] * inside);
     let (gain, offset, energy) = (found.light[0] * inside, found.light[1] * inside, found.energy * inside);
     let planes = [gx, gy, gain, offset, energy];

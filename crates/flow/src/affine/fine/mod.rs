@@ -26,10 +26,9 @@ use self::relax::{Blocks, NONE, Relaxation};
 use super::bonds::Stiffness;
 use super::grid::PatchGrid;
 use super::judge::FLOOR_VARIANCE;
-use super::measurement::Current;
+use super::products::Current;
 use super::refinement::REMAINING_ERROR;
 use super::template::Template;
-use super::texel::Texel;
 use crate::{Estimate, FlowField, ValidityParams};
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
@@ -130,10 +129,10 @@ impl FinePatches {
     }
 
     /// Refines the flow in `out` at the coarse patches for which `rough` returns a value.
-    pub(crate) fn refine<T: Texel>(
+    pub(crate) fn refine<const CHANNELS: usize>(
         &mut self,
         (template, fine): (&Template, &FineTemplate),
-        current: Current<'_, T>,
+        current: Current<'_, CHANNELS>,
         rules: &ValidityParams,
         Effort { steps, coarse, blur_likelihood }: Effort<'_>,
         rough: impl Fn(usize) -> Option<Rough>,
@@ -190,7 +189,12 @@ impl FinePatches {
 
     /// Sums the residual over every patch.
     #[inline(always)]
-    fn measure<S: Simd, T: Texel>(&mut self, simd: S, template: &Template, current: Current<'_, T>) {
+    fn measure<S: Simd, const CHANNELS: usize>(
+        &mut self,
+        simd: S,
+        template: &Template,
+        current: Current<'_, CHANNELS>,
+    ) {
         self.field.set_twists(&self.cells);
         let Self { grid, weights, field, index, nodes, cells, .. } = self;
         for node in nodes.iter_mut() {
@@ -209,10 +213,10 @@ impl FinePatches {
     }
 
     /// Matches failed patches again, with motions from around them.
-    fn propagate<T: Texel>(
+    fn propagate<const CHANNELS: usize>(
         &mut self,
         (template, fine): (&Template, &FineTemplate),
-        current: Current<'_, T>,
+        current: Current<'_, CHANNELS>,
         rules: &ValidityParams,
         coarse: CoarseMotions<'_>,
     ) {

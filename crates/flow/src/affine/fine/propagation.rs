@@ -11,10 +11,9 @@ use super::node::{FineNode, Motion};
 use super::template::FineTemplate;
 use crate::ValidityParams;
 use crate::affine::grid::{self, PatchGrid, around};
-use crate::affine::measurement::Current;
 use crate::affine::nodes::NodeField;
+use crate::affine::products::Current;
 use crate::affine::template::Template;
-use crate::affine::texel::Texel;
 use fearless_simd::Simd;
 
 /// Distance in coarse patches up to which their motions are tried.
@@ -108,11 +107,11 @@ impl Candidates {
 }
 
 /// What the patches are compared with.
-pub(super) struct Propagation<'a, T: Texel> {
+pub(super) struct Propagation<'a, const CHANNELS: usize> {
     pub(super) grid: FineGrid,
     pub(super) weights: &'a CornerWeights<6>,
     pub(super) templates: (&'a Template, &'a FineTemplate),
-    pub(super) current: Current<'a, T>,
+    pub(super) current: Current<'a, CHANNELS>,
     pub(super) rules: &'a ValidityParams,
     pub(super) noise_variance: f32,
     pub(super) coarse: CoarseMotions<'a>,
@@ -120,7 +119,7 @@ pub(super) struct Propagation<'a, T: Texel> {
     pub(super) index: &'a [u32],
 }
 
-impl<T: Texel> Propagation<'_, T> {
+impl<const CHANNELS: usize> Propagation<'_, CHANNELS> {
     /// Sets failed patches to the best motions around them, forwards and backwards through the list of nodes. Returns whether
     /// any was set.
     #[inline(always)]

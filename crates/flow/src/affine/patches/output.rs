@@ -3,7 +3,7 @@
 use super::{AffinePatches, AffineReference, LevelState};
 use crate::affine::fine::{CoarseMotions, Effort, Rough};
 use crate::affine::judge::{mark_pixels, spread_variance};
-use crate::affine::measurement::Current;
+use crate::affine::products::Current;
 use crate::{Estimate, FlowField, Picture};
 use fearless_simd::dispatch;
 
@@ -47,8 +47,8 @@ impl AffinePatches {
         let (templates, rules) = ((template, &reference.fine), &params.validity);
         let effort = Effort { steps: params.affine.fine_steps, coarse, blur_likelihood: likelihood };
         match &current.colour {
-            Some(image) => fine.refine(templates, Current { image, gain }, rules, effort, rough, out),
-            None => fine.refine(templates, Current { image: current.grey.level(0), gain }, rules, effort, rough, out),
+            Some(channels) => fine.refine(templates, Current::colour(channels, gain), rules, effort, rough, out),
+            None => fine.refine(templates, Current::grey(current.grey(), gain), rules, effort, rough, out),
         }
     }
 

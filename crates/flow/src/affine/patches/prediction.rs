@@ -5,7 +5,7 @@
 //! it.
 
 use super::{AffinePatches, AffineReference, LevelState};
-use crate::affine::measurement::Current;
+use crate::affine::products::Current;
 use crate::{FlowField, FlowHistory, Picture};
 
 /// Pyramid level on which a prediction is compared with the flow of the last frame.
@@ -33,7 +33,7 @@ impl AffinePatches {
             coarse[0].field.coarsen(&fine[level - 1].field);
             coarse[0].before.coarsen(&fine[level - 1].before);
         }
-        let picture = Current { image: current.grey.level(judged), gain: reference.gain(current) };
+        let picture = Current::grey(current.grey.level(judged), reference.gain(current));
         let (fine, coarse) = self.levels.split_at_mut(judged);
         let LevelState { refinement, field, before, .. } = &mut coarse[0];
         let is_worse = refinement.is_worse_at(&reference.grey[judged], picture, before, field);

@@ -170,7 +170,7 @@ mod tests {
     fn sharp() -> Template {
         let wave = |x: usize, _| 100.0 + 50.0 * (2.0 * PI * x as f32 / WAVE_PX).cos();
         let mut template = Template::new(PatchGrid::over(SIZE.0, SIZE.1), 1, 1);
-        template.prepare(Level::new(), &Image::from_fn(SIZE.0, SIZE.1, wave));
+        template.prepare(Level::new(), &[Image::from_fn(SIZE.0, SIZE.1, wave)]);
         template
     }
 
