@@ -149,6 +149,12 @@ fn shifted_weights<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, fraction: F
 /// Cubic B-spline weights of the taps at −1, 0, 1 and 2 for a fraction `t`.
 #[inline(always)]
 fn spline_weights<S: Simd, F: SimdFloat<S, Element = f32>>(t: F) -> [F; 4] {
-    let (sixth, s) = (1.0 / 6.0, t * -1.0 + 1.0);
-    [s * s * s * sixth, (t * 0.5 - 1.0) * t * t + 2.0 / 3.0, (s * 0.5 - 1.0) * s * s + 2.0 / 3.0, t * t * t * sixth]
+    let s = t * -1.0 + 1.0;
+    let (t_squared, s_squared) = (t * t, s * s);
+    [
+        s_squared * (s * (1.0 / 6.0)),
+        t_squared.mul_add(t.mul_add(0.5, -1.0), 2.0 / 3.0),
+        s_squared.mul_add(s.mul_add(0.5, -1.0), 2.0 / 3.0),
+        t_squared * (t * (1.0 / 6.0)),
+    ]
 }

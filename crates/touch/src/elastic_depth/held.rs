@@ -5,7 +5,7 @@ use fingervision_elastic::{BlockOperator, SurfaceGrid};
 
 use super::coarse::CoarseGrid;
 use super::contact::ContactFinder;
-use super::nearest::{Place, distance, nearest_into};
+use super::nearest::Nearest;
 use super::stiffening::Strain;
 use super::surface::{Seen, Surface};
 use super::thresholds::THRESHOLDS;
@@ -21,7 +21,7 @@ pub(super) struct HeldGel {
     touches: Vec<bool>,
     wanted_mm: Vec<[f32; 3]>,
     /// The nearest cell in contact for each cell.
-    nearest: Vec<Place>,
+    nearest: Nearest,
 }
 
 impl HeldGel {
@@ -35,7 +35,7 @@ impl HeldGel {
             seen: vec![Seen::default(); cells],
             touches: vec![false; cells],
             wanted_mm: vec![[0.0; 3]; cells],
-            nearest: vec![Place::default(); cells],
+            nearest: Nearest::new((coarse.grid.columns, coarse.grid.rows)),
         }
     }
 
@@ -81,12 +81,11 @@ impl HeldGel {
     /// surface is compared. None if the motion is too small.
     pub(super) fn unexplained(&mut self, thickness_mm: f64, deepest_mm: f64, mm_per_px: f64) -> Option<f64> {
         let away = THRESHOLDS.away * thickness_mm / self.grid().cell_mm;
-        let columns = self.grid().columns;
-        nearest_into(columns, &self.touches, &mut self.nearest);
+        self.nearest.find(&self.touches);
         let (mut left, mut all, mut error, mut count) = (0.0, 0.0, 0.0, 0.0);
         let moved = self.tractions.displacement_mm();
-        let cells = self.nearest.iter().enumerate().filter(|&(cell, &from)| distance(columns, cell, from) > away);
-        let cells = cells.map(|(cell, _)| (&self.seen[cell], moved[cell])).filter(|(seen, _)| seen.is_tracked());
+        let cells = (0..self.seen.len()).filter(|&cell| self.nearest.distance(cell) > away);
+        let cells = cells.map(|cell| (&self.seen[cell], moved[cell])).filter(|(seen, _)| seen.is_tracked());
         for (seen, moved) in cells {
             for axis in 0..2 {
                 let explained = moved[axis] + seen.slope[axis] * moved[2];

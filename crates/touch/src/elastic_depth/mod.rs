@@ -136,7 +136,7 @@ impl ElasticDepth {
         let held = HeldGel::new(coarse, operator, limits);
         let fields = ElasticFields::at_rest(gel, held.grid(), size, |pixel| surface.shows(pixel));
         let cells = vec![Known::default(); surface.grid.len()];
-        let untracked = Untracked::new(surface.grid.len());
+        let untracked = Untracked::new(surface.grid);
         let is_outside_training = params.is_outside_training(camera, gel);
         Ok(Self {
             gel: *gel,

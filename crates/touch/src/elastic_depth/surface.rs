@@ -16,7 +16,7 @@ use fingervision_flow::{FlowField, Team};
 use fingervision_image::Image;
 use fingervision_optics::Camera;
 
-use super::nearest::{Place, cell_at, is_somewhere, nearest_into};
+use super::nearest::Nearest;
 use super::pixel_sums::{CellPixels, NOWHERE, Pixels, Sum};
 use super::rays::Rays;
 use super::to_pixels::{Known, Planes, ToPixels};
@@ -43,7 +43,7 @@ pub(super) struct Surface {
     size: (usize, usize),
     /// Whether each cell is visible in the last frame, and the nearest visible cell.
     is_seen: Vec<bool>,
-    nearest: Vec<Place>,
+    nearest: Nearest,
     /// Sums over the pixels of each cell.
     sums: Vec<Sum>,
     team: Team,
@@ -120,13 +120,12 @@ impl Surface {
             .collect();
         let rest = rest_of(camera, &cell_of, size.0, grid.len());
         let is_seen: Vec<_> = rest.iter().map(Option::is_some).collect();
-        let mut nearest = vec![Place::default(); grid.len()];
-        nearest_into(grid.columns, &is_seen, &mut nearest);
-        if !is_somewhere(nearest[0]) {
+        let mut nearest = Nearest::new((grid.columns, grid.rows));
+        nearest.find(&is_seen);
+        if !nearest.is_any() {
             return None;
         }
-        let unseen = nearest.iter().zip(&is_seen).filter(|(_, is_seen)| !**is_seen);
-        let border = unseen.map(|(&nearest, _)| cell_at(grid.columns, nearest)).collect();
+        let border = (0..grid.len()).filter(|&cell| !is_seen[cell]).filter_map(|cell| nearest.of(cell)).collect();
         let pixels = cell_of.iter().filter(|&&cell| cell != NOWHERE).count();
         let cells_seen = is_seen.iter().filter(|is_seen| **is_seen).count();
         Some(Self {
@@ -235,19 +234,17 @@ impl Surface {
             is_changed |= was_seen != *is_seen;
         }
         if is_changed {
-            nearest_into(self.grid.columns, &self.is_seen, &mut self.nearest);
+            self.nearest.find(&self.is_seen);
         }
         self.fill();
     }
 
     /// Cells that are not visible take the measurement of the nearest visible cell.
     fn fill(&mut self) {
-        if !is_somewhere(self.nearest[0]) {
-            return;
-        }
         for cell in (0..self.seen.len()).filter(|&cell| !self.is_seen[cell]) {
-            let from = cell_at(self.grid.columns, self.nearest[cell]);
-            self.seen[cell] = Seen { trust: 0.0, ..self.seen[from] };
+            if let Some(from) = self.nearest.of(cell) {
+                self.seen[cell] = Seen { trust: 0.0, ..self.seen[from] };
+            }
         }
     }
 

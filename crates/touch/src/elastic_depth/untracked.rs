@@ -1,20 +1,21 @@
 //! The part of contact in which no flow is valid.
 
-use super::nearest::{Place, distance, nearest_into};
+use super::nearest::Nearest;
 use super::surface::Surface;
 use super::thresholds::THRESHOLDS;
+use fingervision_elastic::SurfaceGrid;
 
 /// Decides whether contact is tracked well enough for its depth. Owns its scratch memory.
 #[derive(Debug)]
 pub(super) struct Untracked {
     is_tracked: Vec<bool>,
-    nearest: Vec<Place>,
+    nearest: Nearest,
 }
 
 impl Untracked {
-    /// For surfaces of this many cells.
-    pub(super) fn new(cells: usize) -> Self {
-        Self { is_tracked: vec![false; cells], nearest: vec![[0, 0]; cells] }
+    /// For surfaces with this grid of cells.
+    pub(super) fn new(grid: SurfaceGrid) -> Self {
+        Self { is_tracked: vec![false; grid.len()], nearest: Nearest::new((grid.columns, grid.rows)) }
     }
 
     /// Whether hardly any of the `touched` cells of contact is tracked, or none in a large area of it that the camera sees.
@@ -34,9 +35,8 @@ impl Untracked {
         for (is_tracked, seen) in is_tracked.iter_mut().zip(&surface.seen) {
             *is_tracked = seen.is_tracked();
         }
-        let columns = surface.grid.columns;
-        nearest_into(columns, is_tracked, nearest);
-        let is_far = |cell: usize| distance(columns, cell, nearest[cell]) > hole_cells;
+        nearest.find(is_tracked);
+        let is_far = |cell: usize| nearest.distance(cell) > hole_cells;
         (0..touches.len()).any(|cell| touches[cell] && surface.is_seen(cell) && is_far(cell))
     }
 }
