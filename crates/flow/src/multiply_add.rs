@@ -26,7 +26,7 @@ mod tests {
     use fearless_simd::dispatch;
 
     #[test]
-    fn the_sum_is_that_of_the_product() {
+    fn a_product_is_added_at_every_level() {
         for level in crate::instruction_sets::levels() {
             for (a, b, c) in [(2.0, 3.0, 4.0), (-0.5, 8.0, 1.0), (1.0 + f32::EPSILON, 1.0 - f32::EPSILON, -1.0)] {
                 let found = dispatch!(level, simd => multiply_add(simd, a, b, c));

@@ -37,27 +37,32 @@ pub fn grey_and_channels_into(
     grey: &mut Image<f32>,
     channels: &mut [Image<f32>; 3],
 ) -> Result<(), ImageError> {
-    if let Pixels::Rgb8(image) = pixels {
-        // Both in one pass.
-        check(image, region)?;
-        for channel in channels.iter_mut() {
-            fit(channel, region);
-        }
-        let [red, green, blue] = channels.each_mut().map(Image::rows_mut);
-        let mut channels = red.zip(green).zip(blue).map(|((red, green), blue)| [red, green, blue]);
-        return convert_rows(image, region, grey, |row, grey| {
-            if let Some(channels) = channels.next() {
-                separate_row(row, grey, channels);
-            }
-        });
-    }
-    grey_into(pixels, region, grey)?;
     match pixels {
-        Pixels::Grey8(image) => separate(image, region, channels, |value| [f32::from(value); 3]),
-        Pixels::Rgb8(image) => separate(image, region, channels, |rgb| rgb.map(f32::from)),
-        Pixels::Grey16(image) => separate(image, region, channels, |value| [f32::from(value) * LEVELS_PER_VALUE_16; 3]),
+        Pixels::Grey8(_) | Pixels::Grey16(_) => {
+            grey_into(pixels, region, grey)?;
+            for channel in channels {
+                channel.copy_from(grey);
+            }
+            Ok(())
+        }
+        Pixels::Rgb8(image) => {
+            check(image, region)?;
+            for channel in channels.iter_mut() {
+                channel.set_size((region.width, region.height));
+            }
+            let [red, green, blue] = channels.each_mut().map(Image::rows_mut);
+            let mut channels = red.zip(green).zip(blue).map(|((red, green), blue)| [red, green, blue]);
+            convert_rows(image, region, grey, |row, grey| {
+                if let Some(channels) = channels.next() {
+                    separate_row(row, grey, channels);
+                }
+            })
+        }
         Pixels::Rgb16(image) => {
-            separate(image, region, channels, |rgb| rgb.map(|value| f32::from(value) * LEVELS_PER_VALUE_16))
+            for (index, channel) in channels.iter_mut().enumerate() {
+                convert(image, region, channel, |rgb| f32::from(rgb[index]) * LEVELS_PER_VALUE_16)?;
+            }
+            grey_into(pixels, region, grey)
         }
     }
 }
@@ -136,22 +141,9 @@ fn convert_rows<T: Copy, U: Copy + Default>(
     mut convert_row: impl FnMut(&[T], &mut [U]),
 ) -> Result<(), ImageError> {
     check(from, region)?;
-    fit(to, region);
+    to.set_size((region.width, region.height));
     for (y, to) in to.rows_mut().enumerate() {
         convert_row(&from.row(region.y + y)[region.x..][..region.width], to);
-    }
-    Ok(())
-}
-
-fn separate<T: Copy>(
-    from: &Image<T>,
-    region: Rect,
-    to: &mut [Image<f32>; 3],
-    levels: impl Fn(T) -> [f32; 3],
-) -> Result<(), ImageError> {
-    check(from, region)?;
-    for (channel, to) in to.iter_mut().enumerate() {
-        convert(from, region, to, |value| levels(value)[channel])?;
     }
     Ok(())
 }
@@ -160,13 +152,6 @@ fn separate<T: Copy>(
 fn check<T: Copy>(image: &Image<T>, region: Rect) -> Result<(), ImageError> {
     let (width, height) = image.size();
     if region.is_inside(width, height) { Ok(()) } else { Err(ImageError::RegionOutside { region, width, height }) }
-}
-
-/// Gives an image the size of a region.
-fn fit<T: Copy + Default>(image: &mut Image<T>, region: Rect) {
-    if image.size() != (region.width, region.height) {
-        *image = Image::filled(region.width, region.height, T::default());
-    }
 }
 
 #[cfg(test)]
@@ -200,6 +185,7 @@ mod tests {
         let outside = Rect { x: 4, y: 0, width: 2, height: 1 };
         assert!(grey_into(&pixels, outside, &mut grey).is_err());
     }
+
     #[test]
     fn channels_are_separated_in_rows_of_any_length() {
         let image = Image::from_fn(23, 9, |x, y| [(11 * x + y) as u8, (250 - 7 * x) as u8, (29 * y + 3 * x) as u8]);

@@ -177,16 +177,14 @@ impl AffinePatches {
         if shares_pixels {
             first.release();
         }
-        match &picture.colour {
-            Some(colour) => refinement.prepare(colour, &mut reference.full),
-            None => refinement.prepare(grey, &mut reference.full),
-        }
+        let channels = picture.channels();
+        refinement.prepare(channels, &mut reference.full);
         if shares_pixels {
             refinement.prepare_from(&reference.full, first);
         } else {
             refinement.prepare(grey, first);
         }
-        self.fine.prepare(&reference.full, if picture.colour.is_some() { 3 } else { 1 }, &mut reference.fine);
+        self.fine.prepare(&reference.full, channels.len(), &mut reference.fine);
         let nodes = &reference.full.own_variance[..self.levels[0].field.grid.nodes()];
         let limit = self.params.validity.max_deviation_px.powi(2);
         let textured = nodes.iter().filter(|&&variance| variance <= limit).count();

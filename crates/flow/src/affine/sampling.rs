@@ -112,14 +112,14 @@ mod tests {
 
     /// How the taps of neighbours are read.
     #[derive(Debug, PartialEq)]
-    enum Reading {
+    enum TapsRead {
         Together,
         InHalves,
         Singly,
     }
 
     /// Samples neighbours from a column on, displaced by `motion`; returns how their taps are read.
-    fn check(row: f32, first: f32, motion: impl Fn(usize) -> [f32; 2]) -> Reading {
+    fn check(row: f32, first: f32, motion: impl Fn(usize) -> [f32; 2]) -> TapsRead {
         let picture =
             |seed: usize| Image::from_fn(SIZE.0, SIZE.1, move |x, y| ((37 * x + seed * y + 5 * x * y) % 251) as f32);
         let pictures = [picture(101), picture(59), picture(7)];
@@ -139,9 +139,9 @@ mod tests {
                 }
             }
             match (places.shared_taps(simd, SIZE), places.taps_of_halves(simd, SIZE)) {
-                (Some(_), _) => Reading::Together,
-                (None, Some(_)) => Reading::InHalves,
-                (None, None) => Reading::Singly,
+                (Some(_), _) => TapsRead::Together,
+                (None, Some(_)) => TapsRead::InHalves,
+                (None, None) => TapsRead::Singly,
             }
         })
     }
@@ -150,27 +150,27 @@ mod tests {
     fn neighbours_that_move_alike_share_their_taps_and_have_the_same_bits() {
         // A small motion to both sides of a pixel, as at rest.
         let around = |k: usize| if k.is_multiple_of(3) { [0.003, -0.002] } else { [-0.004, 0.001] };
-        assert_eq!(check(5.0, 9.0, around), Reading::Together);
-        assert_eq!(check(5.0, 9.0, |k| [3.7 + 0.05 * k as f32, -2.2 + 0.04 * k as f32]), Reading::Together);
-        assert_eq!(check(5.0, 9.0, |_| [-6.25, 2.5]), Reading::Together);
+        assert_eq!(check(5.0, 9.0, around), TapsRead::Together);
+        assert_eq!(check(5.0, 9.0, |k| [3.7 + 0.05 * k as f32, -2.2 + 0.04 * k as f32]), TapsRead::Together);
+        assert_eq!(check(5.0, 9.0, |_| [-6.25, 2.5]), TapsRead::Together);
     }
 
     #[test]
-    fn neighbours_that_part_share_them_in_halves_or_not_at_all() {
-        assert_eq!(check(5.0, 9.0, |k| [0.15 * k as f32, 0.0]), Reading::InHalves);
-        assert_eq!(check(4.0, 9.0, |k| [0.0, 2.0 - 0.12 * k as f32]), Reading::InHalves);
-        assert_eq!(check(5.0, 9.0, |k| [0.4 * k as f32, 0.0]), Reading::Singly);
-        assert_eq!(check(3.0, 9.0, |k| [0.0, 0.3 * k as f32]), Reading::Singly);
+    fn neighbours_whose_motions_differ_are_read_in_halves_or_singly() {
+        assert_eq!(check(5.0, 9.0, |k| [0.15 * k as f32, 0.0]), TapsRead::InHalves);
+        assert_eq!(check(4.0, 9.0, |k| [0.0, 2.0 - 0.12 * k as f32]), TapsRead::InHalves);
+        assert_eq!(check(5.0, 9.0, |k| [0.4 * k as f32, 0.0]), TapsRead::Singly);
+        assert_eq!(check(3.0, 9.0, |k| [0.0, 0.3 * k as f32]), TapsRead::Singly);
     }
 
     #[test]
     fn points_beyond_the_border_are_outside_and_those_beside_them_are_right() {
-        assert_eq!(check(5.0, -4.0, |_| [0.25, 0.25]), Reading::Together);
-        assert_eq!(check(5.0, 30.0, |_| [0.25, 0.25]), Reading::Together);
+        assert_eq!(check(5.0, -4.0, |_| [0.25, 0.25]), TapsRead::Together);
+        assert_eq!(check(5.0, 30.0, |_| [0.25, 0.25]), TapsRead::Together);
         // No pixel before the first row, none after the last one.
-        assert_eq!(check(1.0, -4.0, |_| [0.25, 0.25]), Reading::Singly);
-        assert_eq!(check(8.0, 9.0, |_| [0.25, 1.25]), Reading::Singly);
-        assert_eq!(check(-9.0, 9.0, |_| [0.0, 0.0]), Reading::Singly);
+        assert_eq!(check(1.0, -4.0, |_| [0.25, 0.25]), TapsRead::Singly);
+        assert_eq!(check(8.0, 9.0, |_| [0.25, 1.25]), TapsRead::Singly);
+        assert_eq!(check(-9.0, 9.0, |_| [0.0, 0.0]), TapsRead::Singly);
         check(5.0, 9.0, |k| if k == 3 { [f32::NAN, 0.0] } else { [0.5, 0.5] });
     }
 }

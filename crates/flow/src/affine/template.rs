@@ -1,4 +1,4 @@
-//! Quantities computed once per reference: its texels, gradients and normal matrices.
+//! Quantities computed once per reference: its pixels, gradients and normal matrices.
 
 mod blurred;
 
@@ -39,7 +39,7 @@ pub(crate) struct Template {
     pub(crate) light_inverse: [Vec<f32>; 3],
     /// Sum of the weights of the pixels in the image, times the number of channels.
     pub(crate) samples: Vec<f32>,
-    /// Variance of the texels in the window, grey levels².
+    /// Variance of the levels in the window, grey levels².
     pub(crate) variance: Vec<f32>,
     /// The part of the squared gradient that noise does not explain, 0 to 1.
     pub(crate) signal: Vec<f32>,
@@ -105,6 +105,7 @@ impl Template {
 
     /// Prepares a new reference of the grid's size, with as many channels as the template has.
     pub(crate) fn prepare(&mut self, level: Level, channels: &[Image<f32>]) {
+        assert_eq!(channels.len(), self.channels, "channels of the template");
         self.smooth(channels);
         self.sum(level);
     }
@@ -240,7 +241,7 @@ fn weigh(levels: &[[f32; 3]; 3], across: [f32; 3], down: [f32; 3]) -> f32 {
 /// Number of moments of the template, over its window, in a patch's equations.
 ///
 /// Six moments (1, ξ, η, ξ², ξη, η²) of each of `gx gx`, `gx gy`, `gy gy`; then (1, ξ, η) of `gx t`, `gx`, `gy t`,
-/// `gy`; then the sums of `t²`, `t` and 1, where `t` is the texel minus [`MID_LEVEL`].
+/// `gy`; then the sums of `t²`, `t` and 1, where `t` is the level minus [`MID_LEVEL`].
 pub(crate) const MOMENTS: usize = LIGHT + 15;
 /// The first moment that describes the change of light.
 const LIGHT: usize = 18;

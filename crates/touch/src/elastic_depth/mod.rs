@@ -101,8 +101,7 @@ pub struct ElasticDepth {
     drag: Option<Drag>,
     held: HeldGel,
     untracked: Untracked,
-    /// Depth, its deviation and the share in contact of the cells, to be interpolated to the pixels; a fourth number
-    /// fills the lanes.
+    /// What is interpolated from the cells to the pixels.
     cells: Vec<Known>,
     fields: ElasticFields,
     team: Team,
@@ -263,7 +262,7 @@ impl ElasticDepth {
             let around_mm = moved.map_or(0.0, |moved| moved[cell][2]);
             let is_estimated = moved.is_none() || self.contact.touches[cell];
             let depth = if is_estimated { self.contact.depth_mm[cell] } else { around_mm };
-            *values = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
+            *values = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell]];
         }
         let ElasticFields { depth_mm, deviation_mm, contact, .. } = &mut self.fields;
         let planes = Planes {

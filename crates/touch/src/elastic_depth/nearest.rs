@@ -5,6 +5,8 @@ use fearless_simd_macros::simd;
 
 /// Cells that are processed together.
 const LANES: usize = 8;
+/// The lanes' numbers.
+const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 /// The row if there is no marked cell: farther from every cell than any cell of the grid.
 const NOWHERE: f32 = -20_000.0;
 
@@ -22,7 +24,7 @@ pub(super) struct Nearest {
     column: Vec<f32>,
     row: Vec<f32>,
     /// For the cells of a row the row of the nearest marked cell of their column, and its squared distance.
-    row_above: Vec<f32>,
+    row_of_column: Vec<f32>,
     squared: Vec<f32>,
 }
 
@@ -36,7 +38,7 @@ impl Nearest {
             stride,
             column: vec![0.0; stride * rows],
             row: vec![NOWHERE; stride * rows],
-            row_above: vec![0.0; stride],
+            row_of_column: vec![0.0; stride],
             squared: vec![0.0; stride],
         }
     }
@@ -47,6 +49,7 @@ impl Nearest {
     ///
     /// If there are not as many marks as cells.
     pub(super) fn find(&mut self, marks: &[bool]) {
+        assert_eq!(marks.len(), self.columns * (self.row.len() / self.stride), "marks of the cells");
         dispatch!(self.level, simd => self.fill(simd, marks));
     }
 
@@ -76,12 +79,12 @@ impl Nearest {
 
     #[simd]
     fn fill<S: Simd>(&mut self, simd: S, marks: &[bool]) {
-        let Self { columns, stride, column, row, row_above, squared, .. } = self;
+        let Self { columns, stride, column, row, row_of_column, squared, .. } = self;
         let (columns, stride) = (*columns, *stride);
         let count = row.len() / stride;
-        row_above.fill(NOWHERE);
+        row_of_column.fill(NOWHERE);
         for (y, (rows, marks)) in row.chunks_exact_mut(stride).zip(marks.chunks_exact(columns)).enumerate() {
-            for ((row, above), &mark) in rows.iter_mut().zip(row_above.iter_mut()).zip(marks) {
+            for ((row, above), &mark) in rows.iter_mut().zip(row_of_column.iter_mut()).zip(marks) {
                 *above = if mark { y as f32 } else { *above };
                 *row = *above;
             }
@@ -94,18 +97,18 @@ impl Nearest {
             }
         }
         for (y, (rows, found)) in row.chunks_exact_mut(stride).zip(column.chunks_exact_mut(stride)).enumerate() {
-            row_above.copy_from_slice(rows);
+            row_of_column.copy_from_slice(rows);
             for (squared, row) in squared.iter_mut().zip(&*rows) {
                 *squared = (row - y as f32) * (row - y as f32);
             }
             let blocks = rows.as_chunks_mut::<LANES>().0.iter_mut().zip(found.as_chunks_mut::<LANES>().0);
             for (block, (rows, found)) in blocks.enumerate() {
                 let first = block * LANES;
-                let places = f32x8::from_slice(simd, &NUMBERS) + first as f32;
+                let places = f32x8::from_slice(simd, &LANE) + first as f32;
                 let mut best = f32x8::from_slice(simd, &squared[first..][..LANES]);
                 let [mut best_column, mut best_row] = [places, f32x8::load_array_ref(simd, rows)];
                 if !best.simd_le(0.0).all_true() {
-                    for (other, (&squared, &row)) in squared[..columns].iter().zip(&*row_above).enumerate() {
+                    for (other, (&squared, &row)) in squared[..columns].iter().zip(&*row_of_column).enumerate() {
                         let away = places - other as f32;
                         let distance = away.mul_add(away, f32x8::splat(simd, squared));
                         let is_nearer = distance.simd_lt(best);
@@ -120,8 +123,6 @@ impl Nearest {
         }
     }
 }
-
-const NUMBERS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
 #[cfg(test)]
 mod tests {

@@ -10,9 +10,6 @@ use fingervision_flow::Team;
 
 use super::pixel_sums::NOWHERE;
 
-/// Numbers of a cell: two cells of them fill a register.
-pub(super) const KNOWN: usize = 4;
-
 /// Most pixels of a run between four cells.
 const LANES: usize = 8;
 
@@ -29,7 +26,7 @@ const BYTES: [[u8; LANES]; 1 << LANES] = {
 };
 
 /// What is known of a cell: its depth, mm, the deviation of the depth, mm, and the share of the cell in contact, 0 to 1.
-pub(super) type Known = [f32; KNOWN];
+pub(super) type Known = [f32; 3];
 
 /// The same of some pixels, row by row; in contact is a pixel with a share above ½.
 pub(super) struct Planes<'a> {
@@ -78,10 +75,16 @@ impl ToPixels {
     ///
     /// # Panics
     ///
-    /// If there are not as many cells as the grid has, or not as many pixels as there are places.
+    /// If there are fewer cells than the grid has, or not as many pixels as there are places.
     pub(super) fn write(&self, team: &Team, cells: &[Known], Planes { depth_mm, deviation_mm, contact }: Planes<'_>) {
         let [upper, lower] = &self.halves;
         let middle = upper.len();
+        let pixels = middle + lower.len();
+        assert_eq!(
+            (depth_mm.len(), deviation_mm.len(), contact.len()),
+            (pixels, pixels, pixels),
+            "pixels of the planes"
+        );
         let (depth_mm, lower_depth_mm) = depth_mm.split_at_mut(middle);
         let (deviation_mm, lower_deviation_mm) = deviation_mm.split_at_mut(middle);
         let (contact, lower_contact) = contact.split_at_mut(middle);
@@ -144,7 +147,7 @@ impl Part {
             let lower = &cells[cell as usize + columns..][..2];
             let right = f32x8::from_slice(simd, &self.right[first..][..LANES]);
             let down = f32x8::from_slice(simd, &self.down[first..][..LANES]);
-            let mut values = [right; KNOWN - 1];
+            let mut values = [right; 3];
             for (k, value) in values.iter_mut().enumerate() {
                 let left = down.mul_add(lower[0][k] - upper[0][k], f32x8::splat(simd, upper[0][k]));
                 let other = down.mul_add(lower[1][k] - upper[1][k], f32x8::splat(simd, upper[1][k]));
@@ -189,14 +192,17 @@ mod tests {
         let places = places();
         let beside = places.iter().filter(|place| place.is_none()).count();
         assert!((100..SIZE.0 * SIZE.1 / 2).contains(&beside), "{beside} pixels beside the gel");
-        let cells: Vec<Known> = (0..GRID.len())
-            .map(|cell| [0, 1, 2].map(|k| (3.7 * cell as f32 + k as f32).sin()))
-            .map(|[a, b, c]| [a, b, c, 9.0])
-            .collect();
+        let cells: Vec<Known> =
+            (0..GRID.len()).map(|cell| [0, 1, 2].map(|k| (3.7 * cell as f32 + k as f32).sin())).collect();
         let pixels = places.len();
-        let (mut depth_mm, mut deviation_mm, mut contact) = (vec![9.0; pixels], vec![9.0; pixels], vec![9; pixels]);
-        let planes = Planes { depth_mm: &mut depth_mm, deviation_mm: &mut deviation_mm, contact: &mut contact };
-        ToPixels::new(Level::new(), GRID, &places).write(&Team::default(), &cells, planes);
+        let write = |team: &Team| {
+            let (mut depth_mm, mut deviation_mm, mut contact) = (vec![9.0; pixels], vec![9.0; pixels], vec![9; pixels]);
+            let planes = Planes { depth_mm: &mut depth_mm, deviation_mm: &mut deviation_mm, contact: &mut contact };
+            ToPixels::new(Level::new(), GRID, &places).write(team, &cells, planes);
+            (depth_mm, deviation_mm, contact)
+        };
+        let (depth_mm, deviation_mm, contact) = write(&Team::default());
+        assert!(write(&Team::new(2).unwrap()) == write(&Team::default()), "with two threads");
         for (pixel, place) in places.iter().enumerate() {
             let found = (depth_mm[pixel], deviation_mm[pixel], contact[pixel]);
             let Some(place) = place else {

@@ -12,7 +12,8 @@ pub(super) fn count_ones(values: &[u8]) -> u32 {
     dispatch!(Level::new(), simd => sum(simd, values))
 }
 
-/// Largest value where `valid` is 1; none if no pixel is valid, or its value is infinite.
+/// Largest value where `valid` is 1 and not 0; none if no pixel is valid or the largest value is infinite. Values that are not numbers
+/// are skipped.
 pub(super) fn largest_valid(values: &Image<f32>, valid: &Image<u8>) -> Option<f32> {
     let largest = dispatch!(Level::new(), simd => largest(simd, values.values(), valid.values()));
     Some(largest).filter(|largest| largest.is_finite())
@@ -38,7 +39,7 @@ fn sum<S: Simd>(_: S, values: &[u8]) -> u32 {
 
 #[simd]
 fn largest<S: Simd>(simd: S, values: &[f32], valid: &[u8]) -> f32 {
-    let ((chunks, rest), (marks, marked)) = (values.as_chunks::<LANES>(), valid.as_chunks::<LANES>());
+    let ((chunks, rest), (marks, rest_marks)) = (values.as_chunks::<LANES>(), valid.as_chunks::<LANES>());
     let least = f32x16::splat(simd, f32::NEG_INFINITY);
     let mut lanes = least;
     for (values, marks) in chunks.iter().zip(marks) {
@@ -54,7 +55,7 @@ fn largest<S: Simd>(simd: S, values: &[f32], valid: &[u8]) -> f32 {
     for value in lanes.to_array() {
         largest = largest.max(value);
     }
-    for (&value, &mark) in rest.iter().zip(marked) {
+    for (&value, &mark) in rest.iter().zip(rest_marks) {
         largest = if mark == 1 { largest.max(value) } else { largest };
     }
     largest

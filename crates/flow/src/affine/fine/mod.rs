@@ -122,7 +122,7 @@ impl FinePatches {
         }
     }
 
-    /// Prepares a new reference, whose texels are in `template`.
+    /// Prepares a new reference, whose pixels are in `template`.
     pub(crate) fn prepare(&self, template: &Template, channels: usize, fine: &mut FineTemplate) {
         let noise_variance = 0.5 * self.noise_variance;
         fine.prepare(self.level, template, channels, noise_variance, self.scale, self.stiffness.curvature);

@@ -23,7 +23,7 @@ impl FineTemplate {
         Self { grid, equations: Vec::with_capacity(grid.nodes()), own_variance: Vec::with_capacity(grid.nodes()) }
     }
 
-    /// Prepares a new reference, whose texels are in `template`. `noise_variance` is that of one image, `scale` is one
+    /// Prepares a new reference, whose pixels are in `template`. `noise_variance` is that of one image, `scale` is one
     /// over the noise variance of two and the overlap, `slope_stiffness` the curvature stiffness of a pair with bond 1.
     pub(crate) fn prepare(
         &mut self,

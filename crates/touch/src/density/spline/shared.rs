@@ -38,7 +38,7 @@ impl<F> SharedBlocks<F> {
         if !is_on_grid {
             return None;
         }
-        // Fewer instructions than a conversion to 64 bits; both are small and positive.
+        // Fewer instructions than a conversion to 64 bits; both are small and not negative.
         let [column, row] = [column, row].map(|at| (at as i32).cast_unsigned() as usize);
         let first = row * grid.columns + column;
         Some(Self { first, behind: [u - passed_u, v - passed_v], counts: [across, down] })
