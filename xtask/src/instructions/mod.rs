@@ -42,7 +42,7 @@ pub(crate) struct Args {
     /// Write the record instead of comparing with it.
     #[arg(long)]
     update: bool,
-    /// Also record the bytes that move between the caches: takes three times as long.
+    /// Also record the bytes that move between the caches: takes twice as long.
     #[arg(long, requires = "update")]
     caches: bool,
     /// Process the frames of this file; the counted program is started with it.

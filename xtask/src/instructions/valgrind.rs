@@ -37,7 +37,22 @@ pub(super) fn version() -> Result<String> {
 }
 
 /// Counts of a frame of each stage; of stages that only add to another one, what they add.
+///
+/// The instructions are always those without simulated caches: the C library chooses how it fills memory by the caches that it
+/// finds.
 pub(super) fn count_all(film: &Path, with_caches: bool) -> Result<Vec<(Stage, Counts)>> {
+    let plain = count_once(film, false)?;
+    if !with_caches {
+        return Ok(plain);
+    }
+    let cached = count_once(film, true)?;
+    let both = |((stage, plain), (_, cached)): ((Stage, Counts), (_, Counts))| {
+        (stage, Counts { instructions: plain.instructions, ..cached })
+    };
+    Ok(plain.into_iter().zip(cached).map(both).collect())
+}
+
+fn count_once(film: &Path, with_caches: bool) -> Result<Vec<(Stage, Counts)>> {
     let (next, done) = (Mutex::new(Run::ALL.iter()), Mutex::new(Vec::new()));
     thread::scope(|scope| {
         for _ in 0..thread::available_parallelism().map_or(1, usize::from) {
