@@ -7,7 +7,7 @@ use fearless_simd_macros::simd;
 const LANES: usize = 8;
 /// The lanes' numbers.
 const LANE: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
-/// The row if there is no marked cell: farther from every cell than any cell of the grid.
+/// The row that is given where no cell is marked. It lies farther away than any cell of the grid.
 const NOWHERE: f32 = -20_000.0;
 
 /// Finds the nearest marked cells. Owns its memory.

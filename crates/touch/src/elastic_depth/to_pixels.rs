@@ -201,8 +201,9 @@ mod tests {
             ToPixels::new(Level::new(), GRID, &places).write(team, &cells, planes);
             (depth_mm, deviation_mm, contact)
         };
-        let (depth_mm, deviation_mm, contact) = write(&Team::default());
-        assert!(write(&Team::new(2).unwrap()) == write(&Team::default()), "with two threads");
+        let found = write(&Team::default());
+        assert!(write(&Team::new(2).unwrap()) == found, "with two threads");
+        let (depth_mm, deviation_mm, contact) = found;
         for (pixel, place) in places.iter().enumerate() {
             let found = (depth_mm[pixel], deviation_mm[pixel], contact[pixel]);
             let Some(place) = place else {
