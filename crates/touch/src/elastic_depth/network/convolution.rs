@@ -126,16 +126,15 @@ impl Convolution {
     ) {
         let first = block * LANES;
         let count = LANES.min(self.outputs - first);
-        let channels = |column: usize| column * self.outputs + first..column * self.outputs + first + count;
-        let to = &mut to.row_mut(row)[channels(column)];
+        let to = to.cell_mut((column, row), first, count);
         match then {
             Activation::Keep => to.copy_from_slice(&sums[..count]),
             Activation::Rectify => write(to, sums, &[0.0; LANES], |sum, _| sum.max(0.0)),
             Activation::RectifyAndAdd => {
-                write(to, sums, &from.row(row)[channels(column)], |sum, before| sum.max(0.0) + before);
+                write(to, sums, from.cell((column, row), first, count), |sum, before| sum.max(0.0) + before);
             }
             Activation::AddGrownAndRectify(coarse) => {
-                let coarse = &coarse.row(row / 2)[channels(column / 2)];
+                let coarse = coarse.cell((column / 2, row / 2), first, count);
                 write(to, sums, coarse, |sum, coarse| (sum + coarse).max(0.0));
             }
         }

@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
+use super::shape::TILE;
+
 /// `channels` values at every cell of a grid, side by side, and one ring of cells around it that stays zero, because a
-/// convolution of 3×3 reads one cell beyond the border.
+/// convolution of 3×3 reads one cell beyond the border. Sides that are no multiple of a tile have more zeros behind them.
 #[derive(Debug, Clone)]
 pub(super) struct Plane {
     pub(super) columns: usize,
@@ -14,12 +16,17 @@ pub(super) struct Plane {
 
 impl Plane {
     pub(super) fn new((columns, rows): (usize, usize), channels: usize) -> Self {
-        Self { columns, rows, channels, values: vec![0.0; (columns + 2) * (rows + 2) * channels] }
+        Self {
+            columns,
+            rows,
+            channels,
+            values: vec![0.0; stride(columns, channels) * (rows.next_multiple_of(TILE) + 2)],
+        }
     }
 
     /// Distance from one row of the grid to the next, in values.
     pub(super) fn stride(&self) -> usize {
-        (self.columns + 2) * self.channels
+        stride(self.columns, self.channels)
     }
 
     /// All values, the rim included.
@@ -32,6 +39,13 @@ impl Plane {
         &self.values[(row + 1) * self.stride() + self.channels..][..self.columns * self.channels]
     }
 
+    /// Channels of a cell, from one of them on.
+    #[inline(always)]
+    pub(super) fn cell(&self, (column, row): (usize, usize), first: usize, count: usize) -> &[f32] {
+        let start = (row + 1) * self.stride() + (column + 1) * self.channels + first;
+        &self.values[start..][..count]
+    }
+
     /// The cells of a row without its rim, to be written.
     pub(super) fn row_mut(&mut self, row: usize) -> &mut [f32] {
         let start = (row + 1) * self.stride() + self.channels;
@@ -42,8 +56,13 @@ impl Plane {
     pub(super) fn rows_mut(&mut self) -> Rows<'_> {
         let Self { columns, rows, channels, .. } = *self;
         let stride = self.stride();
-        Rows { first: 0, count: rows, columns, channels, values: &mut self.values[stride..] }
+        Rows { first: 0, count: rows, columns, channels, stride, values: &mut self.values[stride..] }
     }
+}
+
+/// Distance from one row of a grid with so many columns to the next, in values.
+fn stride(columns: usize, channels: usize) -> usize {
+    (columns.next_multiple_of(TILE) + 2) * channels
 }
 
 /// Some rows of a plane, to be written.
@@ -53,6 +72,8 @@ pub(super) struct Rows<'a> {
     count: usize,
     pub(super) columns: usize,
     channels: usize,
+    /// Distance from one row to the next.
+    stride: usize,
     /// From the rim of the first row on.
     values: &'a mut [f32],
 }
@@ -61,7 +82,7 @@ impl Rows<'_> {
     /// The rows before one and those from it on; rows are counted from the top of the plane.
     pub(super) fn split_at(self, row: usize) -> (Self, Self) {
         let upper = row - self.first;
-        let (values, lower) = self.values.split_at_mut(upper * (self.columns + 2) * self.channels);
+        let (values, lower) = self.values.split_at_mut(upper * self.stride);
         let lower = Self { first: row, count: self.count - upper, values: lower, ..self };
         (Self { count: upper, values, ..self }, lower)
     }
@@ -71,9 +92,10 @@ impl Rows<'_> {
         self.first..self.first + self.count
     }
 
-    /// The cells of a row, counted from the top of the plane, without its rim.
-    pub(super) fn row_mut(&mut self, row: usize) -> &mut [f32] {
-        let start = (row - self.first) * (self.columns + 2) * self.channels + self.channels;
-        &mut self.values[start..][..self.columns * self.channels]
+    /// Channels of a cell, from one of them on; the row is counted from the top of the plane.
+    #[inline(always)]
+    pub(super) fn cell_mut(&mut self, (column, row): (usize, usize), first: usize, count: usize) -> &mut [f32] {
+        let start = (row - self.first) * self.stride + (column + 1) * self.channels + first;
+        &mut self.values[start..][..count]
     }
 }

@@ -3,6 +3,9 @@
 /// Output channels computed together: one or two registers.
 pub(super) const LANES: usize = 16;
 
+/// Cells along a tile, which are computed together where this takes fewer products.
+pub(super) const TILE: usize = 2;
+
 /// The shape of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Shape {

@@ -8,10 +8,8 @@ use fearless_simd_macros::simd;
 use std::ops::Range;
 
 use super::plane::Plane;
-use super::shape::{LANES, Shape};
+use super::shape::{LANES, Shape, TILE};
 
-/// Cells along a tile.
-const TILE: usize = 2;
 /// Inputs along a tile.
 const REACH: usize = 4;
 /// Products of a tile for each input and output.
@@ -89,7 +87,7 @@ pub(super) fn run<S: Simd>(
             (tile % across * TILE, rows.start + tile / across * TILE)
         });
         for (tile, place) in places.into_iter().enumerate() {
-            spread_tile(simd, from, place, &mut spread[tile * inputs..]);
+            spread_tile(simd, from, place, tile, spread);
         }
         let blocks = kernels.chunks_exact(POINTS * inputs * LANES).zip(biases.as_chunks::<LANES>().0);
         for (block, (kernels, bias)) in blocks.enumerate() {
@@ -110,27 +108,24 @@ pub(super) fn run<S: Simd>(
     }
 }
 
-/// `Bᵀ d B` of the tile whose upper left cell is at `(column, row)`, for all inputs; `out` is `[point][tile][input]` from
-/// this tile on.
+/// `Bᵀ d B` of a tile whose upper left cell is at `(column, row)`, for all inputs; `out` is `[point][tile][input]`.
 #[inline(always)]
-fn spread_tile<S: Simd>(simd: S, from: &Plane, (column, row): (usize, usize), out: &mut [f32]) {
+fn spread_tile<S: Simd>(simd: S, from: &Plane, (column, row): (usize, usize), tile: usize, out: &mut [f32]) {
     let inputs = from.channels;
-    // The rim is one cell wide. What lies beyond it has no influence on the cells of the plane.
-    let cell = |i: usize, j: usize| {
-        let (row, column) = ((row + j).min(from.rows + 1), (column + i).min(from.columns + 1));
-        row * from.stride() + column * inputs
-    };
-    let cells: [[_; REACH]; REACH] = std::array::from_fn(|i| std::array::from_fn(|j| cell(i, j)));
+    let start = row * from.stride() + column * inputs;
+    let rows: [_; REACH] = std::array::from_fn(|j| &from.values()[start + j * from.stride()..][..REACH * inputs]);
     for first in (0..inputs).step_by(LANES) {
         // The last inputs overlap the previous ones.
         let first = first.min(inputs - LANES);
-        let columns = cells
-            .map(|cells| spread(cells.map(|cell| f32x16::from_slice(simd, &from.values()[cell + first..][..LANES]))));
+        let columns: [_; REACH] = std::array::from_fn(|i| {
+            let cell = i * inputs + first;
+            spread(rows.map(|row| f32x16::from_slice(simd, &row[cell..][..LANES])))
+        });
+        let mut points = out.chunks_exact_mut(TILES * inputs);
         for j in 0..REACH {
-            let row = spread(columns.map(|column| column[j]));
-            for (i, value) in row.into_iter().enumerate() {
-                let place = (REACH * j + i) * TILES * inputs + first;
-                value.store_slice(&mut out[place..][..LANES]);
+            for value in spread(columns.map(|column| column[j])) {
+                let Some(point) = points.next() else { return };
+                value.store_slice(&mut point[tile * inputs + first..][..LANES]);
             }
         }
     }
