@@ -62,7 +62,7 @@ impl Run {
         let region = self.profile.region(source.size())?;
         let mut skipped = Skipped::default();
         let first = self.reference(source, &mut skipped)?;
-        let mut tracker = self.tracker(first.pixels.is_colour() && source.has_full_colour(), source.size())?;
+        let mut tracker = self.tracker(source.tracks_in_colour(&first.pixels), source.size())?;
         note_faults(&self.profile, source.size(), self.output);
         let fields = self.fields_to_keep(tracker.reading());
         let traction = tracker.reading().traction.as_ref();

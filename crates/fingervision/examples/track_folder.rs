@@ -19,9 +19,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}", source.description());
 
     let size = source.size();
-    // The kind of pixels is known from the first frame on. The colour of videos is too coarse for the flow.
+    // The kind of pixels is known from the first frame on. The colour of videos and of most JPEG images is too coarse for the flow.
     let Some(mut frame) = source.next_frame()? else { return Err("there is no frame".into()) };
-    let is_colour = frame.pixels.is_colour() && source.has_full_colour();
+    let is_colour = source.tracks_in_colour(&frame.pixels);
     let mut tracker = Tracker::new(&profile, size, is_colour, Fields::default())?;
 
     // Before the first frame the tracker holds a reading at rest, with the fields that every reading will have.

@@ -1,6 +1,7 @@
 //! A folder of images, one frame per file.
 
 use crate::compression::mixed;
+use crate::jpeg::has_coarse_colour;
 use crate::natural::natural_order;
 use crate::numbering;
 use crate::picture::{PictureFault, decode};
@@ -21,6 +22,7 @@ pub(crate) struct FolderSource {
     sequences: Vec<u64>,
     frames_per_second: f64,
     format: FrameFormat,
+    has_full_colour: bool,
     /// What was read when the folder was opened: images that cannot be read, then the first that can.
     begin: VecDeque<Result<Frame, SourceError>>,
     /// The next file to read.
@@ -39,7 +41,9 @@ impl FolderSource {
         let (begin, format) = begin(folder, &files, &sequences, frames_per_second)?;
         let next = begin.len();
         let folder = folder.to_owned();
-        Ok(Self { folder, files, sequences, frames_per_second, format, begin, next, is_failed: false })
+        let has_full_colour = !has_coarse_colour(&bytes_of(&files[next - 1])?);
+        let is_failed = false;
+        Ok(Self { folder, files, sequences, frames_per_second, format, has_full_colour, begin, next, is_failed })
     }
 
     fn read_next(&mut self) -> Result<Frame, SourceError> {
@@ -83,6 +87,10 @@ impl Source for FolderSource {
 
     fn size(&self) -> (usize, usize) {
         (self.format.width, self.format.height)
+    }
+
+    fn has_full_colour(&self) -> bool {
+        self.has_full_colour
     }
 
     fn description(&self) -> String {
@@ -145,9 +153,13 @@ fn is_image_name(name: &str) -> bool {
     !name.starts_with('.') && extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
 }
 
-fn read(path: &Path, sequence: u64, frames_per_second: f64) -> Result<Frame, SourceError> {
+fn bytes_of(path: &Path) -> Result<Vec<u8>, SourceError> {
     regular::check(path)?;
-    let bytes = fs::read(path).map_err(|error| SourceError::io(path, error))?;
+    fs::read(path).map_err(|error| SourceError::io(path, error))
+}
+
+fn read(path: &Path, sequence: u64, frames_per_second: f64) -> Result<Frame, SourceError> {
+    let bytes = bytes_of(path)?;
     let path = path.to_owned();
     match decode(&bytes) {
         Ok(pixels) => Ok(Frame { sequence, capture_time_s: sequence as f64 / frames_per_second, pixels }),

@@ -7,8 +7,8 @@ use image::{DynamicImage, GrayImage, RgbImage};
 use std::io::{self, BufRead, Read, Seek, SeekFrom};
 use zune_core::colorspace::ColorSpace;
 use zune_core::options::DecoderOptions;
-use zune_jpeg::JpegDecoder;
 use zune_jpeg::errors::DecodeErrors;
+use zune_jpeg::{JpegDecoder, SampleRatios};
 
 /// Decodes a JPEG to 8-bit grey or colour, and returns the orientation of the camera.
 ///
@@ -36,6 +36,12 @@ pub(crate) fn decode_jpeg_into(bytes: &[u8], is_luma_alone: bool, pixels: &mut P
     let size = decoder.dimensions().ok_or("the JPEG picture has no size")?;
     let values = if is_grey { reuse::grey8(pixels, size) } else { reuse::rgb8(pixels, size).as_flattened_mut() };
     decoder.decode_into(values).map_err(|error| in_words(&error))
+}
+
+/// Whether these are the bytes of a JPEG that stores colour more coarsely than luma, as 4:2:0 and 4:2:2 do.
+pub(crate) fn has_coarse_colour(bytes: &[u8]) -> bool {
+    let mut decoder = JpegDecoder::new(Coded { bytes, at: 0 });
+    decoder.decode_headers().is_ok() && decoder.info().is_some_and(|info| info.sample_ratio != SampleRatios::None)
 }
 
 type Decoder<'a> = JpegDecoder<Coded<'a>>;

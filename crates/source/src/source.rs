@@ -1,7 +1,7 @@
 //! The interface of all sources.
 
 use crate::SourceError;
-use fingervision_image::Frame;
+use fingervision_image::{Frame, Pixels};
 use serde::{Deserialize, Serialize};
 
 /// A source of frames: a folder of images, a video file.
@@ -51,6 +51,11 @@ pub trait Source: Send {
     /// ([`CameraFrameDecoder::for_tracking`](crate::CameraFrameDecoder::for_tracking)).
     fn has_full_colour(&self) -> bool {
         true
+    }
+
+    /// Whether flow should be computed from the colour of frames such as this one: they have colour, at their resolution.
+    fn tracks_in_colour(&self, pixels: &Pixels) -> bool {
+        pixels.is_colour() && self.has_full_colour()
     }
 
     /// One line for logs and reports: where the frames come from and what they are.

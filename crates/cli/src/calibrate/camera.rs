@@ -223,7 +223,10 @@ impl Args {
         while let Some(frame) = source.next_frame()? {
             let tracker = match &mut tracker {
                 Some(tracker) => tracker,
-                none => none.insert(BoardTracker::new(region, frame.pixels.is_colour(), &profile.flow).map_err(named)?),
+                none => {
+                    let is_colour = source.tracks_in_colour(&frame.pixels);
+                    none.insert(BoardTracker::new(region, is_colour, &profile.flow).map_err(named)?)
+                }
             };
             tracker.push(&frame).map_err(named)?;
             progress.inc(1);

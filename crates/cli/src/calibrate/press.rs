@@ -73,7 +73,7 @@ impl Press {
         }
         let bar = output.progress("tracking", count);
         let Some(first) = self.source.next_frame()? else { return Err(miscounted(self.name, 0).into()) };
-        let mut recorder = make(&self, self.source.size(), first.pixels.is_colour())?;
+        let mut recorder = make(&self, self.source.size(), self.source.tracks_in_colour(&first.pixels))?;
         let mut frame = Some(first);
         while let Some(image) = frame {
             bar.inc(1);

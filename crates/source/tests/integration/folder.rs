@@ -321,3 +321,25 @@ fn a_folder_goes_on_behind_an_image_that_cannot_be_read() {
     }
     assert_eq!(sequences, [0, 3]);
 }
+
+#[test]
+fn the_colour_of_jpeg_images_is_full_only_if_it_is_not_subsampled() {
+    use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
+    let pixels: Vec<u8> = (0..3 * 32 * 16).map(|i| (7 * i % 251) as u8).collect();
+    let cases = [(SamplingFactor::F_1_1, true), (SamplingFactor::F_2_1, false), (SamplingFactor::F_2_2, false)];
+    for (sampling, is_full) in cases {
+        let folder = tempdir().unwrap();
+        for name in ["0.jpg", "1.jpg"] {
+            let mut encoder = Encoder::new_file(folder.path().join(name), 90).unwrap();
+            encoder.set_sampling_factor(sampling);
+            encoder.encode(&pixels, 32, 16, ColorType::Rgb).unwrap();
+        }
+        let mut source = open(folder.path(), &NOMINAL).unwrap();
+        let frame = source.next_frame().unwrap().unwrap();
+        assert_eq!((source.has_full_colour(), source.tracks_in_colour(&frame.pixels)), (is_full, is_full));
+    }
+    let folder = folder([("0.png", grey(3)), ("1.png", grey(4))]);
+    let mut source = open(folder.path(), &NOMINAL).unwrap();
+    let frame = source.next_frame().unwrap().unwrap();
+    assert!(source.has_full_colour() && !source.tracks_in_colour(&frame.pixels), "grey has no colour to track in");
+}

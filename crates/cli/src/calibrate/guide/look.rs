@@ -231,7 +231,7 @@ impl Looker {
         let size = source.size();
         let bar = self.output.progress("checking", source.frame_count());
         let Some(first) = source.next_frame().map_err(unreadable)? else { return Ok(RecordingCheck::default()) };
-        let mut check = make(size, first.pixels.is_colour(), rest.as_ref())?;
+        let mut check = make(size, source.tracks_in_colour(&first.pixels), rest.as_ref())?;
         let mut next = Some(first);
         while let Some(frame) = next {
             check.push(&frame);
