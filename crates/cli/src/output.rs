@@ -20,12 +20,21 @@ pub(crate) struct OutputArgs {
     /// Print the result as JSON; errors and notes too, one object per line on standard error
     #[arg(long)]
     json: bool,
+    /// The recording that notes are about, if several are tracked at the same time; then no bar is shown for a single one.
+    #[arg(skip)]
+    recording: Option<&'static str>,
 }
 
 impl OutputArgs {
     /// Whether a program reads the result.
     pub(crate) fn is_json(self) -> bool {
         self.json
+    }
+
+    /// The same for one of several recordings that are tracked at the same time.
+    pub(crate) fn of_recording(self, name: &str) -> Self {
+        // As long as the program runs: a few bytes for each recording.
+        Self { recording: Some(String::leak(name.to_owned())), ..self }
     }
 
     fn wording(self) -> Wording {
@@ -35,8 +44,9 @@ impl OutputArgs {
     /// Prints a note for the user on standard error.
     pub(crate) fn note(self, text: &str) {
         if !self.quiet {
+            let text = self.recording.map_or_else(|| text.to_owned(), |recording| format!("{recording}: {text}"));
             // If standard error cannot be written, nobody can be informed.
-            let _ = self.wording().note(text, &mut io::stderr());
+            let _ = self.wording().note(&text, &mut io::stderr());
         }
     }
 
@@ -78,7 +88,7 @@ impl OutputArgs {
     /// A bar on standard error over `count` frames, labelled with the work being done; a counter if their number is not
     /// known. Nothing is shown without a terminal.
     pub(crate) fn progress(self, doing: &'static str, count: Option<u64>) -> ProgressBar {
-        if self.quiet {
+        if self.quiet || self.recording.is_some() {
             return ProgressBar::hidden();
         }
         let (bar, template) = match count {

@@ -17,7 +17,7 @@ use crate::output::OutputArgs;
 const CAMERA: &str = "camera";
 
 /// The text between a recording and the name of a sensor in it.
-const SENSOR: &str = "?sensor=";
+pub(crate) const SENSOR: &str = "?sensor=";
 
 /// A place from which frames are read.
 #[derive(Debug, PartialEq)]

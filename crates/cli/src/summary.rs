@@ -34,6 +34,23 @@ pub(crate) struct Summary {
     pub(crate) skipped: Skipped,
 }
 
+impl Summary {
+    /// The frames, the deepest reading and the flags, without line breaks.
+    pub(crate) fn in_one_line(&self) -> String {
+        let Tally { frames, flagged, deepest, .. } = &self.tally;
+        let mut parts = vec![format!("{frames} frame{}", if *frames == 1 { "" } else { "s" })];
+        if let Some(Deepest { max_depth_mm, force, .. }) = deepest {
+            parts.push(format!("depth up to {max_depth_mm:.2} mm"));
+            parts.extend(force.map(|force| format!("force {force}")));
+        }
+        parts.extend(flagged.flagged().map(|(flag, count)| format!("{} in {count}", flag.name())));
+        if self.skipped.count > 0 {
+            parts.push(format!("{} skipped", self.skipped.count));
+        }
+        parts.join(", ")
+    }
+}
+
 /// Counts made while readings arrive.
 #[derive(Debug, Default, Serialize)]
 pub(crate) struct Tally {

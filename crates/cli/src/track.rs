@@ -1,5 +1,7 @@
 //! `fingervision track`: tracks a recording and writes a folder of fields.
 
+mod folder;
+
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -16,7 +18,9 @@ use crate::output::OutputArgs;
 use crate::part::{Part, PartArgs};
 use crate::place::{Place, recorded, solve};
 use crate::profile_args::ProfileArgs;
+use crate::summary::Summary;
 use crate::tracking::{Run, fields_to_compute};
+use folder::RecordingFolder;
 
 /// Track a recording: flow, density and, with a profile that describes the sensor, depth, contact and force of every
 /// frame
@@ -32,6 +36,9 @@ pub(crate) struct Args {
     /// ones. Options follow it: sim:letter?fps=60 sets the rate, sim:letter?draft selects a coarse mesh. Without
     /// --profile the scene's own camera and gel are used. A camera is camera:ID, or `camera` if only one is plugged in;
     /// tracking then continues until Ctrl-C.
+    ///
+    /// Of a folder of recordings, videos and folders of images, each is tracked, as many at the same time as there are
+    /// threads. Its run is the folder of its name in --out.
     source: PathBuf,
     /// The folder to write, as in run: new, empty, or with --overwrite a previous run
     #[arg(long, value_name = "DIR")]
@@ -132,20 +139,33 @@ impl clap::ValueEnum for FieldName {
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let part = args.part.part()?;
     keep_recording(args)?;
+    if let Some(folder) = RecordingFolder::of(&args.source)? {
+        return folder.track(args, part, out);
+    }
     // Before a simulated press is solved.
     RunFolder::check(&args.out, args.overwrite)?;
-    let (profile, mut source) = sensor(args, part)?;
+    let (summary, failure) = track(args, &args.source, part, args.out.clone(), args.output)?;
+    args.output.result(out, &summary, &summary.to_string())?;
+    failure.map_or(Ok(()), Err)
+}
+
+/// Tracks one recording into a folder; the second value is the reason if the run ended early.
+fn track(
+    args: &Args,
+    location: &Path,
+    part: Part,
+    folder: PathBuf,
+    output: OutputArgs,
+) -> Result<(Summary, Option<Failure>), Failure> {
+    let (profile, mut source) = sensor(args, location, part, output)?;
     let fields: Option<Vec<Field>> = args.fields.as_ref().map(|fields| fields.iter().map(|field| field.0).collect());
     let to_compute = fields_to_compute(fields.as_deref(), profile.depth_method());
-    let is_camera = matches!(Place::of(&args.source)?, Place::Camera(_));
-    args.profile.expect_effect(&profile, to_compute, is_camera, args.output)?;
-    let (folder, overwrite, output) = (args.out.clone(), args.overwrite, args.output);
-    let (precision, overlay) = (args.dtype.into(), args.overlay.clone());
+    let is_camera = matches!(Place::of(location)?, Place::Camera(_));
+    args.profile.expect_effect(&profile, to_compute, is_camera, output)?;
+    let (precision, overlay, overwrite) = (args.dtype.into(), args.overlay.clone(), args.overwrite);
     let skips_bad_frames = args.skip_bad_frames;
     let run = Run { profile, fields, precision, overlay, folder, overwrite, part, skips_bad_frames, output };
-    let (summary, failure) = run.track(source.as_mut())?;
-    output.result(out, &summary, &summary.to_string())?;
-    failure.map_or(Ok(()), Err)
+    run.track(source.as_mut())
 }
 
 /// Refuses to replace the recording by its run.
@@ -168,9 +188,9 @@ fn keep_recording(args: &Args) -> Result<(), Failure> {
 }
 
 /// The profile in force and the frames. A simulated scene has its own sensor.
-fn sensor(args: &Args, part: Part) -> Result<(Profile, Box<dyn Source>), Failure> {
+fn sensor(args: &Args, location: &Path, part: Part, output: OutputArgs) -> Result<(Profile, Box<dyn Source>), Failure> {
     let options = args.fps.map_or_else(Options::default, |frames_per_second| Options { frames_per_second });
-    let location = match Place::of(&args.source)? {
+    let location = match Place::of(location)? {
         Place::Simulated(location) => location,
         Place::Camera(id) => {
             args.expect_no_rate(true, "a camera has")?;
@@ -196,7 +216,7 @@ fn sensor(args: &Args, part: Part) -> Result<(Profile, Box<dyn Source>), Failure
     let frames = scene.motion.frames as u64;
     part.expect_within(frames.saturating_sub(1))?;
     let profile = args.profile.load_or(simulated_profile(&scene))?;
-    Ok((profile, solve(&location, options, args.output)?))
+    Ok((profile, solve(&location, options, output)?))
 }
 
 impl Args {

@@ -10,6 +10,7 @@ mod calibrate_guide;
 mod damage;
 mod elastic;
 mod evaluate;
+mod folder;
 mod foxglove;
 mod live;
 mod output;
