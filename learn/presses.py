@@ -14,7 +14,7 @@ from PIL import Image
 CELLS = 120
 PIXELS = 480  # the simulator's frame, each cell 4 by 4 of it
 FRAMES_KEPT = 5
-PATIENCE_S = 300  # a few presses do not settle
+PATIENCE_S = 120  # a few presses do not settle
 MESHES = ["draft", "medium", "fine"]
 SHAPES = {
     "circle": 0.14, "rectangle": 0.14, "triangle": 0.1, "polygon": 0.2, "crossing": 0.08,
@@ -41,6 +41,8 @@ class Kind:
 KINDS = {
     "any": Kind(),
     "sliding": Kind(moved=0.12, laws=(0.2, 0)),
+    "light": Kind(moved=0.1, depths_mm=((0.08, 0.6),)),
+    "light-ball": Kind(moved=0.1, depths_mm=((0.08, 0.8),), shapes=("sphere",)),
     "dragged": Kind(moved=1, laws=(0.25, 0.6), depths_mm=((0.4, 1.5),), most_shear_mm=2.1),
     "dragged-ball": Kind(
         moved=1, sheared=0.9, laws=(0.2, 0.8), depths_mm=((0.4, 1.0),), most_shear_mm=2.1, shapes=("sphere",), ball_mm=(6, 30)
