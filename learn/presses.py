@@ -14,7 +14,7 @@ from PIL import Image
 CELLS = 120
 PIXELS = 480  # the simulator's frame, each cell 4 by 4 of it
 FRAMES_KEPT = 5
-PATIENCE_S = 120  # a few presses do not settle
+PATIENCE_S = 300  # a few presses do not settle
 MESHES = ["draft", "medium", "fine"]
 SHAPES = {
     "circle": 0.14, "rectangle": 0.14, "triangle": 0.1, "polygon": 0.2, "crossing": 0.08,

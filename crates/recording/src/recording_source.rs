@@ -27,6 +27,7 @@ pub struct RecordingSource {
     /// Numbers of the first and the last frame.
     sequences: [u64; 2],
     format: FrameFormat,
+    has_full_colour: bool,
     decoder: Option<CameraFrameDecoder>,
     encoded: EncodedFrame,
     is_ended: bool,
@@ -59,6 +60,8 @@ impl RecordingSource {
         let sequences = [encoded.sequence, last_sequence.max(encoded.sequence)];
         let (format, decoder) = (FrameFormat::from(&pixels), Some(decoder));
         let (next, is_ended) = (0, false);
+        // A sensor whose source has coarse colour is tracked, and recorded, without `flow.colour`.
+        let has_full_colour = !matches!(recording.profile(sensor), Ok(Some(profile)) if !profile.flow.colour);
         Ok(Self {
             recording,
             sensor,
@@ -70,6 +73,7 @@ impl RecordingSource {
             next,
             sequences,
             format,
+            has_full_colour,
             decoder,
             encoded,
             is_ended,
@@ -145,6 +149,10 @@ impl Source for RecordingSource {
 
     fn last_sequence(&self) -> Option<u64> {
         Some(self.sequences[1])
+    }
+
+    fn has_full_colour(&self) -> bool {
+        self.has_full_colour
     }
 
     fn truth(&self) -> Option<FrameTruth> {

@@ -99,7 +99,8 @@ impl Source for FolderSource {
     }
 
     fn remarks(&self) -> Vec<String> {
-        mixed(&self.files).into_iter().collect()
+        let coarse = "the images store colour at a lower resolution than brightness (JPEG 4:2:0 or 4:2:2), so they are matched in grey";
+        mixed(&self.files).into_iter().chain((!self.has_full_colour).then(|| coarse.into())).collect()
     }
 }
 

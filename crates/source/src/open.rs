@@ -43,23 +43,11 @@ fn promised(path: &Path) -> Option<&'static str> {
     }
 }
 
-/// Whether a file is a video, by content and not by name, of a format that is read or not.
-#[must_use]
-pub fn is_video(path: &Path) -> bool {
-    let signature = signature(path).unwrap_or_default();
-    matches!(content(&signature), Content::Mp4 | Content::Avi | Content::Video(_))
-}
-
-/// The first bytes of a file.
-fn signature(path: &Path) -> Result<Vec<u8>, SourceError> {
-    regular::check(path)?;
-    let mut signature = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(SIGNATURE_LEN).read_to_end(&mut signature));
-    read.map(|_| signature).map_err(|error| SourceError::io(path, error))
-}
-
 fn open_file(path: &Path) -> Result<Box<dyn Source>, SourceError> {
-    let signature = signature(path)?;
+    regular::check(path)?;
+    let io = |error| SourceError::io(path, error);
+    let mut signature = Vec::new();
+    File::open(path).and_then(|file| file.take(SIGNATURE_LEN).read_to_end(&mut signature)).map_err(io)?;
     match content(&signature) {
         #[cfg(feature = "video")]
         Content::Mp4 => video::open_mp4(path),

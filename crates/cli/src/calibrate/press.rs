@@ -1,7 +1,7 @@
 //! A press of known depth, recorded or simulated, before it is tracked.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use fingervision_calibrate::depth::{DepthFitError, PressFolder};
 use fingervision_elastic::GelBlock;
@@ -134,12 +134,6 @@ pub(super) fn scene_location(recording: &str) -> Option<String> {
         return Some(recording.into());
     }
     ReadyMade::find(recording).map(|_| format!("sim:{recording}"))
-}
-
-/// The folder of a recording's images: its subfolder frames, as in a simulation, or itself.
-pub(super) fn images_of(recording: &Path) -> PathBuf {
-    let frames = recording.join("frames");
-    if frames.is_dir() { frames } else { recording.into() }
 }
 
 /// The camera and the gel of a press written by `simulate`, which writes its profile beside the images.

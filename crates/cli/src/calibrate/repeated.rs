@@ -6,9 +6,9 @@ use std::path::Path;
 use fingervision_calibrate::check::{Fault, What};
 use fingervision_gel::Scene;
 use fingervision_simulation::SimulatedLocation;
-use fingervision_source::{Repetition, repetition};
+use fingervision_source::{Repetition, images_of, repetition};
 
-use super::press::{images_of, scene_location};
+use super::press::scene_location;
 use crate::failure::Failure;
 
 /// Refuses recordings, folders or scenes, of which two are the same; `noun` is the name of one, as in press.

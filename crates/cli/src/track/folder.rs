@@ -1,5 +1,6 @@
 //! Tracks every recording of a folder, several at the same time.
 
+use std::collections::HashSet;
 use std::ffi::OsStr;
 use std::fmt;
 use std::fs;
@@ -33,7 +34,7 @@ struct Item {
     location: PathBuf,
 }
 
-/// The recordings of a folder, and what became of them.
+/// The recordings of a folder.
 pub(super) struct RecordingFolder {
     items: Vec<Item>,
 }
@@ -41,7 +42,7 @@ pub(super) struct RecordingFolder {
 /// A recording that was tracked, or why it was not, or not to its end.
 #[derive(Debug, Serialize)]
 struct Outcome {
-    recording: PathBuf,
+    recording: String,
     #[serde(flatten)]
     summary: Option<Summary>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -70,9 +71,10 @@ impl RecordingFolder {
         if !source.is_dir() {
             return Ok(None);
         }
-        let found = recordings_in(source, Recording::is_at)?;
+        let found = recordings_in(source)?;
         let names = names(source, &found);
-        let items: Vec<Item> = found.iter().zip(&names).flat_map(|(path, name)| items_of(path, name)).collect();
+        let mut items: Vec<Item> = found.iter().zip(&names).flat_map(|(path, name)| items_of(path, name)).collect();
+        tell_apart(&mut items);
         Ok((!items.is_empty()).then_some(Self { items }))
     }
 
@@ -100,12 +102,17 @@ impl RecordingFolder {
             recordings: outcomes,
         };
         args.output.result(out, &results, &results.to_string())?;
-        results.failure(self.items.len()).map_or(Ok(()), Err)
+        results.failure().map_or(Ok(()), Err)
     }
 
     /// Refuses what holds for one recording only, and folders of runs that are taken, before anything is tracked.
     fn refuse(&self, args: &Args) -> Result<(), Failure> {
+        // A mistake in the profile is found once, not for every recording.
+        args.profile.load()?;
         let (source, count) = (args.source.display(), self.items.len());
+        if let Some(item) = self.items.iter().find(|item| args.fps.is_some() && !item.location.is_dir()) {
+            args.expect_no_rate(true, &format!("{} has", item.location.display()))?;
+        }
         if args.overlay.is_some() {
             let message = format!("--overlay is for one recording, but {source} contains {count}");
             return Err(Failure::new(message, "leave it out, or track one of them"));
@@ -121,19 +128,17 @@ impl RecordingFolder {
         Ok(())
     }
 
-    /// Does the work for each recording, on as many threads as may be used. After an interrupt none is begun.
+    /// Does the work for each recording, on as many threads as may be used. After an interrupt no more are begun.
     fn in_parallel(&self, work: impl Fn(&Item) -> Outcome + Sync) -> Result<Vec<Outcome>, Failure> {
         let threads = threads::count().get();
         let workers = threads.min(self.items.len());
-        let pools = (0..workers).map(|_| pool(threads / workers)).collect::<Result<Vec<_>, _>>()?;
+        let share = |worker: usize| threads / workers + usize::from(worker < threads % workers);
+        let pools = (0..workers).map(|worker| pool(share(worker))).collect::<Result<Vec<_>, _>>()?;
         let (next, outcomes) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
         let interrupt = Interrupt::listen();
         let take = || {
             while let Some((index, item)) = self.item(next.fetch_add(1, Ordering::Relaxed)) {
-                if interrupt.is_asked() {
-                    return;
-                }
-                let outcome = work(item);
+                let outcome = if interrupt.is_asked() { item.interrupted() } else { work(item) };
                 outcomes.lock().unwrap_or_else(PoisonError::into_inner).push((index, outcome));
             }
         };
@@ -171,25 +176,35 @@ impl Item {
             Some(Failure::Stated { message, hint }) => (Some(message), hint),
             Some(Failure::BrokenPipe) | None => (None, None),
         };
-        Outcome { recording: self.location.clone(), summary, error, hint }
+        Outcome { recording: self.location.display().to_string(), summary, error, hint }
+    }
+
+    fn interrupted(&self) -> Outcome {
+        let recording = self.location.display().to_string();
+        let (error, hint) = ("interrupted before its first frame".into(), "run the command again".into());
+        Outcome { recording, summary: None, error: Some(error), hint: Some(hint) }
     }
 }
 
 impl Results {
-    /// The recordings that were not tracked to their end, of so many; none if there are none.
-    fn failure(&self, count: usize) -> Option<Failure> {
+    /// The recordings that were not tracked to their end; none if there are none.
+    fn failure(&self) -> Option<Failure> {
         let failed: Vec<&Outcome> = self.recordings.iter().filter(|outcome| outcome.error.is_some()).collect();
-        let unread = count - self.recordings.len();
-        if failed.is_empty() && unread == 0 {
-            return None;
-        }
-        let errors: Vec<&str> = failed.iter().filter_map(|outcome| outcome.error.as_deref()).collect();
-        let mut message = format!("{} of {count} recordings were not tracked to the end", failed.len() + unread);
-        if !errors.is_empty() {
-            message = format!("{message}: {}", errors.join("; "));
-        }
-        let hint = failed.first().and_then(|outcome| outcome.hint.clone());
+        let first = failed.first()?;
+        let errors: Vec<String> = failed.iter().filter_map(|outcome| outcome.named_error()).collect();
+        let (errors, count, all) = (errors.join("; "), failed.len(), self.recordings.len());
+        let is_common = failed.iter().all(|outcome| outcome.hint == first.hint);
+        let hint = if is_common { first.hint.clone() } else { Some("--json gives a hint for each".into()) };
+        let message = format!("{count} of {all} recordings were not tracked to the end: {errors}");
         Some(Failure::Stated { message, hint })
+    }
+}
+
+impl Outcome {
+    /// The error, which names the recording.
+    fn named_error(&self) -> Option<String> {
+        let error = self.error.as_ref()?;
+        Some(if error.contains(&self.recording) { error.clone() } else { format!("{}: {error}", self.recording) })
     }
 }
 
@@ -201,17 +216,16 @@ impl fmt::Display for Results {
         }
         let (count, frames, seconds) = (self.recordings.len(), self.frames, self.seconds);
         let rate = frames as f64 / seconds.max(f64::MIN_POSITIVE);
-        writeln!(f, "{count} recordings, {frames} frames in {seconds:.1} s: {rate:.1} frames per second")?;
+        let plural = if count == 1 { "" } else { "s" };
+        writeln!(f, "{count} recording{plural}, {frames} frames in {seconds:.1} s: {rate:.1} frames per second")?;
         writeln!(f, "folder   {}", self.folder.display())
     }
 }
 
 impl fmt::Display for Outcome {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.recording.display())?;
-        if let Some(summary) = &self.summary {
-            write!(f, ": {}", summary.in_one_line())?;
-        }
+        let Some(summary) = &self.summary else { return f.write_str(&self.named_error().unwrap_or_default()) };
+        write!(f, "{}: {}", self.recording, summary.in_one_line())?;
         self.error.as_ref().map_or(Ok(()), |error| write!(f, ": {error}"))
     }
 }
@@ -230,8 +244,7 @@ fn items_of(path: &Path, name: &str) -> Vec<Item> {
     }
 }
 
-/// Names of runs: the names of the files without their endings and of the folders, or with their endings where two would be the
-/// same.
+/// Names of runs: the names of the files without their endings and of the folders; with their endings where two would be the same.
 fn names(folder: &Path, recordings: &[PathBuf]) -> Vec<String> {
     let text = |name: &OsStr| name.to_string_lossy().into_owned();
     let entry = |path: &PathBuf| {
@@ -251,12 +264,24 @@ fn names(folder: &Path, recordings: &[PathBuf]) -> Vec<String> {
     entries.iter().zip(&shorts).map(name).collect()
 }
 
+/// Numbers runs whose names are the same but for upper and lower case, which are one folder on some systems.
+fn tell_apart(items: &mut [Item]) {
+    let mut taken = HashSet::new();
+    for item in items {
+        let (name, mut number) = (item.name.clone(), 1);
+        while !taken.insert(item.name.to_lowercase()) {
+            number += 1;
+            item.name = format!("{name}-{number}");
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn runs_are_named_after_recordings_and_never_alike() {
+    fn runs_are_named_after_recordings() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         for name in ["a/frames", "b"] {
@@ -264,5 +289,12 @@ mod tests {
         }
         let recordings = [at("a/frames"), at("b"), at("b.avi"), at("c.avi"), at("d.avi"), at("d.mp4")];
         assert_eq!(names(folder.path(), &recordings), ["a", "b", "b.avi", "c", "d.avi", "d.mp4"]);
+    }
+    #[test]
+    fn runs_of_the_same_name_are_numbered() {
+        let item = |name: &str| Item { name: name.into(), location: name.into() };
+        let mut items = ["x-left", "X-left", "y", "x-left", "x-left-2"].map(item);
+        tell_apart(&mut items);
+        assert_eq!(items.map(|item| item.name), ["x-left", "X-left-2", "y", "x-left-3", "x-left-2-2"]);
     }
 }

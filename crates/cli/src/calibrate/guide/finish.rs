@@ -9,10 +9,10 @@ use fingervision_calibrate::depth::{DepthFit, FittedLaw, Method};
 use fingervision_calibrate::gel::GelTable;
 use fingervision_calibrate::update_profile;
 use fingervision_elastic::GelBlock;
+use fingervision_source::images_of;
 use fingervision_touch::{Profile, Remark};
 use serde::Serialize;
 
-use crate::calibrate::press::images_of;
 use crate::calibrate::{beside, camera, depth, gel};
 use crate::failure::Failure;
 use crate::output::OutputArgs;

@@ -7,11 +7,10 @@ use fingervision_calibrate::check::{BoardCheck, Check, Fault, PressCheck, Record
 use fingervision_calibrate::depth::PressFolder;
 use fingervision_image::Frame;
 use fingervision_simulation::open;
-use fingervision_source::{Options, SourceError};
+use fingervision_source::{Options, SourceError, images_of};
 use fingervision_touch::Profile;
 use serde::Serialize;
 
-use crate::calibrate::press::images_of;
 use crate::calibrate::repeated::repeated_fault;
 use crate::failure::Failure;
 use crate::output::OutputArgs;
