@@ -2,6 +2,8 @@
 
 use std::num::NonZero;
 
+use rayon::ThreadPoolBuildError;
+
 use crate::failure::Failure;
 
 #[derive(Debug, Clone, Copy, clap::Args)]
@@ -20,10 +22,13 @@ impl ThreadArgs {
     pub(crate) fn apply(self) -> Result<(), Failure> {
         let Some(threads) = self.threads else { return Ok(()) };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get());
-        pool.build_global().map_err(|error| {
-            Failure::new(format!("{threads} threads cannot be started: {error}"), "use fewer with --threads")
-        })
+        pool.build_global().map_err(|error| not_started(threads.get(), &error))
     }
+}
+
+/// The error if so many threads cannot be started.
+pub(crate) fn not_started(threads: usize, error: &ThreadPoolBuildError) -> Failure {
+    Failure::new(format!("{threads} threads cannot be started: {error}"), "use fewer with --threads")
 }
 
 /// The number of threads that may be used.

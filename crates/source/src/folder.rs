@@ -129,18 +129,25 @@ fn begin(
 
 /// The image files of a folder in natural order; hidden files and folders are ignored.
 pub(crate) fn images_in(folder: &Path) -> Result<Vec<PathBuf>, SourceError> {
+    let mut images = entries_of(folder)?;
+    images.retain(|(name, path)| is_image_name(name) && !path.is_dir());
+    let paths = images.into_iter().map(|(_, path)| path);
+    paths.map(|path| regular::check(&path).map(|()| path)).collect()
+}
+
+/// The names and paths of all files and folders in a folder that are not hidden, in natural order.
+pub(crate) fn entries_of(folder: &Path) -> Result<Vec<(String, PathBuf)>, SourceError> {
     let io = |error| SourceError::io(folder, error);
-    let mut names = Vec::new();
+    let mut entries = Vec::new();
     for entry in fs::read_dir(folder).map_err(io)? {
         let path = entry.map_err(io)?.path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        if is_image_name(&name) && !path.is_dir() {
-            regular::check(&path)?;
-            names.push((name, path));
+        if !name.starts_with('.') {
+            entries.push((name, path));
         }
     }
-    names.sort_by(|(a, _), (b, _)| natural_order(a, b));
-    Ok(names.into_iter().map(|(_, path)| path).collect())
+    entries.sort_by(|(a, _), (b, _)| natural_order(a, b));
+    Ok(entries)
 }
 
 /// The files' sequence numbers: those in their names if these count, otherwise their places in the folder.
@@ -151,7 +158,7 @@ fn sequences(files: &[PathBuf]) -> Vec<u64> {
 
 fn is_image_name(name: &str) -> bool {
     let extension = name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
-    !name.starts_with('.') && extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
+    extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, SourceError> {

@@ -1,12 +1,9 @@
 //! The recordings in a folder.
 
-use std::ffi::OsStr;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::SourceError;
-use crate::folder::images_in;
-use crate::natural::natural_order;
+use crate::folder::{entries_of, images_in};
 
 /// The subfolder for the images of a press, where other files lie beside them.
 const FRAMES: &str = "frames";
@@ -38,17 +35,7 @@ pub fn recordings_in(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, SourceErr
     if shows_gel(folder)? {
         return Ok(Vec::new());
     }
-    let io = |error| SourceError::io(folder, error);
-    let mut entries = Vec::new();
-    for entry in fs::read_dir(folder).map_err(io)? {
-        let path = entry.map_err(io)?.path();
-        let name = path.file_name().map(OsStr::to_string_lossy).unwrap_or_default().into_owned();
-        if !name.starts_with('.') {
-            entries.push((name, path));
-        }
-    }
-    entries.sort_by(|(a, _), (b, _)| natural_order(a, b));
-    let paths = entries.into_iter().map(|(_, path)| path);
+    let paths = entries_of(folder)?.into_iter().map(|(_, path)| path);
     Ok(paths.filter_map(|path| if path.is_dir() { folder_of_images(&path) } else { file(path) }).collect())
 }
 

@@ -160,9 +160,7 @@ impl RecordingFolder {
 /// The threads for one recording.
 fn pool(threads: usize) -> Result<ThreadPool, Failure> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| {
-        Failure::new(format!("{threads} threads cannot be started: {error}"), "use fewer with --threads")
-    })
+    pool.map_err(|error| threads::not_started(threads, &error))
 }
 
 impl Item {

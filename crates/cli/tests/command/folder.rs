@@ -20,7 +20,7 @@ fn presses() -> Workbench {
     bench.press(3);
     fs::rename(bench.path("press"), bench.path("presses/b/frames")).unwrap();
     fs::rename(bench.path("presses.mcap"), bench.path("presses/c.mcap")).unwrap();
-    // What lies beside the images of a simulation, and what is no recording.
+    // `simulate` writes a preview beside its images. The files after it are not recordings.
     fs::copy(bench.path("presses/a/0000.png"), bench.path("presses/b/preview.png")).unwrap();
     fs::copy(bench.path("presses/a/0000.png"), bench.path("presses/setup.png")).unwrap();
     bench.write("presses/notes.txt", "the second one is short");

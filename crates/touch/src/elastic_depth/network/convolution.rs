@@ -5,7 +5,7 @@ use fearless_simd_macros::simd;
 use fingervision_flow::Team;
 
 use super::plane::{Plane, Rows};
-use super::shape::{LANES, Shape};
+use super::shape::{LANES, Shape, TILE};
 use super::winograd;
 
 /// Cells of a row computed together: they share the weights that they read, and their sums fill the registers of AVX2.
@@ -73,7 +73,7 @@ impl Convolution {
             return;
         }
         // Tiles are two rows high.
-        let (upper, lower) = to.split_at((rows / 2).next_multiple_of(2));
+        let (upper, lower) = to.split_at((rows / 2).next_multiple_of(TILE));
         team.join(|| self.apply_to(level, from, upper, then), || self.apply_to(level, from, lower, then));
     }
 
