@@ -3,7 +3,7 @@
 use crate::workspace;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
-use fingervision_evaluate::recordings::{FOLDER_VARIABLE, Punyo, Recordings, measure_pairs};
+use fingervision_evaluate::recordings::{FOLDER_VARIABLE, Punyo, Recordings, measure_independent, measure_pairs};
 use fingervision_evaluate::{PressOptions, Table, elasticity, motion, pairs, resolution, sequences};
 use fingervision_gel::{PressCache, Resolution};
 use std::fs;
@@ -36,6 +36,8 @@ enum Tables {
     Pairs,
     /// Recorded pairs and the recorded press.
     Real,
+    /// Presses of another finite-element program and renderer.
+    Independent,
     /// Simulated sequences.
     Sequences,
     /// The star: which periods are resolved.
@@ -78,10 +80,15 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         show(measured.accuracy, out)?;
         show(measured.calibration, out)?;
     }
-    if is_asked(Tables::Real) {
+    if is_asked(Tables::Real) || is_asked(Tables::Independent) {
         if let Some(recordings) = Recordings::find(&workspace()) {
-            show(measure_pairs(&recordings)?, out)?;
-            show(Punyo::open(&recordings)?.measure()?, out)?;
+            if is_asked(Tables::Real) {
+                show(measure_pairs(&recordings)?, out)?;
+                show(Punyo::open(&recordings)?.measure()?, out)?;
+            }
+            if is_asked(Tables::Independent) {
+                show(measure_independent(&recordings)?, out)?;
+            }
         } else {
             writeln!(out, "Recordings: skipped, no folder ../shared/data; {FOLDER_VARIABLE} may name another\n")?;
         }

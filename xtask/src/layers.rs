@@ -99,7 +99,7 @@ const HEAVY: [(&str, &[&str]); 31] = [
     ("tokio", &["page"]),
     ("tiny-skia", &["plot"]),
     ("ttf-parser", &["gel", "plot"]),
-    ("zip", &["sink"]),
+    ("zip", &["evaluate", "sink"]),
     ("zune-core", &["source"]),
     ("zune-jpeg", &["source"]),
 ];

@@ -4,7 +4,9 @@
 //! and the last reading is compared with the exact truth. Depth counts at every visible pixel, valid or not.
 
 use crate::benchmark::{Case, cases};
-use crate::experiment::{ElasticScore, ExperimentError, Extent, Following, Recording, follow_last};
+use crate::experiment::{
+    ElasticRun, ElasticScore, ExperimentError, Extent, Followed, Following, Recording, follow_last,
+};
 use crate::{Asked, PressOptions, Table};
 use fingervision_gel::PressCache;
 use rayon::prelude::*;
@@ -69,11 +71,10 @@ fn presses<'a>(all: &'a [Case], options: &PressOptions) -> Vec<(String, &'a Case
 
 fn score(case: &Case, cache: &PressCache) -> Result<ElasticScore, ExperimentError> {
     let recording = Recording::of(&case.scene, cache)?;
-    let scorer = recording.scorer();
-    let score = follow_last(&recording, &recording.profile, Following::Dense, |found| {
-        ElasticScore::of(&recording, (found.flow, found.deviation, found.valid), &scorer)
-    })?;
-    Ok(score?.0)
+    let mut elastic = ElasticRun::new(&recording)?;
+    let take = |found: Followed<'_>| elastic.take(found);
+    follow_last(&recording, &recording.profile, Following::Dense, take, |_| ())?;
+    Ok(elastic.score(&recording, &recording.scorer()).0)
 }
 
 fn tables(scored: &[(&str, Option<ElasticScore>)]) -> Tables {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::cases::adapt;
 use super::{BenchmarkReport, Case, CaseReport, Entry, Extent, Method, MethodScore, Variation};
 use crate::experiment::{
-    ElasticScore, ExperimentError, Following, Recording, calibrate, follow_last, profile_with_assignments,
+    ElasticRun, ExperimentError, Followed, Following, Recording, calibrate, follow_last, profile_with_assignments,
 };
 
 /// The settings of a benchmark.
@@ -108,18 +108,14 @@ pub(crate) fn with_dots(mut scene: Scene) -> Result<Scene, SceneError> {
 
 /// The result of one way of tracking in the last frame.
 struct Last {
-    flow: FlowField,
     feature: Image<f32>,
-    deviation: Image<f32>,
     valid: Image<u8>,
     flow_error_px: f64,
 }
 
-fn last(recording: &Recording, following: Following) -> Result<Last, ExperimentError> {
-    follow_last(recording, &recording.profile, following, |found| Last {
-        flow: found.flow.clone(),
+fn last(recording: &Recording, following: Following, each: impl FnMut(Followed<'_>)) -> Result<Last, ExperimentError> {
+    follow_last(recording, &recording.profile, following, each, |found| Last {
         feature: found.feature.clone(),
-        deviation: found.deviation.clone(),
         valid: found.valid.clone(),
         flow_error_px: flow_error_px(found.flow, found.valid, &recording.truth),
     })
@@ -142,10 +138,11 @@ pub(crate) fn flow_error_px(flow: &FlowField, valid: &Image<u8>, truth: &Truth) 
 fn report(case: &Case, fits: &Fits, benchmark: &Benchmark) -> Result<CaseReport, ExperimentError> {
     let recording = benchmark.record(&case.scene)?;
     let scorer = recording.scorer();
-    let dense = last(&recording, Following::Dense)?;
+    let mut elastic = ElasticRun::new(&recording)?;
+    let dense = last(&recording, Following::Dense, |found| elastic.take(found))?;
     let dots = if case.variation.has_dots {
         let recording = benchmark.record(&with_dots(case.scene.clone())?)?;
-        Some(last(&recording, Following::Dots)?)
+        Some(last(&recording, Following::Dots, |_| ())?)
     } else {
         None
     };
@@ -161,8 +158,7 @@ fn report(case: &Case, fits: &Fits, benchmark: &Benchmark) -> Result<CaseReport,
             scores.push(MethodScore::new(method.name(), scorer.score(&depth, &found.valid)));
         }
     }
-    let (elastic, _) = ElasticScore::of(&recording, (&dense.flow, &dense.deviation, &dense.valid), &scorer)?;
-    scores.push(elastic.into());
+    scores.push(elastic.score(&recording, &scorer).0.into());
     for entry in benchmark.entries {
         if let Some([depth, valid]) = entry.read(case)? {
             let score = scorer.score(&depth.values, &valid.mask());

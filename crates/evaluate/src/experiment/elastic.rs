@@ -1,11 +1,10 @@
 //! Depth from elasticity on a recording: the errors of its depth, contact and force.
 
-use fingervision_flow::FlowField;
 use fingervision_image::Image;
 use fingervision_touch::{ElasticDepth, ElasticFields, TrackError};
 use serde::Serialize;
 
-use super::{DepthScore, ExperimentError, Recording, Scorer};
+use super::{DepthScore, ExperimentError, Followed, Recording, Scorer};
 use crate::run::{LEAST_ARM_MM, LEAST_SHEAR};
 
 /// The errors of the elastic inverse. Forces are computed with the true Young's modulus.
@@ -26,28 +25,40 @@ pub struct ElasticScore {
     pub torque: Option<f64>,
 }
 
-impl ElasticScore {
-    /// The errors for the last frame of a recording, from its flow, the deviation of the flow and its validity, with
-    /// the recording's profile; also returns the estimated depth, mm. A frame that does not fit the gel has depth 0.
+/// Depth from elasticity over the frames of a recording.
+#[derive(Debug)]
+pub struct ElasticRun {
+    inverse: ElasticDepth,
+}
+
+impl ElasticRun {
+    /// With the recording's profile.
     ///
     /// # Errors
     ///
     /// [`ExperimentError`] if the profile has no camera or no gel, or the elastic model of the gel cannot be made.
-    pub fn of(
-        recording: &Recording,
-        (flow, deviation, valid): (&FlowField, &Image<f32>, &Image<u8>),
-        scorer: &Scorer,
-    ) -> Result<(Self, Image<f32>), ExperimentError> {
+    pub fn new(recording: &Recording) -> Result<Self, ExperimentError> {
         let (camera, gel) = recording.profile.elastic_sensor()?;
-        let inverse = ElasticDepth::new(&camera, &gel, flow.size(), &recording.profile.elastic);
-        let mut inverse = inverse.map_err(TrackError::from)?;
-        let found = inverse.solve(flow, deviation, valid);
+        let inverse = ElasticDepth::new(&camera, &gel, recording.size(), &recording.profile.elastic);
+        Ok(Self { inverse: inverse.map_err(TrackError::from)? })
+    }
+
+    /// Takes the next frame.
+    pub fn take(&mut self, found: Followed) {
+        self.inverse.solve(found.flow, found.deviation, found.valid);
+    }
+
+    /// The errors in the recording's last frame, and its estimated depth, mm. A frame that does not fit the gel has depth 0.
+    #[must_use]
+    pub fn score(&self, recording: &Recording, scorer: &Scorer) -> (ElasticScore, Image<f32>) {
+        let found = self.inverse.fields();
+        let (width, height) = found.depth_mm.size();
         let (depth_mm, holds) = if found.is_unexplained {
-            (Image::filled(valid.width(), valid.height(), 0.0), Image::filled(valid.width(), valid.height(), 0))
+            (Image::filled(width, height, 0.0), Image::filled(width, height, 0))
         } else {
             (found.depth_mm.clone(), found.on_gel.clone())
         };
-        let mut score = Self {
+        let mut score = ElasticScore {
             depth: scorer.score(&depth_mm, &holds),
             contact_overlap: overlap(found, recording),
             normal_force: None,
@@ -61,7 +72,7 @@ impl ElasticScore {
             score.shear_force = part((f64::from(x) - true_x).hypot(f64::from(y) - true_y), shear, LEAST_SHEAR * true_z);
             score.torque = part(f64::from(torque) - true_torque, true_torque, LEAST_ARM_MM * true_z);
         }
-        Ok((score, depth_mm))
+        (score, depth_mm)
     }
 }
 

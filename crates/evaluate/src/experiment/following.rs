@@ -51,7 +51,7 @@ pub fn follow(
     }
 }
 
-/// Tracks a recording and returns the result of `take` for its last frame.
+/// Tracks a recording, passes every frame to `each`, and returns the result of `take` for the last one.
 ///
 /// # Errors
 ///
@@ -60,11 +60,13 @@ pub fn follow_last<T>(
     recording: &Recording,
     profile: &Profile,
     following: Following,
+    mut each: impl FnMut(Followed),
     mut take: impl FnMut(Followed) -> T,
 ) -> Result<T, ExperimentError> {
     let count = recording.depths_mm.len();
     let mut taken = None;
     follow(recording, profile, following, |number, found| {
+        each(found);
         if number + 1 == count {
             taken = Some(take(found));
         }

@@ -15,7 +15,7 @@ mod score;
 
 pub use calibration::{CALIBRATION, calibrate};
 pub use depth::{clipped, depth_of};
-pub use elastic::ElasticScore;
+pub use elastic::{ElasticRun, ElasticScore};
 pub use error::ExperimentError;
 pub use extent::Extent;
 pub use following::{Followed, Following, follow, follow_last};

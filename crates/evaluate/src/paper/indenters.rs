@@ -2,7 +2,6 @@
 //! elasticity from the same flow.
 
 use fingervision_calibrate::depth::{DepthFit, DepthFitError, Method};
-use fingervision_flow::FlowField;
 use fingervision_gel::Scene;
 use fingervision_image::Image;
 use fingervision_plot::HeatScale;
@@ -12,7 +11,8 @@ use super::law::Fits;
 use super::{Lab, Setting, pictures};
 use crate::benchmark::with_dots;
 use crate::experiment::{
-    DepthScore, ElasticScore, ExperimentError, Following, Recording, clipped, depth_of, follow_last,
+    DepthScore, ElasticRun, ElasticScore, ExperimentError, Followed, Following, Recording, clipped, depth_of,
+    follow_last,
 };
 use crate::page::{Cell, HtmlTable, Section};
 
@@ -50,8 +50,6 @@ pub struct Indenters {
 struct Maps {
     line: Image<f32>,
     clipped: Image<f32>,
-    flow: FlowField,
-    deviation: Image<f32>,
     valid: Image<u8>,
 }
 
@@ -78,15 +76,15 @@ fn indenter(lab: &Lab, setting: Setting, fits: &Fits, name: &'static str) -> Res
     let scene = setting.scene(Scene::find(name)?, lab.extent)?;
     let recording = Recording::of(&scene, lab.cache)?;
     let dotted = with_dots(scene.clone())?;
+    let mut elastic = ElasticRun::new(&recording)?;
     let (dense, dots) = rayon::join(
-        || maps(&recording, Following::Dense, &fits.dense),
-        || maps(&Recording::of(&dotted, lab.cache)?, Following::Dots, &fits.dots),
+        || maps(&recording, Following::Dense, &fits.dense, |found| elastic.take(found)),
+        || maps(&Recording::of(&dotted, lab.cache)?, Following::Dots, &fits.dots, |_| ()),
     );
     let (dense, dots) = (dense?, dots?);
     let scorer = recording.scorer();
     let nothing = Image::filled(dense.line.width(), dense.line.height(), 0.0);
-    let (elastic_score, elastic) =
-        ElasticScore::of(&recording, (&dense.flow, &dense.deviation, &dense.valid), &scorer)?;
+    let (elastic_score, elastic) = elastic.score(&recording, &scorer);
     let errors = IndenterErrors {
         indenter: name,
         force_n: recording.force_n[2],
@@ -101,16 +99,15 @@ fn indenter(lab: &Lab, setting: Setting, fits: &Fits, name: &'static str) -> Res
     Ok(Measured { errors, truth, seen, dense, dots, elastic })
 }
 
-fn maps(recording: &Recording, following: Following, fit: &DepthFit) -> Result<Maps, ExperimentError> {
-    let maps = follow_last(recording, &recording.profile, following, |found| {
+fn maps(
+    recording: &Recording,
+    following: Following,
+    fit: &DepthFit,
+    each: impl FnMut(Followed<'_>),
+) -> Result<Maps, ExperimentError> {
+    let maps = follow_last(recording, &recording.profile, following, each, |found| {
         let of = |method| depth_of(found.feature, fit, method, recording);
-        Ok(Maps {
-            line: of(Method::Line)?,
-            clipped: clipped(of(Method::Origin)?),
-            flow: found.flow.clone(),
-            deviation: found.deviation.clone(),
-            valid: found.valid.clone(),
-        })
+        Ok(Maps { line: of(Method::Line)?, clipped: clipped(of(Method::Origin)?), valid: found.valid.clone() })
     })?;
     maps.map_err(DepthFitError::into)
 }

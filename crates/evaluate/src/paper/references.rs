@@ -108,9 +108,13 @@ fn with_policy(
 ) -> Result<(PolicyErrors, Image<f32>), ExperimentError> {
     let mut profile = recording.profile.clone();
     profile.references.policy = policy;
-    follow_last(recording, &profile, Following::Dense, |found| {
-        (errors(found.flow, found.valid, recording, name), lengths(found.flow))
-    })
+    follow_last(
+        recording,
+        &profile,
+        Following::Dense,
+        |_| (),
+        |found| (errors(found.flow, found.valid, recording, name), lengths(found.flow)),
+    )
 }
 
 fn errors(flow: &FlowField, valid: &Image<u8>, recording: &Recording, policy: &'static str) -> PolicyErrors {

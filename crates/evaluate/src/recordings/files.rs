@@ -1,10 +1,13 @@
 //! Reads the file formats of the recordings.
 
 use crate::EvaluateError;
+use crate::run::NpyHeader;
 use fingervision_flow::FlowField;
 use fingervision_image::{Image, Pixels};
+use half::f16;
 use image::DynamicImage;
-use std::fs;
+use std::fs::{self, File};
+use std::io::Read;
 use std::path::Path;
 
 /// First bytes of a Middlebury flow file.
@@ -69,6 +72,23 @@ fn parse_flow(bytes: &[u8]) -> Option<FlowField> {
         Image::from_vec(width, height, values.collect()).ok()
     };
     Some(FlowField { u: plane(0)?, v: plane(1)? })
+}
+
+/// An array of 16-bit numbers, of floating point or whole, in a `.npz` archive.
+pub(super) fn packed_array(file: &Path, name: &str) -> Result<Vec<f32>, EvaluateError> {
+    let failed = |reason: &dyn ToString| EvaluateError::file(file, format!("{name}: {}", reason.to_string()));
+    let mut archive =
+        zip::ZipArchive::new(File::open(file).map_err(|error| failed(&error))?).map_err(|error| failed(&error))?;
+    let mut entry = archive.by_name(&format!("{name}.npy")).map_err(|error| failed(&error))?;
+    let header = NpyHeader::read(&mut entry).map_err(|error| failed(&format!("{error:?}")))?;
+    let mut bytes = Vec::new();
+    entry.read_to_end(&mut bytes).map_err(|error| failed(&error))?;
+    let words = bytes.as_chunks::<2>().0;
+    match header.code.as_str() {
+        "<f2" => Ok(words.iter().map(|word| f16::from_le_bytes(*word).to_f32()).collect()),
+        "<i2" => Ok(words.iter().map(|word| f32::from(i16::from_le_bytes(*word))).collect()),
+        code => Err(failed(&format!("values of type {code}, not <f2 or <i2"))),
+    }
 }
 
 #[cfg(test)]

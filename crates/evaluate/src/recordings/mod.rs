@@ -1,4 +1,4 @@
-//! Recorded pairs and a recorded press.
+//! Recorded pairs and presses.
 //!
 //! The recordings are not part of the project; [`Recordings::find`] describes the folders that are searched. They are:
 //!
@@ -7,13 +7,16 @@
 //! - a press on a Punyo sensor: an air-filled membrane with a dense speckle, seen from inside, with a depth camera's
 //!   image and the force of the robot's wrist beside every frame. It has no dense truth. Instead, three properties are
 //!   checked: the flow of the membrane at rest is zero, the flow to a frame and back to the reference adds up to zero,
-//!   and the flow grows with the force.
+//!   and the flow grows with the force;
+//! - three presses from another finite-element program and renderer, with its truth of depth and force.
 
 mod files;
+mod independent;
 mod pairs;
 mod press;
 mod punyo;
 
+pub use independent::measure as measure_independent;
 pub use pairs::measure as measure_pairs;
 pub use press::PressEvidence;
 pub use punyo::Punyo;

@@ -76,6 +76,7 @@ pub use error::RunError;
 pub use evaluation::{Evaluation, Outcome};
 pub(crate) use force::{LEAST_ARM_MM, LEAST_SHEAR};
 pub(crate) use last_frame::LastFrame;
+pub(crate) use npy_header::NpyHeader;
 pub use options::Options;
 pub use report::{
     Components, Errors, FieldErrors, ForceErrors, ForceReport, FrameReport, LoadErrors, PixelCounts, Region, Regions,

@@ -15,9 +15,9 @@ const MOST_BYTES: u64 = 1 << 16;
 
 /// A header.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct NpyHeader {
+pub(crate) struct NpyHeader {
     /// The type code of the values, as in `<f4`; of a compound type, its description.
-    pub(super) code: String,
+    pub(crate) code: String,
     /// Whether the first index varies fastest.
     pub(super) is_fortran: bool,
     pub(super) shape: Vec<u64>,
@@ -27,7 +27,7 @@ pub(super) struct NpyHeader {
 
 /// Why a file has no header.
 #[derive(Debug)]
-pub(super) enum HeaderError {
+pub(crate) enum HeaderError {
     Read(io::Error),
     /// The file ends within its header.
     CutOff,
@@ -43,7 +43,7 @@ impl From<io::Error> for HeaderError {
 
 impl NpyHeader {
     /// Reads the header at the beginning of a file.
-    pub(super) fn read(file: &mut impl Read) -> Result<Self, HeaderError> {
+    pub(crate) fn read(file: &mut impl Read) -> Result<Self, HeaderError> {
         let not_one = |reason: &str| HeaderError::NotOne(reason.into());
         let mut start = [0; 8];
         let is_short = match file.read_exact(&mut start) {

@@ -5,6 +5,7 @@ use fingervision_flow::Team;
 
 use super::coarse::Around;
 use super::face_search::{self, FaceLimits, Scratch};
+use super::frozen_strain::FrozenStrain;
 use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Symmetry};
 use super::rigid::{self, StuckFace};
 use super::surface::{self, Seen, Surface, WithoutDrag};
@@ -28,6 +29,7 @@ pub(super) struct ContactFinder {
     /// The network, if it is switched on and applies to the gel.
     network: Option<ContactNetwork>,
     face_scratch: Scratch,
+    strain: FrozenStrain,
     /// The size of the network's grid: the surface's, padded to a multiple of what the network needs.
     padded: (usize, usize),
     constants: [f32; CONSTANTS],
@@ -84,6 +86,7 @@ impl ContactFinder {
             inputs: vec![[0.0; INPUTS]; padded.0 * padded.1],
             estimated: vec![[0.0; OUTPUTS]; cells],
             face_scratch: Scratch::new(cells),
+            strain: FrozenStrain::new(gel.thickness_mm, surface.distance_mm()),
             padded,
             constants,
             scale: scale as f32,
@@ -126,11 +129,13 @@ impl ContactFinder {
         self.share.fill(0.0);
         self.on_face.fill(false);
         self.depth_mm.fill(0.0);
+        self.strain.rest();
     }
 
     /// Finds contact and its depth from the surface's motion, with the known displacement by shear subtracted. Needs
     /// [`Self::take_noise`] of the same frame.
     pub(super) fn find(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
+        self.strain.begin();
         if self.network.is_some() {
             self.look(surface, drag);
             self.take_contact(surface);
@@ -185,25 +190,35 @@ impl ContactFinder {
                 face.matching >= THRESHOLDS.least_matching
                     && face.residual_mm <= THRESHOLDS.most_residual * self.noise_mm
             })
-            .filter(|face| self.is_likely(surface, face))
             .and_then(|face| Some((face, deviation_mm(&face)?)));
         self.on_face.fill(false);
         let Some((face, deviation_mm)) = face else { return };
-        self.face_deviation_mm = (THRESHOLDS.face_deviation * self.thickness_mm).max(deviation_mm) as f32;
+        let depths_mm = self.mean_depths_mm(surface, &face);
+        if self.uses_network() {
+            let [face_mm, network_mm] = depths_mm;
+            self.strain.compare(face_mm, network_mm);
+            // Gel that slides and spreads evenly under a face.
+            if (face_mm - network_mm).abs() > THRESHOLDS.most_change * network_mm {
+                return;
+            }
+        }
+        let shift = self.strain.shift();
+        let deviation_mm = (THRESHOLDS.face_deviation * self.thickness_mm).max(deviation_mm);
+        self.face_deviation_mm = deviation_mm.hypot(shift.deviation_mm) as f32;
         for cell in 0..self.depth_mm.len() {
             if self.touches[cell] && rigid::distance_mm(surface, cell, &face.motion) < 3.0 * self.noise_mm {
                 self.on_face[cell] = true;
-                self.depth_mm[cell] = face.motion.apply(surface.centre_mm(cell))[2] as f32;
+                self.depth_mm[cell] = (face.motion.apply(surface.centre_mm(cell))[2] + shift.mm) as f32;
             }
         }
     }
 
-    /// Whether the depth of a face agrees with the network's depth, if the network is used.
-    fn is_likely(&self, surface: &Surface, face: &StuckFace) -> bool {
-        let depths = |cell: usize| (face.motion.apply(surface.centre_mm(cell))[2], f64::from(self.depth_mm[cell]));
-        let (face_mm, network_mm) =
-            self.inner.iter().map(|&cell| depths(cell)).fold((0.0, 0.0), |sum, (a, b)| (sum.0 + a, sum.1 + b));
-        !self.uses_network() || (face_mm - network_mm).abs() <= THRESHOLDS.most_change * network_mm
+    /// Mean depth of a face, mm, by its motion and as estimated before.
+    fn mean_depths_mm(&self, surface: &Surface, face: &StuckFace) -> [f64; 2] {
+        let depths = |cell: usize| [face.motion.apply(surface.centre_mm(cell))[2], f64::from(self.depth_mm[cell])];
+        let sums =
+            self.inner.iter().map(|&cell| depths(cell)).fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
+        sums.map(|sum| sum / self.inner.len() as f64)
     }
 
     /// Expected error of the depth of a cell, mm, one standard deviation; `around_mm` is its depth if it is not touched

@@ -5,7 +5,8 @@
 //! 1. A small network, trained on simulated presses, estimates where the gel is touched and how deep ([`network`]).
 //!    Around contact it corrects linear elasticity for large strain.
 //! 2. A face that the gel sticks to moves as a rigid body: where that explains the flow to its noise, perspective
-//!    determines the depth of the face far more accurately than anything else ([`rigid`]).
+//!    determines the depth of the face far more accurately than anything else ([`rigid`]), but for the strain that the
+//!    face had when the gel began to stick ([`frozen_strain`]).
 //! 3. The tractions that cause the displacement in contact are found; outside contact there are none
 //!    ([`traction`]). They give the force and the torque, and show whether the gel is the one described. Without the
 //!    network they alone give the displacement around contact.
@@ -19,6 +20,7 @@ mod drag;
 mod error;
 mod face_search;
 mod fields;
+mod frozen_strain;
 mod held;
 mod motion;
 mod nearest;
@@ -86,8 +88,8 @@ pub struct Cells<'a> {
 /// Finds indentation from the motion of the gel's surface in the image.
 ///
 /// Owns all scratch memory: no call of [`ElasticDepth::solve`] allocates. The result of a frame depends on previous
-/// frames in two ways only: through the start of the solver, within its tolerance, and through a misfit, which remains
-/// until the gel fits well or is at rest.
+/// frames in three ways only: through the start of the solver, within its tolerance; through the strain of a stuck face,
+/// which is found while it is pressed down; and through a misfit, which remains until the gel fits well or is at rest.
 #[derive(Debug)]
 pub struct ElasticDepth {
     gel: GelBlock,
