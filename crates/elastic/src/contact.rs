@@ -9,6 +9,9 @@ pub enum ContactLaw {
     /// A point that touches stays where it touched until it is pulled off.
     #[default]
     Stick,
+    /// A point slides freely in the step in which it touches, and then stays where it is until it is pulled off. The gel is thus
+    /// strained under a face when it begins to stick, more so in larger steps.
+    LateStick,
     /// No shear force acts on a point.
     Frictionless,
     /// Coulomb: a point slips where the shear force would exceed this coefficient times the normal force.

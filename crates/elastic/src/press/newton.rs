@@ -2,10 +2,10 @@
 
 use super::constraint::{Constraint, add_stiffness, apply_drag, constrain, project};
 use super::frame::{Frame, dot};
-use super::touch::{Node, Touch};
+use super::touch::{Node, Touch, below};
 use super::{Advance, ContinueCheck, Press, PressError, StepReport};
-use crate::Pose;
 use crate::solver::{Field, Grid, Outcome, Stop};
+use crate::{ContactLaw, Pose};
 
 /// Residual, over the contact force, at which the gel is in equilibrium, dimensionless.
 const TOLERANCE: f64 = 3e-6;
@@ -157,13 +157,15 @@ impl Press<'_> {
         changed
     }
 
-    /// Moves the anchors of sliding nodes with them.
+    /// Moves the anchors of sliding nodes with them; holds nodes that stick late.
     fn move_anchors(&mut self, frame: &Frame) {
         for surface in 0..self.touches.len() {
-            if let Touch::Frictional(friction) = self.touches[surface] {
-                let place = self.place(surface, &self.displacement);
-                self.touches[surface] = Touch::Frictional(friction.at_rest(frame, place, self.relief));
-            }
+            let place = self.place(surface, &self.displacement);
+            self.touches[surface] = match (self.touches[surface], self.contact) {
+                (Touch::Frictional(friction), _) => Touch::Frictional(friction.at_rest(frame, place, self.relief)),
+                (Touch::Sliding, ContactLaw::LateStick) => Touch::Held { anchor: below(frame, self.relief, place) },
+                (touch, _) => touch,
+            };
         }
     }
 

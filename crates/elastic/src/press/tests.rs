@@ -234,6 +234,33 @@ fn a_stuck_face_turns_the_gel_with_it() {
 }
 
 #[test]
+fn a_face_that_sticks_late_keeps_the_strain_of_its_first_step() {
+    let (punch, gel) = (Punch { radius_mm: 3.0 }, GelBlock { poissons_ratio: 0.35, ..GEL });
+    let shifts = |contact: ContactLaw, depths_mm: &[f64]| {
+        let mut press =
+            Press::new(&setup(gel, Law::NeoHookean, contact), mesh(&gel, 4.0, 0.75, 1.5), &punch, [0.0; 2]).unwrap();
+        let (last, before) = depths_mm.split_last().unwrap();
+        for &depth_mm in before {
+            press.step(&deep(depth_mm)).unwrap();
+        }
+        let state = press.step(&deep(*last)).unwrap();
+        let nodes = state.y_mm.iter().flat_map(|y| state.x_mm.iter().map(move |x| [*x, *y]));
+        let inner = nodes.zip(&state.displacement_mm).filter(|([x, y], _)| x.hypot(*y) < 2.5);
+        inner.map(|(at, moved)| (at[0] * moved[0] + at[1] * moved[1]) / 2.5).collect::<Vec<f64>>()
+    };
+    let first = shifts(ContactLaw::LateStick, &[0.2]);
+    for (late, free) in first.iter().zip(shifts(ContactLaw::Frictionless, &[0.2])) {
+        assert!((late - free).abs() < 1e-4, "{late} mm, {free} mm without friction");
+    }
+    // At this ratio gel is drawn inwards under a face.
+    let inwards = first.iter().copied().fold(0.0, f64::min);
+    assert!(inwards < -0.005, "{inwards} mm");
+    for (late, first) in shifts(ContactLaw::LateStick, &[0.2, 0.6, 1.2]).iter().zip(&first) {
+        assert!((late - first).abs() < 1e-4, "{late} mm at the end, {first} mm after the first step");
+    }
+}
+
+#[test]
 fn the_number_of_threads_does_not_matter() {
     let punch = Punch { radius_mm: 4.0 };
     let press_with = |threads: usize| {

@@ -75,8 +75,8 @@ impl FrictionState {
             return self;
         }
         let share = Self::ELASTIC_SLIP_MM / size;
-        let [x, y, _] = frame.indenter_from_gel([0, 1, 2].map(|c| place[c] - share * self.slip[c]));
-        Self { anchor: [x, y, -relief.at(x, y).height_mm], slip: self.slip.map(|slip| share * slip), ..self }
+        let anchor = below(frame, relief, [0, 1, 2].map(|c| place[c] - share * self.slip[c]));
+        Self { anchor, slip: self.slip.map(|slip| share * slip), ..self }
     }
 }
 
@@ -124,14 +124,13 @@ impl Node<'_> {
 
     /// The point of the face where the node is, in the indenter's frame.
     fn below(&self) -> [f64; 3] {
-        let [x, y, _] = self.frames[1].indenter_from_gel(self.places[1]);
-        [x, y, -self.relief.at(x, y).height_mm]
+        below(self.frames[1], self.relief, self.places[1])
     }
 
     /// A node that has just come into contact.
     fn touched(&self) -> Touch {
         match self.law {
-            ContactLaw::Frictionless => Touch::Sliding,
+            ContactLaw::Frictionless | ContactLaw::LateStick => Touch::Sliding,
             ContactLaw::Stick => Touch::Held { anchor: self.anchor() },
             ContactLaw::Friction(_) => {
                 Touch::Frictional(FrictionState { anchor: self.anchor(), slip: [0.0; 3], bound: 0.0 })
@@ -157,6 +156,12 @@ impl Node<'_> {
         let [x, y, _] = at(inside);
         [x, y, -height(&[x, y, 0.0])]
     }
+}
+
+/// The point of the indenter's face above or below a place, in the indenter's frame.
+pub(super) fn below(frame: &Frame, relief: &dyn Relief, place: [f64; 3]) -> [f64; 3] {
+    let [x, y, _] = frame.indenter_from_gel(place);
+    [x, y, -relief.at(x, y).height_mm]
 }
 
 fn length(vector: &[f64; 3]) -> f64 {

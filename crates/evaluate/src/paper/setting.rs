@@ -131,6 +131,7 @@ fn mesh(scene: &Scene) -> String {
 fn contact_law(law: ContactLaw) -> String {
     match law {
         ContactLaw::Stick => "sticking contact".into(),
+        ContactLaw::LateStick => "contact that sticks after a step".into(),
         ContactLaw::Frictionless => "contact without friction".into(),
         ContactLaw::Friction(coefficient) => format!("contact with a friction of {coefficient}"),
     }

@@ -76,6 +76,6 @@ pub struct MaterialTable {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ContactTable {
-    /// The contact law between gel and indenter: `"stick"`, `"frictionless"` or `{ friction = 0.8 }`.
+    /// The contact law between gel and indenter: `"stick"`, `"late-stick"`, `"frictionless"` or `{ friction = 0.8 }`.
     pub law: ContactLaw,
 }

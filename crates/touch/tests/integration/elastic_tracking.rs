@@ -79,6 +79,37 @@ fn depth_and_force_of_a_press_are_found_from_its_images() {
     assert_eq!(reading.flags.to_string(), "");
 }
 
+/// The strain that gel has when it begins to stick looks like depth. It is found, or the deviation includes it.
+#[test]
+fn the_depth_of_a_face_that_sticks_late_is_right_or_its_deviation_says_so() {
+    let mut press = Press::new(
+        "[gel]\npoissons_ratio = 0.35\n[contact]\nlaw = 'late-stick'\n[indenter]\nshape = 'circle'\nradius_mm = 4.0\n\
+         [motion]\nframes = 9\nkeyframes = [{ at = 8, depth_mm = 0.8 }]",
+    );
+    let true_mm = press.simulation.truth(8).unwrap().depth.clone();
+    let mut errors = |poses: &[usize]| {
+        let mut tracker = press.tracker();
+        for &pose in poses {
+            press.show(pose, &mut tracker);
+        }
+        let reading = tracker.reading();
+        let (depth, deviation) = (reading.depth.as_ref().unwrap(), reading.depth_deviation.as_ref().unwrap());
+        let middle = (0..480 * 480_usize).filter(|pixel| {
+            let [x, y] = [pixel % 480, pixel / 480].map(|at| at.abs_diff(240));
+            x * x + y * y < 48 * 48
+        });
+        let errors = middle.map(|at| (depth.values()[at] - true_mm.values()[at], deviation.values()[at]));
+        let (sum, deviations, count) =
+            errors.fold((0.0, 0.0, 0.0), |sum, (error, deviation)| (sum.0 + error, sum.1 + deviation, sum.2 + 1.0));
+        (sum / count, deviations / count)
+    };
+    let (slow_mm, known_to_mm) = errors(&[0, 1, 2, 3, 4, 5, 6, 7, 8]);
+    assert!(slow_mm.abs() < 0.025, "{slow_mm} mm");
+    let (at_once_mm, less_well_mm) = errors(&[0, 8]);
+    assert!(at_once_mm < -0.03, "{at_once_mm} mm: this press shows too little depth");
+    assert!(less_well_mm > known_to_mm && at_once_mm.abs() < 2.0 * less_well_mm, "{at_once_mm} mm, {less_well_mm} mm");
+}
+
 #[test]
 fn a_light_touch_is_felt_and_noise_is_not() {
     let mut press = Press::of_a_ball("", 0.3);
