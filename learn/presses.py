@@ -26,7 +26,7 @@ SHAPES = {
 class Kind:
     """The distribution of presses: the share that is moved along the surface, and of those the share that is sheared and not
     twisted; the shares that stick and that have friction, while the others slide (none: it depends on mesh and motion); the
-    ranges of depth, mm, the largest shear along each axis, mm, and the shapes."""
+    ranges of depth, mm, the largest shear along each axis, mm, the shapes, and the radii of balls, mm."""
 
     moved: float = 0.3
     sheared: float = 0.6
@@ -36,13 +36,23 @@ class Kind:
     most_shear_mm: float = 1.8
     shapes: tuple = tuple(SHAPES)
     ball_mm: tuple[float, float] = (2.5, 25)
+    is_late: bool = False  # what sticks does so after its first step
 
 
+FLAT = tuple(shape for shape in SHAPES if shape not in ("sphere", "height-map"))
+PARTS = ("crossing", "ring", "pins", "letter")
+LIGHT_MM = ((0.08, 0.6),)
 KINDS = {
     "any": Kind(),
     "sliding": Kind(moved=0.12, laws=(0.2, 0)),
-    "light": Kind(moved=0.1, depths_mm=((0.08, 0.6),)),
+    "light": Kind(moved=0.1, depths_mm=LIGHT_MM),
     "light-ball": Kind(moved=0.1, depths_mm=((0.08, 0.8),), shapes=("sphere",)),
+    "parts": Kind(shapes=PARTS),
+    "light-parts": Kind(moved=0.1, depths_mm=LIGHT_MM, shapes=PARTS),
+    "sliding-parts": Kind(moved=0.12, laws=(0.2, 0), shapes=PARTS),
+    "late": Kind(moved=0.15, laws=(1, 0), shapes=FLAT, is_late=True),
+    "late-parts": Kind(moved=0.15, laws=(1, 0), shapes=PARTS, is_late=True),
+    "light-late": Kind(moved=0.1, laws=(1, 0), depths_mm=LIGHT_MM, shapes=FLAT, is_late=True),
     "dragged": Kind(moved=1, laws=(0.25, 0.6), depths_mm=((0.4, 1.5),), most_shear_mm=2.1),
     "dragged-ball": Kind(
         moved=1, sheared=0.9, laws=(0.2, 0.8), depths_mm=((0.4, 1.0),), most_shear_mm=2.1, shapes=("sphere",), ball_mm=(6, 30)
@@ -122,6 +132,8 @@ def scene(draw, folder, mesh, kind):
     law = '"stick"' if chance < stuck else '"frictionless"'
     if chance > 1 - held_by_friction:
         law = f"{{ friction = {uniform(0.2, 1.2):.3f} }}"
+    if kind.is_late and law == '"stick"':
+        law = '"late-stick"'
     # Without friction the way down does not matter: few steps will do.
     pressed = 3 if "frictionless" in law else 10 if is_draft else 5
     x, y = uniform(-1, 1, 2) * 0.36 * side * draw.choice([0.3, 1])

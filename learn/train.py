@@ -21,10 +21,10 @@ from network import MESHES, ContactNetwork
 BATCH = 8
 MEAN_STEPS = 2000  # over which weights are averaged
 LEAN = 2.0  # weight of the mean error in contact
-SHARES = {"draft": 0.3, "medium": 0.5, "fine": 0.2}  # of the frames of a batch, by mesh
+SHARES = {"draft": 0.08, "medium": 0.52, "fine": 0.4}  # of the frames of a batch, by mesh
 DEEP_MM = 1.5  # contact that is less deep on average counts more
 MOST_SHALLOW = 2.5  # times as much at most
-TRACKED_SHARE = 0.75  # of them as a tracker saw them; the others as any camera would, under formulas for blur and noise
+TRACKED_SHARE = 0.85  # of them as a tracker saw them; the others as any camera would, under formulas for blur and noise
 JUDGED = "%s; unseen presses: depth %.4f mm, in contact %.3f mm (%+.1f %%), overlap %.3f, error over predicted %.2f"
 
 
@@ -55,7 +55,7 @@ def cost(estimated, depth, contact):
     count = touched.sum((1, 2))
     mean_depth = (touched * depth).sum((1, 2)) / (count + 1)
     shallow = torch.where(count < 8, 1.0, (DEEP_MM / (mean_depth + 1e-3)).clamp(1, MOST_SHALLOW))
-    weight = 0.35 + 4 * shallow.sqrt()[:, None, None] * touched + 3 * border
+    weight = 0.7 + 4 * shallow.sqrt()[:, None, None] * touched + 3 * border
     absolute = (weight * ((error * error + 1e-4).sqrt() - 0.01)).mean()
     lean = LEAN * (shallow * ((touched + border) * error).mean((1, 2)).abs()).mean()
     surprise = (error.detach().abs() * torch.exp(-estimated[:, 2]) + estimated[:, 2]).mean()

@@ -6,7 +6,7 @@
 use super::{Recordings, files};
 use crate::run::LEAST_SHEAR;
 use crate::{Asked, EvaluateError, Table};
-use fingervision_image::{Frame, Image};
+use fingervision_image::Frame;
 use fingervision_touch::{Fields, Profile, Reading, Tracker};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,8 @@ const LEAST_DEPTH_MM: f64 = 0.45;
 /// A place is in contact if it is this deep, over the largest depth.
 const IN_CONTACT: f32 = 0.9;
 
-const COLUMNS: [&str; 5] = ["depth, mm", "in contact", "normal force", "its largest", "shear force"];
+const COLUMNS: [&str; 6] =
+    ["depth, mm", "in contact", "within 2 deviations", "normal force", "its largest", "shear force"];
 
 /// Tracks the presses at several speeds: errors of depth and force in the last image, and the largest error of the normal force in all
 /// images. Depth counts at every place that the truth has. Errors of forces are parts of the true ones; positive: too large.
@@ -96,30 +97,35 @@ impl Press {
                 // The largest of a missing force is missing, too.
                 worst = if normal.is_nan() { normal } else { worst.max(normal.abs()) };
             }
-            let [all_mm, in_contact_mm] = self.depth_errors_mm(index, reading.depth.as_ref());
-            figures = [all_mm, in_contact_mm, normal, worst, shear];
+            let [all_mm, in_contact_mm, within] = self.depth_errors(index, reading);
+            figures = [all_mm, in_contact_mm, within, normal, worst, shear];
         }
         Ok(figures)
     }
 
-    /// Mean absolute error of depth everywhere and in contact, mm.
-    fn depth_errors_mm(&self, index: usize, depth_mm: Option<&Image<f32>>) -> [f64; 2] {
-        let Some(found_mm) = depth_mm else { return [f64::NAN; 2] };
+    /// Mean absolute error of depth everywhere and in contact, mm, and the part of contact where the error is at most two
+    /// deviations.
+    fn depth_errors(&self, index: usize, reading: &Reading) -> [f64; 3] {
+        let (Some(found_mm), Some(deviation_mm)) = (&reading.depth, &reading.depth_deviation) else {
+            return [f64::NAN; 3];
+        };
         let count = self.places.len();
         let truth = &self.depth_mm[index * count * count..][..count * count];
         let deepest = truth.iter().copied().fold(0.0, f32::max);
-        let mut sums = [[0.0; 2]; 2];
+        let (mut sums, mut counts) = ([0.0; 3], [0.0; 2]);
         for (row, truth) in self.places.iter().zip(truth.chunks_exact(count)) {
-            for (column, &truth) in self.places.iter().zip(truth) {
-                let error = f64::from((found_mm.at(*column, *row) - truth).abs());
-                let is_in = [truth.is_finite(), truth > IN_CONTACT * deepest];
-                for ([sum, count], _) in sums.iter_mut().zip(is_in).filter(|(_, is_in)| *is_in) {
-                    *sum += error;
-                    *count += 1.0;
+            for (column, &truth) in self.places.iter().zip(truth).filter(|(_, truth)| truth.is_finite()) {
+                let error = (found_mm.at(*column, *row) - truth).abs();
+                sums[0] += f64::from(error);
+                counts[0] += 1.0;
+                if truth > IN_CONTACT * deepest {
+                    sums[1] += f64::from(error);
+                    sums[2] += f64::from(u8::from(error <= 2.0 * deviation_mm.at(*column, *row)));
+                    counts[1] += 1.0;
                 }
             }
         }
-        sums.map(|[sum, count]| sum / count)
+        [sums[0] / counts[0], sums[1] / counts[1], sums[2] / counts[1]]
     }
 
     /// Errors of the normal force and of the shear force, parts of the true ones; not a number where there is none.

@@ -49,12 +49,13 @@ fn the_strain_of_a_face_is_found_in_a_press_of_another_program() {
     assert_eq!(table.rows.len(), 12);
     let press = |name: &str| &table.rows.iter().find(|row| row.name == name).unwrap().values;
     // Without the strain, the error of depth in contact is 0.045 mm, and that of the normal force up to 7 %.
-    let [depth_mm, in_contact_mm, normal, largest, _] = press("circle, ν 0.35, every image")[..] else { panic!() };
+    let [depth_mm, in_contact_mm, _, normal, largest, _] = press("circle, ν 0.35, every image")[..] else { panic!() };
     assert!(depth_mm < 0.006 && in_contact_mm < 0.02, "{table}");
     assert!(normal.abs() < 0.02 && largest < 0.02, "{table}");
     // At every speed, every press has a force, and none is far off.
     for row in &table.rows {
-        assert!(row.values[..4].iter().all(|value| value.is_finite()), "{row:?}");
-        assert!(row.values[0] < 0.015 && row.values[2].abs() < 0.05, "{row:?}");
+        let [depth_mm, _, within, normal, largest, _] = row.values[..] else { panic!() };
+        assert!(depth_mm < 0.015 && normal.abs() < 0.05 && largest < 0.1, "{row:?}");
+        assert!(within > 0.85, "{row:?}: the deviation does not cover the error in contact");
     }
 }
