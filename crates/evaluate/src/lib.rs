@@ -3,7 +3,7 @@
 //! Six kinds of test images, each with the required and the measured figure:
 //!
 //! - [`pairs`]: simulated pairs with exact truth, several patterns each, and a check of the predicted deviation.
-//! - [`recordings`]: recorded pairs and a recorded press, in a folder that is not part of the project. If it is
+//! - [`recordings`]: recorded pairs and presses, in a folder that is not part of the project. If it is
 //!   missing, they are not measured.
 //! - [`sequences`]: simulated presses, frame by frame through the whole tracker under every reference policy.
 //! - [`resolution`]: a star pattern with exact truth, which shows the smallest period of a displacement that is

@@ -159,6 +159,7 @@ fn looks(presses: &[GelPress], profile: &Profile, camera: &Camera, gel: &GelBloc
             inverse = Some((recorded.size, made));
         }
         let Some((_, inverse)) = &mut inverse else { continue };
+        inverse.restart();
         let mut found = 0;
         let mut widest_mm: f64 = 0.0;
         for (number, frame) in recorded.frames.iter().enumerate() {

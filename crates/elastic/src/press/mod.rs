@@ -168,6 +168,7 @@ impl<'a> Press<'a> {
 
     fn advance(&mut self, pose: &Pose, should_continue: ContinueCheck) -> Result<(), PressError> {
         self.report = StepReport::default();
+        self.hold_late();
         let (from, mut reached, mut halvings) = (self.pose, 0.0, 0_u32);
         while reached < 1.0 {
             let share = 0.5_f64.powi(halvings.cast_signed());

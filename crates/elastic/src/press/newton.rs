@@ -157,15 +157,27 @@ impl Press<'_> {
         changed
     }
 
-    /// Moves the anchors of sliding nodes with them; holds nodes that stick late.
+    /// Moves the anchors of sliding nodes with them.
     fn move_anchors(&mut self, frame: &Frame) {
         for surface in 0..self.touches.len() {
-            let place = self.place(surface, &self.displacement);
-            self.touches[surface] = match (self.touches[surface], self.contact) {
-                (Touch::Frictional(friction), _) => Touch::Frictional(friction.at_rest(frame, place, self.relief)),
-                (Touch::Sliding, ContactLaw::LateStick) => Touch::Held { anchor: below(frame, self.relief, place) },
-                (touch, _) => touch,
-            };
+            if let Touch::Frictional(friction) = self.touches[surface] {
+                let place = self.place(surface, &self.displacement);
+                self.touches[surface] = Touch::Frictional(friction.at_rest(frame, place, self.relief));
+            }
+        }
+    }
+
+    /// Holds the nodes that slid in the last step, where the contact sticks late.
+    pub(super) fn hold_late(&mut self) {
+        if self.contact != ContactLaw::LateStick {
+            return;
+        }
+        let frame = self.frame(&self.pose);
+        for surface in 0..self.touches.len() {
+            if self.touches[surface] == Touch::Sliding {
+                let place = self.place(surface, &self.displacement);
+                self.touches[surface] = Touch::Held { anchor: below(&frame, self.relief, place) };
+            }
         }
     }
 

@@ -80,7 +80,10 @@ pub(super) fn packed_array(file: &Path, name: &str) -> Result<Vec<f32>, Evaluate
     let mut archive =
         zip::ZipArchive::new(File::open(file).map_err(|error| failed(&error))?).map_err(|error| failed(&error))?;
     let mut entry = archive.by_name(&format!("{name}.npy")).map_err(|error| failed(&error))?;
-    let header = NpyHeader::read(&mut entry).map_err(|error| failed(&format!("{error:?}")))?;
+    let header = NpyHeader::read(&mut entry).map_err(|error| failed(&error))?;
+    if header.is_fortran {
+        return Err(failed(&"its first index varies fastest: not supported"));
+    }
     let mut bytes = Vec::new();
     entry.read_to_end(&mut bytes).map_err(|error| failed(&error))?;
     let words = bytes.as_chunks::<2>().0;

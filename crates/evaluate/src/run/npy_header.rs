@@ -5,6 +5,7 @@
 //! because the existing library contains a parser generator, which takes a twentieth of the build time of the whole
 //! program.
 
+use std::fmt;
 use std::io::{self, Read};
 
 /// The first bytes of every `.npy` file.
@@ -19,7 +20,7 @@ pub(crate) struct NpyHeader {
     /// The type code of the values, as in `<f4`; of a compound type, its description.
     pub(crate) code: String,
     /// Whether the first index varies fastest.
-    pub(super) is_fortran: bool,
+    pub(crate) is_fortran: bool,
     pub(super) shape: Vec<u64>,
     /// Bytes before the first value.
     pub(super) len: u64,
@@ -33,6 +34,16 @@ pub(crate) enum HeaderError {
     CutOff,
     /// A sentence.
     NotOne(String),
+}
+
+impl fmt::Display for HeaderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read(error) => error.fmt(f),
+            Self::CutOff => f.write_str("it ends within its header"),
+            Self::NotOne(reason) => f.write_str(reason),
+        }
+    }
 }
 
 impl From<io::Error> for HeaderError {

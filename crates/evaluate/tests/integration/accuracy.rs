@@ -46,6 +46,7 @@ fn sequences_meet_their_figures_and_are_never_worse_than_a_single_reference() {
 fn the_strain_of_a_face_is_found_in_a_press_of_another_program() {
     let Some(recordings) = recordings() else { return };
     let table = measure_independent(&recordings).unwrap();
+    assert_met(&table);
     assert_eq!(table.rows.len(), 12);
     let press = |name: &str| &table.rows.iter().find(|row| row.name == name).unwrap().values;
     // Without the strain, the error of depth in contact is 0.045 mm, and that of the normal force up to 7 %.
@@ -54,8 +55,8 @@ fn the_strain_of_a_face_is_found_in_a_press_of_another_program() {
     assert!(normal.abs() < 0.02 && largest < 0.02, "{table}");
     // At every speed, every press has a force, and none is far off.
     for row in &table.rows {
-        let [depth_mm, _, within, normal, largest, _] = row.values[..] else { panic!() };
-        assert!(depth_mm < 0.015 && normal.abs() < 0.05 && largest < 0.1, "{row:?}");
+        let [_, _, within, normal, largest, _] = row.values[..] else { panic!() };
+        assert!(normal.abs() < 0.05 && largest < 0.1, "{row:?}");
         assert!(within > 0.85, "{row:?}: the deviation does not cover the error in contact");
     }
 }

@@ -13,7 +13,7 @@ use crate::{Indenter, IndenterShape};
 /// Number of random positions that are tried for an indenter before the middle is used.
 const MOST_TRIES: usize = 100;
 
-/// Presses of the default sensor that differ in all that a press can differ in.
+/// Presses of the default sensor of many kinds.
 ///
 /// Shape and size, place and angle, a depth of 0.3 to 2 mm, tilt, in half of the scenes shear, in a quarter a twist;
 /// ν from 0.3 to 0.49; sticking, frictionless or with friction; pattern and noise. Lengths are whole micrometres. The

@@ -166,7 +166,7 @@ fn a_wrong_type_is_named_with_its_line() {
     assert!(error.starts_with("line 2: gel.size_mm: invalid type"), "{error}");
     let (error, hint) = refusal("[contact]\nlaw = 'glue'");
     assert!(error.starts_with("line 2: contact.law: unknown variant `glue`"), "{error}");
-    assert_eq!(hint, "possible values: stick, frictionless, friction");
+    assert_eq!(hint, "possible values: stick, late-stick, frictionless, friction");
     let (error, _) = refusal("[indenter]\nshape = 'sphere'");
     assert!(error.contains("indenter: missing radius_mm"), "{error}");
     let (error, _) = refusal("[gel\n");

@@ -193,9 +193,8 @@ impl ContactFinder {
             .and_then(|face| Some((face, deviation_mm(&face)?)));
         self.on_face.fill(false);
         let Some((face, deviation_mm)) = face else { return };
-        let depths_mm = self.mean_depths_mm(surface, &face);
         if self.uses_network() {
-            let [face_mm, network_mm] = depths_mm;
+            let [face_mm, network_mm] = self.mean_depths_mm(surface, &face);
             self.strain.compare(face_mm, network_mm);
             // Gel that slides and spreads evenly under a face.
             if (face_mm - network_mm).abs() > THRESHOLDS.most_change * network_mm {
@@ -232,6 +231,16 @@ impl ContactFinder {
                 (least * self.thickness_mm + by_depth * f64::from(around_mm.abs())) as f32
             }
         }
+    }
+
+    /// Takes back what this frame says about the strain of a face.
+    pub(super) fn discard_strain(&mut self) {
+        self.strain.discard();
+    }
+
+    /// Counts a frame without any estimate.
+    pub(super) fn skip(&mut self) {
+        self.strain.begin();
     }
 
     /// Whether a face that the gel sticks to was found.

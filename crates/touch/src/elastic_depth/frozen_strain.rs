@@ -8,8 +8,8 @@
 //! The shift is found at the start of the press. There the network's depth has a small error, because the depth itself is small; it
 //! comes from the gel around the face and hardly depends on the strain. Later the rigid motion gives every change of depth far
 //! more accurately. The differences between the two are averaged with the weight `g / (σ² + (ρ d)²)` at a depth `d`, where `g` is
-//! the logarithm of the factor by which `d` exceeds the largest depth before, at most 1. A slow press, which has more frames, thus
-//! gives the same as a fast one, and a press that is held adds nothing.
+//! the logarithm of the factor by which `d` exceeds the largest depth before, at most 1. A press in more images thus gives the same as
+//! long as depth grows by less than a factor of e from one to the next, and a press that is held adds nothing.
 //!
 //! Most faces that stick do so from the first touch, without strain. Before the average is known, the shift is zero with a
 //! probability of one half, and otherwise normally distributed [Mitchell1988]; its expectation once the average is known is
@@ -23,10 +23,10 @@ mod tests;
 const STRAIN: f64 = 0.002;
 /// Standard deviation of the network's mean depth of a face: a constant, in thicknesses of the gel, and a part of the depth. With
 /// these, depth was most accurate on presses of the simulator and of the other program together.
-const CONSTANT: f64 = 0.0015;
-const BY_DEPTH: f64 = 0.1;
+const NETWORK_ERROR: f64 = 0.0015;
+const NETWORK_ERROR_BY_DEPTH: f64 = 0.1;
 /// Frames without a face after which its strain is forgotten: it may have slid.
-const MOST_MISSED: u32 = 3;
+const MOST_MISSED_FRAMES: u32 = 3;
 
 /// By how much a face is deeper than its rigid motion, and the standard deviation of that, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ pub(super) struct FrozenStrain {
     /// From the frames before, and with this one.
     before: Evidence,
     now: Evidence,
-    has_face: bool,
+    was_compared: bool,
     missed: u32,
 }
 
@@ -63,10 +63,10 @@ impl FrozenStrain {
     pub(super) fn new(thickness_mm: f64, distance_mm: f64) -> Self {
         Self {
             strained_mm: STRAIN * distance_mm,
-            constant_mm: CONSTANT * thickness_mm,
+            constant_mm: NETWORK_ERROR * thickness_mm,
             before: Evidence::default(),
             now: Evidence::default(),
-            has_face: false,
+            was_compared: false,
             missed: 0,
         }
     }
@@ -74,31 +74,37 @@ impl FrozenStrain {
     /// Forgets the press.
     pub(super) fn rest(&mut self) {
         (self.before, self.now) = (Evidence::default(), Evidence::default());
-        (self.has_face, self.missed) = (false, 0);
+        (self.was_compared, self.missed) = (false, 0);
     }
 
     /// Begins a frame.
     pub(super) fn begin(&mut self) {
-        self.missed = if self.has_face { 0 } else { self.missed + 1 };
-        if self.missed >= MOST_MISSED {
+        self.missed = if self.was_compared { 0 } else { self.missed.saturating_add(1) };
+        if self.missed >= MOST_MISSED_FRAMES {
             self.now = Evidence::default();
         }
-        (self.before, self.has_face) = (self.now, false);
+        (self.before, self.was_compared) = (self.now, false);
     }
 
     /// Compares the mean depth of a face by its rigid motion, mm, with that by the network. A second comparison in the same frame
     /// replaces the first.
     pub(super) fn compare(&mut self, face_mm: f64, network_mm: f64) {
-        (self.now, self.has_face) = (self.before, true);
+        (self.now, self.was_compared) = (self.before, true);
         let evidence = &mut self.now;
-        if network_mm <= evidence.deepest_mm {
+        // A depth that is not a number says nothing either.
+        if network_mm.is_nan() || network_mm <= evidence.deepest_mm {
             return;
         }
         let gained = if evidence.deepest_mm > 0.0 { (network_mm / evidence.deepest_mm).ln().min(1.0) } else { 1.0 };
-        let weight = gained / (self.constant_mm.powi(2) + (BY_DEPTH * network_mm).powi(2));
+        let weight = gained / (self.constant_mm.powi(2) + (NETWORK_ERROR_BY_DEPTH * network_mm).powi(2));
         evidence.weight += weight;
         evidence.sum += weight * (network_mm - face_mm);
         evidence.deepest_mm = network_mm;
+    }
+
+    /// Forgets the comparisons of this frame, whose flow or depth is not to be trusted; it counts as a frame without a face.
+    pub(super) fn discard(&mut self) {
+        (self.now, self.was_compared) = (self.before, false);
     }
 
     /// What to add to the depth of the face's rigid motion.
@@ -113,8 +119,8 @@ impl FrozenStrain {
         // How much likelier the average is without strain than with it.
         let odds = (spread / variance).sqrt() * (0.5 * mean_mm.powi(2) * (1.0 / spread - 1.0 / variance)).exp();
         let is_strained = 1.0 / (1.0 + odds);
-        let (if_strained_mm, rest) = (mean_mm * strained / spread, strained * variance / spread);
-        let variance = is_strained * (rest + (1.0 - is_strained) * if_strained_mm.powi(2));
+        let (if_strained_mm, left) = (mean_mm * strained / spread, strained * variance / spread);
+        let variance = is_strained * (left + (1.0 - is_strained) * if_strained_mm.powi(2));
         Shift { mm: is_strained * if_strained_mm, deviation_mm: variance.sqrt() }
     }
 }

@@ -180,8 +180,16 @@ impl ElasticDepth {
         self.write_fields();
         let deepest_mm = self.deepest_mm();
         self.write_figures(deepest_mm);
+        if self.fields.is_unexplained || self.fields.is_flow_uncertain || self.fields.is_untracked {
+            self.contact.discard_strain();
+        }
         self.write_force(deepest_mm);
         &self.fields
+    }
+
+    /// Takes note of a frame whose flow is not to be used. The fields remain those of the frame before.
+    pub fn skip(&mut self) {
+        self.contact.skip();
     }
 
     /// Finds contact and its depth: contact from the whole motion, then the displacement by shear and twist, then the depth

@@ -1,4 +1,5 @@
-//! The thresholds of depth from elasticity, all in one place.
+//! The thresholds of depth from elasticity in one place; only the model of a face's strain has its own
+//! ([`super::frozen_strain`]).
 //!
 //! None of them is a length in mm. They are pixels of flow, multiples of the flow's deviation, or relative to the gel's
 //! thickness, to the largest depth or to the size of contact. If a sensor is scaled as a whole (gel, distance and

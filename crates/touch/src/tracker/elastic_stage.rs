@@ -50,6 +50,7 @@ impl ElasticStage {
     /// Fills the fields from the reading's flow. They are empty for a frame that is lost or does not fit the gel.
     pub(super) fn run(&mut self, reading: &mut Reading) {
         if reading.flags.has(Flag::Lost) || reading.flags.has(Flag::NoTexture) {
+            self.inverse.skip();
             clear(reading);
             return;
         }

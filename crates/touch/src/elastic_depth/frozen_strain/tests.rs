@@ -74,7 +74,7 @@ fn a_second_comparison_in_a_frame_replaces_the_first() {
 fn a_face_that_is_missed_twice_keeps_its_strain_and_one_that_slid_does_not() {
     let mut strain = pressed(20, 1.0, 0.05, |_| 0.0);
     let shift = strain.shift();
-    for _ in 0..MOST_MISSED {
+    for _ in 0..MOST_MISSED_FRAMES {
         strain.begin();
         assert_eq!(strain.shift(), shift);
     }
@@ -93,4 +93,17 @@ fn a_gel_that_is_scaled_as_a_whole_has_the_shift_scaled() {
     let (small, large) = (small.shift(), pressed(20, 2.0, 0.04, |_| 0.006).shift());
     assert!((2.0 * small.mm - large.mm).abs() < 1e-12, "{small:?}, {large:?}");
     assert!((2.0 * small.deviation_mm - large.deviation_mm).abs() < 1e-12, "{small:?}, {large:?}");
+}
+
+#[test]
+fn a_frame_that_is_discarded_leaves_nothing() {
+    let (mut strain, mut other) = (pressed(5, 0.5, 0.05, |_| 0.0), pressed(5, 0.5, 0.05, |_| 0.0));
+    strain.begin();
+    strain.compare(1.0, 3.0);
+    strain.discard();
+    for strain in [&mut strain, &mut other] {
+        strain.begin();
+        strain.compare(0.55, 0.6);
+    }
+    assert_eq!(strain.shift(), other.shift());
 }
