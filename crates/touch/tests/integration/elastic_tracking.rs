@@ -33,6 +33,14 @@ impl Press {
         ))
     }
 
+    /// A flat circle, under which the gel is strained when it begins to stick, pressed down in eight steps.
+    fn that_sticks_late() -> Self {
+        Self::new(
+            "[gel]\npoissons_ratio = 0.35\n[contact]\nlaw = 'late-stick'\n[indenter]\nshape = 'circle'\nradius_mm = 4.0\n\
+             [motion]\nframes = 9\nkeyframes = [{ at = 8, depth_mm = 0.8 }]",
+        )
+    }
+
     fn tracker(&self) -> Tracker {
         Tracker::new(&self.profile, self.simulation.size(), true, FIELDS).unwrap()
     }
@@ -82,10 +90,7 @@ fn depth_and_force_of_a_press_are_found_from_its_images() {
 /// The strain that gel has when it begins to stick looks like depth. It is found, or the deviation includes it.
 #[test]
 fn the_depth_of_a_face_that_sticks_late_is_right_or_its_deviation_says_so() {
-    let mut press = Press::new(
-        "[gel]\npoissons_ratio = 0.35\n[contact]\nlaw = 'late-stick'\n[indenter]\nshape = 'circle'\nradius_mm = 4.0\n\
-         [motion]\nframes = 9\nkeyframes = [{ at = 8, depth_mm = 0.8 }]",
-    );
+    let mut press = Press::that_sticks_late();
     let true_mm = press.simulation.truth(8).unwrap().depth.clone();
     let mut errors = |poses: &[usize]| {
         let mut tracker = press.tracker();
@@ -178,6 +183,45 @@ fn a_re_zeroed_tracker_gives_the_depth_and_force_of_a_new_one() {
             assert_eq!(again.flags.has(Flag::NewReference), pose == 2);
         }
         assert!(old.reading().force_n.unwrap()[2] > 1.0, "{mode}: {:?}", old.reading().force_n);
+    }
+}
+
+/// What was found in one press is not used in the next, whether the gel came to rest or the tracker was re-zeroed.
+#[test]
+fn the_strain_of_a_face_does_not_outlive_its_press() {
+    for mode in ["live", "exact"] {
+        let mut press = Press::that_sticks_late();
+        press.profile.set("elastic.mode", mode).unwrap();
+        let (mut rested, mut zeroed, mut fresh) = (press.tracker(), press.tracker(), press.tracker());
+        for pose in 0..=8 {
+            press.show(pose, &mut rested);
+            press.show(pose, &mut zeroed);
+        }
+        press.show(0, &mut rested);
+        zeroed.rezero();
+        let frames = [0, 4, 8].map(|pose| press.frame(pose));
+        for frame in &frames {
+            fresh.track(frame).unwrap();
+            zeroed.track(frame).unwrap();
+        }
+        for frame in &frames[1..] {
+            rested.track(frame).unwrap();
+        }
+        let depths = [&rested, &fresh].map(|tracker| {
+            let reading = tracker.reading();
+            let at = 240 * 480 + 240;
+            [&reading.depth, &reading.depth_deviation].map(|plane| plane.as_ref().unwrap().values()[at])
+        });
+        assert!(zeroed.reading().depth == fresh.reading().depth, "{mode}: re-zeroed");
+        assert!(zeroed.reading().depth_deviation == fresh.reading().depth_deviation, "{mode}: re-zeroed");
+        for (rested, fresh) in depths[0].iter().zip(depths[1]) {
+            assert!((rested - fresh).abs() < 1e-3, "{mode}: {depths:?} mm");
+        }
+        // With what the first press told, it would be 0.025 mm.
+        assert!(
+            fresh.reading().depth_deviation.as_ref().unwrap().values()[240 * 480 + 240] > 0.03,
+            "{mode}: {depths:?}"
+        );
     }
 }
 
