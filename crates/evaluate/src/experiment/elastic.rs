@@ -65,15 +65,20 @@ impl ElasticRun {
             shear_force: None,
             torque: None,
         };
-        if let Some(([x, y, z], torque)) = found.force_n.zip(found.torque_nmm).filter(|_| !found.is_unexplained) {
-            let ([true_x, true_y, true_z], true_torque) = (recording.force_n, recording.torque_z_nmm);
-            let shear = true_x.hypot(true_y);
-            score.normal_force = part(f64::from(z) - true_z, true_z, 0.0);
-            score.shear_force = part((f64::from(x) - true_x).hypot(f64::from(y) - true_y), shear, LEAST_SHEAR * true_z);
-            score.torque = part(f64::from(torque) - true_torque, true_torque, LEAST_ARM_MM * true_z);
+        if let Some((force_n, torque)) = found.force_n.zip(found.torque_nmm).filter(|_| !found.is_unexplained) {
+            let true_torque = recording.torque_z_nmm;
+            [score.normal_force, score.shear_force] = force_errors(force_n, recording.force_n);
+            score.torque = part(f64::from(torque) - true_torque, true_torque, LEAST_ARM_MM * recording.force_n[2]);
         }
         (score, depth_mm)
     }
+}
+
+/// Errors of the normal force and of the shear force as [`ElasticScore`] has them, from the estimated and the true force, N.
+pub(crate) fn force_errors(force_n: [f32; 3], [true_x, true_y, true_z]: [f64; 3]) -> [Option<f64>; 2] {
+    let [x, y, z] = force_n.map(f64::from);
+    let shear = part((x - true_x).hypot(y - true_y), true_x.hypot(true_y), LEAST_SHEAR * true_z);
+    [part(z - true_z, true_z, 0.0), shear]
 }
 
 /// An error relative to the true value; none where the absolute true value is not above `least`.

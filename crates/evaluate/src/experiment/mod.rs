@@ -15,6 +15,7 @@ mod score;
 
 pub use calibration::{CALIBRATION, calibrate};
 pub use depth::{clipped, depth_of};
+pub(crate) use elastic::force_errors;
 pub use elastic::{ElasticRun, ElasticScore};
 pub use error::ExperimentError;
 pub use extent::Extent;

@@ -4,7 +4,7 @@
 //! has 21 images: the gel at rest, then a step per image. Leaving out images makes it fast.
 
 use super::{Recordings, files};
-use crate::run::LEAST_SHEAR;
+use crate::experiment::force_errors;
 use crate::{Asked, EvaluateError, Table};
 use fingervision_image::Frame;
 use fingervision_touch::{Fields, Profile, Reading, Tracker};
@@ -93,7 +93,9 @@ impl Press {
             };
             let frame = Frame { sequence: index as u64, capture_time_s: index as f64 / 30.0, pixels };
             let reading = tracker.track(&frame)?;
-            let [normal, shear] = self.force_errors(index, reading);
+            let [_, x, y, z] = self.poses[index];
+            let errors = reading.numbers.force_n.map(|force_n| force_errors(force_n, [x, y, z]));
+            let [normal, shear] = errors.unwrap_or_default().map(|error| error.unwrap_or(f64::NAN));
             if self.poses[index][0] >= LEAST_DEPTH_MM {
                 // The largest of a missing force is missing, too.
                 worst = if normal.is_nan() || worst.is_nan() { f64::NAN } else { worst.max(normal.abs()) };
@@ -128,17 +130,6 @@ impl Press {
             }
         }
         [sums[0] / counts[0], sums[1] / counts[1], sums[2] / counts[1]]
-    }
-
-    /// Errors of the normal force and of the shear force, parts of the true ones; not a number where there is none.
-    fn force_errors(&self, index: usize, reading: &Reading) -> [f64; 2] {
-        let [_, x, y, z] = self.poses[index];
-        let Some(found) = reading.numbers.force_n else { return [f64::NAN; 2] };
-        let [found_x, found_y, found_z] = found.map(f64::from);
-        let shear = x.hypot(y);
-        let is_sheared = shear > LEAST_SHEAR * z;
-        let shear_error = if is_sheared { (found_x - x).hypot(found_y - y) / shear } else { f64::NAN };
-        [found_z / z - 1.0, shear_error]
     }
 }
 

@@ -78,13 +78,7 @@ impl<T: Value> FrameArray<T> {
         let mut file = BufReader::new(file);
         let header = NpyHeader::read(&mut file).map_err(|error| match error {
             HeaderError::Read(error) => RunError::reading(path)(error),
-            HeaderError::CutOff => {
-                let reason = "this is not an array: its header is longer than the file".into();
-                fault(path, reason, "write it with numpy.save")
-            }
-            HeaderError::NotOne(reason) => {
-                fault(path, format!("this is not an array: {reason}"), "write it with numpy.save")
-            }
+            error => fault(path, format!("this is not an array: {error}"), "write it with numpy.save"),
         })?;
         let stored = stored(path, &header)?;
         let (frames, size) = shape(path, &header, channels)?;

@@ -40,7 +40,7 @@ impl fmt::Display for HeaderError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Read(error) => error.fmt(f),
-            Self::CutOff => f.write_str("it ends within its header"),
+            Self::CutOff => f.write_str("its header is longer than the file"),
             Self::NotOne(reason) => f.write_str(reason),
         }
     }

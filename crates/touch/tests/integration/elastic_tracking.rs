@@ -217,7 +217,7 @@ fn the_strain_of_a_face_does_not_outlive_its_press() {
         for (rested, fresh) in depths[0].iter().zip(depths[1]) {
             assert!((rested - fresh).abs() < 1e-3, "{mode}: {depths:?} mm");
         }
-        // With what the first press told, it would be 0.025 mm.
+        // A tracker that still used the strain of the first press would give 0.025 mm.
         assert!(
             fresh.reading().depth_deviation.as_ref().unwrap().values()[240 * 480 + 240] > 0.03,
             "{mode}: {depths:?}"
