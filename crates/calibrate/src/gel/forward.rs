@@ -74,7 +74,7 @@ impl Model {
         };
         let apparent_mm = look.around.iter().map(apparent).collect();
         let pushed: f64 = self.tractions.traction().iter().map(|traction| f64::from(traction[2])).sum();
-        let strain = Strain::of(look.grid, &look.touches, &look.held_mm, look.depth_mm, self.gel.thickness_mm);
+        let strain = Strain::of(look.grid, &look.touches, &look.held_mm, self.gel.thickness_mm);
         let [_, _, stiffened] = strain.stiffening();
         let shear_over_modulus = 0.5 / (1.0 + self.gel.poissons_ratio);
         let force_per_modulus_mm2 = stiffened * shear_over_modulus * pushed * look.grid.cell_area_mm2();

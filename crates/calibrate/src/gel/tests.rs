@@ -33,7 +33,7 @@ fn press(radius_mm: f64, [x, y]: [f64; 2]) -> Pressed {
     };
     let pushed: f64 = tractions.traction().iter().map(|traction| f64::from(traction[2])).sum();
     let shear_mpa = 0.3 / (2.0 * (1.0 + GEL.poissons_ratio));
-    let [_, _, stiffened] = Strain::of(GRID, &touches, moved, 0.5, GEL.thickness_mm).stiffening();
+    let [_, _, stiffened] = Strain::of(GRID, &touches, moved, GEL.thickness_mm).stiffening();
     Pressed {
         seen: GRID.centres_mm().zip(moved).map(see).collect(),
         depth_mm: moved.iter().map(|[_, _, depth]| *depth).collect(),

@@ -100,10 +100,10 @@ impl HeldGel {
         (all > count * least_mm * least_mm).then(|| (left / count).sqrt() / deepest_mm.max(least_mm))
     }
 
-    /// Strain in contact at a depth; a stuck face counts as not sliding.
-    pub(super) fn strain(&self, thickness_mm: f64, deepest_mm: f64, has_face: bool) -> Strain {
-        let strain = Strain::of(self.grid(), &self.touches, &self.wanted_mm, deepest_mm, thickness_mm);
-        if has_face { Strain { slide: 0.0, ..strain } } else { strain }
+    /// Strain in contact; what is known to stick does not slide.
+    pub(super) fn strain(&self, thickness_mm: f64, sticks: bool) -> Strain {
+        let strain = Strain::of(self.grid(), &self.touches, &self.wanted_mm, thickness_mm);
+        if sticks { Strain { slide: 0.0, ..strain } } else { strain }
     }
 
     /// Force `(x, y, z)`, N, and torque about the z axis through the centre of contact, N mm, for a gel of this shear

@@ -183,7 +183,7 @@ impl ElasticDepth {
         if self.fields.is_unexplained || self.fields.is_flow_uncertain || self.fields.is_untracked {
             self.contact.discard_strain();
         }
-        self.write_force(deepest_mm);
+        self.write_force();
         &self.fields
     }
 
@@ -312,10 +312,10 @@ impl ElasticDepth {
         f64::from(depths.map(|(&depth, _)| depth).fold(0.0, f32::max))
     }
 
-    fn write_force(&mut self, deepest_mm: f64) {
+    fn write_force(&mut self) {
         let Some(modulus) = self.gel.youngs_modulus_mpa else { return };
         let shear_modulus = modulus / (2.0 * (1.0 + self.gel.poissons_ratio));
-        let strain = self.held.strain(self.gel.thickness_mm, deepest_mm, self.contact.has_face());
+        let strain = self.held.strain(self.gel.thickness_mm, self.contact.has_face());
         let grid = &mut self.fields.traction_mpa;
         let (force, torque) = self.held.force(shear_modulus, strain, |cell, traction| {
             if let Some(grid) = grid {
