@@ -7,7 +7,8 @@ use super::coarse::Around;
 use super::face_search::{self, FaceLimits, Scratch};
 use super::frozen_strain::FrozenStrain;
 use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Symmetry};
-use super::rigid::{self, StuckFace};
+use super::rigid::{self, AtRest, StuckFace};
+use super::stuck_shape::StuckShape;
 use super::surface::{self, Seen, Surface, WithoutDrag};
 use super::thresholds::THRESHOLDS;
 use super::{CELLS, ElasticMode, ElasticParams};
@@ -30,6 +31,9 @@ pub(super) struct ContactFinder {
     network: Option<ContactNetwork>,
     face_scratch: Scratch,
     strain: FrozenStrain,
+    shape: StuckShape,
+    /// Whether contact moves with the shape that it had before it was dragged.
+    has_shape: bool,
     /// The size of the network's grid: the surface's, padded to a multiple of what the network needs.
     padded: (usize, usize),
     constants: [f32; CONSTANTS],
@@ -87,6 +91,8 @@ impl ContactFinder {
             estimated: vec![[0.0; OUTPUTS]; cells],
             face_scratch: Scratch::new(cells),
             strain: FrozenStrain::new(gel.thickness_mm, surface.distance_mm()),
+            shape: StuckShape::new(cells),
+            has_shape: false,
             padded,
             constants,
             scale: scale as f32,
@@ -130,12 +136,15 @@ impl ContactFinder {
         self.on_face.fill(false);
         self.depth_mm.fill(0.0);
         self.strain.rest();
+        self.shape.forget();
+        self.has_shape = false;
     }
 
     /// Finds contact and its depth from the surface's motion, with the known displacement by shear subtracted. Needs
     /// [`Self::take_noise`] of the same frame.
     pub(super) fn find(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
         self.strain.begin();
+        self.has_shape = false;
         if self.network.is_some() {
             self.look(surface, drag);
             self.take_contact(surface);
@@ -166,6 +175,40 @@ impl ContactFinder {
         self.hold_to_face(surface);
     }
 
+    /// Gives contact that sticks while it is dragged the depth of its shape before, moved as a rigid body. The depth of
+    /// cells in contact that do not move with it changes in proportion.
+    pub(super) fn hold_to_shape(&mut self, surface: &Surface) {
+        if self.has_face() {
+            return;
+        }
+        let Self { shape, inner, depth_mm, noise_mm, thickness_mm, scratch, .. } = self;
+        let Some(moved) = shape.motion(surface, (inner, depth_mm), *noise_mm, *thickness_mm, scratch) else { return };
+        let (mut by_shape, mut by_network) = (0.0, 0.0);
+        for cell in (0..depth_mm.len()).filter(|&cell| self.touches[cell]) {
+            if let Some([shape_mm, _]) = shape.depth_mm(surface, cell, &moved) {
+                by_shape += shape_mm;
+                by_network += depth_mm[cell];
+            }
+        }
+        if by_shape <= 0.0 || by_network <= 0.0 {
+            return;
+        }
+        self.has_shape = true;
+        for cell in (0..depth_mm.len()).filter(|&cell| self.touches[cell]) {
+            match shape.depth_mm(surface, cell, &moved) {
+                Some(of_shape) => [depth_mm[cell], self.network_deviation_mm[cell]] = of_shape,
+                None => depth_mm[cell] *= by_shape / by_network,
+            }
+        }
+    }
+
+    /// Takes the shape of contact in a frame that is to be trusted and has no shear.
+    pub(super) fn take_shape(&mut self, surface: &Surface) {
+        let Self { shape, touches, depth_mm, on_face, face_deviation_mm, network_deviation_mm, .. } = self;
+        let deviation_mm = |cell: usize| if on_face[cell] { *face_deviation_mm } else { network_deviation_mm[cell] };
+        shape.take(surface, touches, depth_mm, deviation_mm);
+    }
+
     /// Stores the accuracy of a frame's flow; returns the motion, mm, up to which the gel counts as at rest in this
     /// frame.
     pub(super) fn take_noise(&mut self, surface: &Surface) -> f64 {
@@ -182,14 +225,11 @@ impl ContactFinder {
     fn hold_to_face(&mut self, surface: &Surface) {
         self.erode(surface.grid);
         let deviation_mm = |face: &StuckFace| {
-            rigid::depth_deviation_mm(surface, &self.inner, face, self.noise_mm)
+            rigid::depth_deviation_mm(surface, &AtRest, &self.inner, face, self.noise_mm)
                 .filter(|deviation_mm| *deviation_mm <= THRESHOLDS.most_face_deviation * self.thickness_mm)
         };
-        let face = rigid::fit(surface, &self.inner, self.noise_mm, &mut self.scratch)
-            .filter(|face| {
-                face.matching >= THRESHOLDS.least_matching
-                    && face.residual_mm <= THRESHOLDS.most_residual * self.noise_mm
-            })
+        let face = rigid::fit(surface, &AtRest, &self.inner, self.noise_mm, &mut self.scratch)
+            .filter(|face| face.sticks(self.noise_mm))
             .and_then(|face| Some((face, deviation_mm(&face)?)));
         self.on_face.fill(false);
         let Some((face, deviation_mm)) = face else { return };
@@ -205,7 +245,9 @@ impl ContactFinder {
         let deviation_mm = (THRESHOLDS.face_deviation * self.thickness_mm).max(deviation_mm);
         self.face_deviation_mm = deviation_mm.hypot(shift.deviation_mm) as f32;
         for cell in 0..self.depth_mm.len() {
-            if self.touches[cell] && rigid::distance_mm(surface, cell, &face.motion) < 3.0 * self.noise_mm {
+            if self.touches[cell]
+                && rigid::distance_mm(surface, &AtRest, cell, &face.motion) < rigid::tolerance_mm(self.noise_mm)
+            {
                 self.on_face[cell] = true;
                 self.depth_mm[cell] = (face.motion.apply(surface.centre_mm(cell))[2] + shift.mm) as f32;
             }
@@ -246,6 +288,11 @@ impl ContactFinder {
     /// Whether a face that the gel sticks to was found.
     pub(super) fn has_face(&self) -> bool {
         self.on_face.contains(&true)
+    }
+
+    /// Whether contact is known to stick: a face, or a shape that moves as a whole.
+    pub(super) fn sticks(&self) -> bool {
+        self.has_shape || self.has_face()
     }
 
     /// Whether contact reaches the border of the visible part of the gel.

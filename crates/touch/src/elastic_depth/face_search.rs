@@ -6,7 +6,7 @@
 
 use fingervision_elastic::SurfaceGrid;
 
-use super::rigid::{self, StuckFace};
+use super::rigid::{self, AtRest, StuckFace};
 use super::surface::{self, Surface};
 use super::thresholds::THRESHOLDS;
 
@@ -46,7 +46,7 @@ pub(super) fn mark(surface: &Surface, limits: &FaceLimits, touches: &mut [bool],
     let mut best: Option<(f64, StuckFace)> = None;
     for (column, row) in windows(surface.grid) {
         collect(surface, (column, row), &mut scratch.cells);
-        let Some(face) = rigid::fit(surface, &scratch.cells, limits.tolerance, &mut scratch.distances) else {
+        let Some(face) = rigid::fit(surface, &AtRest, &scratch.cells, limits.tolerance, &mut scratch.distances) else {
             continue;
         };
         if face.residual_mm > limits.tolerance {
@@ -104,7 +104,7 @@ fn collect(surface: &Surface, (column, row): (usize, usize), cells: &mut Vec<usi
 fn is_on(surface: &Surface, cell: usize, face: &StuckFace, limits: &FaceLimits) -> bool {
     surface.seen[cell].trust > 0.0
         && face.motion.apply(surface.centre_mm(cell))[2] > limits.least_depth
-        && rigid::distance_mm(surface, cell, &face.motion) < 2.0 * limits.tolerance
+        && rigid::distance_mm(surface, &AtRest, cell, &face.motion) < 2.0 * limits.tolerance
 }
 
 /// Sum over the cells that move with a face, each weighted by its depth up to a limit, because gel near rest fits many

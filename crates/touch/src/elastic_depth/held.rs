@@ -77,9 +77,9 @@ impl HeldGel {
     }
 
     /// Difference between measured motion along the surface and the motion that the tractions predict, away from
-    /// contact and beyond the error of the flow: root mean square over the largest depth. Without contact, the whole
+    /// contact and beyond the error of the flow: root mean square over the largest motion of contact, mm. Without contact, the whole
     /// surface is compared. None if the motion is too small.
-    pub(super) fn unexplained(&mut self, thickness_mm: f64, deepest_mm: f64, mm_per_px: f64) -> Option<f64> {
+    pub(super) fn unexplained(&mut self, thickness_mm: f64, farthest_mm: f64, mm_per_px: f64) -> Option<f64> {
         let away = THRESHOLDS.away * thickness_mm / self.grid().cell_mm;
         self.nearest.find(&self.touches);
         let (mut left, mut all, mut error, mut count) = (0.0, 0.0, 0.0, 0.0);
@@ -97,7 +97,7 @@ impl HeldGel {
         }
         let (left, all) = ((left - error).max(0.0), all - error);
         let least_mm = THRESHOLDS.least_motion_px * mm_per_px;
-        (all > count * least_mm * least_mm).then(|| (left / count).sqrt() / deepest_mm.max(least_mm))
+        (all > count * least_mm * least_mm).then(|| (left / count).sqrt() / farthest_mm.max(least_mm))
     }
 
     /// Strain in contact; what is known to stick does not slide.

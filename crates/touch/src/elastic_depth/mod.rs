@@ -7,7 +7,9 @@
 //! 2. A face that the gel sticks to moves as a rigid body: where that explains the flow to its noise, perspective
 //!    determines the depth of the face far more accurately than anything else ([`rigid`]), but for the strain that the
 //!    face had when the gel began to stick ([`frozen_strain`]).
-//! 3. The tractions that cause the displacement in contact are found; outside contact there are none
+//! 3. Contact of any shape that sticks while it is dragged also moves as a rigid body, from the shape that it had before
+//!    ([`stuck_shape`]).
+//! 4. The tractions that cause the displacement in contact are found; outside contact there are none
 //!    ([`traction`]). They give the force and the torque, and show whether the gel is the one described. Without the
 //!    network they alone give the displacement around contact.
 //!
@@ -30,6 +32,7 @@ mod pixel_sums;
 mod rays;
 mod rigid;
 mod stiffening;
+mod stuck_shape;
 mod surface;
 mod thresholds;
 mod to_pixels;
@@ -88,8 +91,9 @@ pub struct Cells<'a> {
 /// Finds indentation from the motion of the gel's surface in the image.
 ///
 /// Owns all scratch memory: no call of [`ElasticDepth::solve`] allocates. The result of a frame depends on previous
-/// frames in three ways only: through the start of the solver, within its tolerance; through the strain of a stuck face,
-/// which is found while it is pressed down; and through a misfit, which remains until the gel fits well or is at rest.
+/// frames in four ways only: through the start of the solver, within its tolerance; through the strain of a stuck face,
+/// which is found while it is pressed down; through the shape of contact before it was dragged; and through a misfit, which
+/// remains until the gel fits well or is at rest.
 #[derive(Debug)]
 pub struct ElasticDepth {
     gel: GelBlock,
@@ -182,6 +186,8 @@ impl ElasticDepth {
         self.write_figures(deepest_mm);
         if self.fields.is_unexplained || self.fields.is_flow_uncertain || self.fields.is_untracked {
             self.contact.discard_strain();
+        } else if !self.is_dragged() {
+            self.contact.take_shape(&self.surface);
         }
         self.write_force();
         &self.fields
@@ -201,6 +207,14 @@ impl ElasticDepth {
         if drag.find(&self.surface, &self.contact) {
             self.contact.find_depth(&self.surface, drag.found());
         }
+        if self.is_dragged() {
+            self.contact.hold_to_shape(&self.surface);
+        }
+    }
+
+    /// Whether contact moved along the surface, so that its shape is that of an earlier frame.
+    fn is_dragged(&self) -> bool {
+        self.drag.as_ref().is_some_and(|drag| drag.ratio() > THRESHOLDS.least_drag)
     }
 
     /// The estimates of the last frame, cell by cell.
@@ -291,14 +305,16 @@ impl ElasticDepth {
         let thickness_mm = self.gel.thickness_mm;
         let touched = self.contact.touches.iter().filter(|touches| **touches).count();
         self.fields.contact_area_mm2 = (touched as f64 * self.surface.grid.cell_area_mm2()) as f32;
-        let most_drag = THRESHOLDS.most_drag[usize::from(self.contact.has_face())];
+        let most_drag = THRESHOLDS.most_drag[usize::from(self.contact.sticks())];
         let is_dragged_far = self.drag.as_ref().is_some_and(|drag| drag.ratio() > most_drag);
         self.fields.is_beyond_linear = deepest_mm > THRESHOLDS.linear_range * thickness_mm || is_dragged_far;
         self.fields.is_flow_uncertain = self.contact.is_flow_uncertain;
         self.fields.is_cut = self.contact.is_cut(&self.surface);
         self.fields.is_outside_training = self.is_outside_training;
         self.fields.is_untracked = self.untracked.is_untracked(&self.surface, &self.contact.touches, touched);
-        let unexplained = self.held.unexplained(thickness_mm, deepest_mm, self.surface.mm_per_px);
+        // Linear elasticity errs in proportion to all motion of contact, not only to its depth.
+        let farthest_mm = deepest_mm.hypot(deepest_mm * self.drag.as_ref().map_or(0.0, Drag::ratio));
+        let unexplained = self.held.unexplained(thickness_mm, farthest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);
         // After a misfit, the gel has to fit well or to come to rest.
         let was_unexplained = self.fields.is_unexplained;
@@ -315,7 +331,7 @@ impl ElasticDepth {
     fn write_force(&mut self) {
         let Some(modulus) = self.gel.youngs_modulus_mpa else { return };
         let shear_modulus = modulus / (2.0 * (1.0 + self.gel.poissons_ratio));
-        let strain = self.held.strain(self.gel.thickness_mm, self.contact.has_face());
+        let strain = self.held.strain(self.gel.thickness_mm, self.contact.sticks());
         let grid = &mut self.fields.traction_mpa;
         let (force, torque) = self.held.force(shear_modulus, strain, |cell, traction| {
             if let Some(grid) = grid {

@@ -11,11 +11,12 @@
 //! the face; for gel outside the face the difference is much larger, because it is strained.
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 use fingervision_optics::rotation_matrix;
 
 use super::surface::Surface;
+use super::thresholds::THRESHOLDS;
 
 /// A rigid motion of gel space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +25,7 @@ pub(super) struct RigidMotion {
     translation_mm: [f64; 3],
 }
 
-/// A face that the gel sticks to.
+/// The motion of contact that the gel sticks to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct StuckFace {
     pub(super) motion: RigidMotion,
@@ -34,12 +35,43 @@ pub(super) struct StuckFace {
     pub(super) matching: f64,
 }
 
-/// A point at rest and its measurement by the camera.
+/// Positions of the surface's cells before a motion, mm: those of the gel at rest, or of an earlier frame.
+pub(super) trait Positions {
+    fn position_mm(&self, surface: &Surface, cell: usize) -> [f64; 3];
+}
+
+/// The gel at rest.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AtRest;
+
+impl Positions for AtRest {
+    fn position_mm(&self, surface: &Surface, cell: usize) -> [f64; 3] {
+        let [x, y] = surface.centre_mm(cell);
+        [x, y, 0.0]
+    }
+}
+
+/// A point and its measurement by the camera.
 #[derive(Debug, Clone, Copy)]
 struct Point {
+    /// On the gel at rest.
     rest: [f64; 2],
+    /// Before the motion.
+    before: [f64; 3],
     apparent: [f64; 2],
     slope: [f64; 2],
+}
+
+impl StuckFace {
+    /// Whether the points move as a rigid body within this error of the flow, mm.
+    pub(super) fn sticks(&self, noise_mm: f64) -> bool {
+        self.matching >= THRESHOLDS.least_matching && self.residual_mm <= THRESHOLDS.most_residual * noise_mm
+    }
+}
+
+/// Largest distance of a point that moves with a face, mm, for this error of the flow, mm.
+pub(super) fn tolerance_mm(noise_mm: f64) -> f64 {
+    3.0 * noise_mm
 }
 
 /// Iterations of reweighting.
@@ -52,7 +84,13 @@ impl RigidMotion {
 
     /// Current position of a point of the undeformed surface, mm.
     pub(super) fn apply(&self, [x, y]: [f64; 2]) -> [f64; 3] {
-        [0, 1, 2].map(|i| self.rotation[i][0] * x + self.rotation[i][1] * y + self.translation_mm[i])
+        self.moves([x, y, 0.0])
+    }
+
+    /// Position after the motion of a point that was here before it, mm.
+    pub(super) fn moves(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let turned = |[a, b, c]: [f64; 3]| a * x + b * y + c * z;
+        [0, 1, 2].map(|i| turned(self.rotation[i]) + self.translation_mm[i])
     }
 
     fn turned(&self, step: [f64; 6]) -> Self {
@@ -66,26 +104,32 @@ impl RigidMotion {
 }
 
 /// Distance between the position of a cell by a motion and its measured position, mm.
-pub(super) fn distance_mm(surface: &Surface, cell: usize, motion: &RigidMotion) -> f64 {
-    let [x, y] = residual(&point(surface, cell), motion);
+pub(super) fn distance_mm(surface: &Surface, from: &impl Positions, cell: usize, motion: &RigidMotion) -> f64 {
+    let [x, y] = residual(&point(surface, from, cell), motion);
     (x * x + y * y).sqrt()
 }
 
 /// Fits the motion of a face to some cells of the surface; none if they are too few or do not determine it.
-pub(super) fn fit(surface: &Surface, cells: &[usize], tolerance_mm: f64, scratch: &mut Vec<f64>) -> Option<StuckFace> {
+pub(super) fn fit(
+    surface: &Surface,
+    from: &impl Positions,
+    cells: &[usize],
+    tolerance_mm: f64,
+    scratch: &mut Vec<f64>,
+) -> Option<StuckFace> {
     if cells.len() < LEAST_POINTS {
         return None;
     }
     let (mut motion, mut residual_mm, mut scale) = (RigidMotion::NONE, f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
-        motion = motion.turned(step(surface, cells, &motion, scale)?);
+        motion = motion.turned(step(surface, from, cells, &motion, scale)?);
         scratch.clear();
-        scratch.extend(cells.iter().map(|&cell| distance_mm(surface, cell, &motion)));
+        scratch.extend(cells.iter().map(|&cell| distance_mm(surface, from, cell, &motion)));
         let middle = scratch.len() / 2;
         residual_mm = *scratch.select_nth_unstable_by(middle, f64::total_cmp).1;
         scale = scale_of(residual_mm, tolerance_mm);
     }
-    let matching = scratch.iter().filter(|&&distance| distance < 3.0 * tolerance_mm).count() as f64;
+    let matching = scratch.iter().filter(|&&distance| distance < self::tolerance_mm(tolerance_mm)).count() as f64;
     Some(StuckFace { motion, residual_mm, matching: matching / cells.len() as f64 })
 }
 
@@ -98,15 +142,16 @@ fn scale_of(residual_mm: f64, tolerance_mm: f64) -> f64 {
 /// of the tolerance: large where the rays are nearly parallel, none where the points do not determine it.
 pub(super) fn depth_deviation_mm(
     surface: &Surface,
+    from: &impl Positions,
     cells: &[usize],
     face: &StuckFace,
     tolerance_mm: f64,
 ) -> Option<f64> {
     let motion = &face.motion;
-    let (matrix, _) = normal_equations(surface, cells, motion, scale_of(face.residual_mm, tolerance_mm));
+    let (matrix, _) = normal_equations(surface, from, cells, motion, scale_of(face.residual_mm, tolerance_mm));
     let mut middle = [0.0; 2];
     for &cell in cells {
-        let to = motion.apply(surface.centre_mm(cell));
+        let to = motion.moves(from.position_mm(surface, cell));
         for axis in 0..2 {
             middle[axis] += (to[axis] - motion.translation_mm[axis]) / cells.len() as f64;
         }
@@ -117,31 +162,48 @@ pub(super) fn depth_deviation_mm(
     Some(tolerance_mm * variance.sqrt())
 }
 
-fn point(surface: &Surface, cell: usize) -> Point {
+fn point(surface: &Surface, from: &impl Positions, cell: usize) -> Point {
     let seen = &surface.seen[cell];
-    Point { rest: surface.centre_mm(cell), apparent: seen.apparent_mm.map(f64::from), slope: seen.slope.map(f64::from) }
+    Point {
+        rest: surface.centre_mm(cell),
+        before: from.position_mm(surface, cell),
+        apparent: seen.apparent_mm.map(f64::from),
+        slope: seen.slope.map(f64::from),
+    }
 }
 
 fn residual(point: &Point, motion: &RigidMotion) -> [f64; 2] {
-    let to = motion.apply(point.rest);
+    let to = motion.moves(point.before);
     [0, 1].map(|axis| to[axis] - point.rest[axis] + point.slope[axis] * to[2] - point.apparent[axis])
 }
 
 /// One step of Gauss–Newton with weights for residuals of this scale: a rotation and a translation.
-fn step(surface: &Surface, cells: &[usize], motion: &RigidMotion, scale: f64) -> Option<[f64; 6]> {
-    let (matrix, right) = normal_equations(surface, cells, motion, scale);
+fn step(
+    surface: &Surface,
+    from: &impl Positions,
+    cells: &[usize],
+    motion: &RigidMotion,
+    scale: f64,
+) -> Option<[f64; 6]> {
+    let (matrix, right) = normal_equations(surface, from, cells, motion, scale);
     solve(matrix, right)
 }
 
 /// The normal equations of a step.
-fn normal_equations(surface: &Surface, cells: &[usize], motion: &RigidMotion, scale: f64) -> ([[f64; 6]; 6], [f64; 6]) {
+fn normal_equations(
+    surface: &Surface,
+    from: &impl Positions,
+    cells: &[usize],
+    motion: &RigidMotion,
+    scale: f64,
+) -> ([[f64; 6]; 6], [f64; 6]) {
     let (mut matrix, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
     for &cell in cells {
-        let point = point(surface, cell);
+        let point = point(surface, from, cell);
         let [rx, ry] = residual(&point, motion);
         let outlying = (rx * rx + ry * ry) / (3.0 * scale).powi(2);
         let weight = if outlying < 1.0 { (1.0 - outlying).powi(2) } else { 0.0 };
-        let to = motion.apply(point.rest);
+        let to = motion.moves(point.before);
         let [x, y, z] = [0, 1, 2].map(|i| to[i] - motion.translation_mm[i]);
         let [a, b] = point.slope;
         // A small turn w moves the point by w × (x, y, z).

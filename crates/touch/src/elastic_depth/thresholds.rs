@@ -59,8 +59,11 @@ pub(super) struct Thresholds {
     /// Depth beyond which the strain is too large for linear elasticity, in thicknesses.
     pub(super) linear_range: f64,
     /// Motion of contact along the surface relative to its depth, root mean squares, beyond which shear cannot be subtracted
-    /// accurately: without a stuck face, whose depth does not depend on it, and with one.
+    /// accurately: if contact is not known to stick, and if it is, because then depth does not depend on it.
     pub(super) most_drag: [f64; 2],
+    /// The same motion up to which contact counts as pressed straight down: its shape is then known. It is below 0.02 for
+    /// faces that stick.
+    pub(super) least_drag: f64,
     /// Least distance from contact, in thicknesses, at which motion is compared with elasticity: nearer to contact, the
     /// strain is too large for a linear law.
     pub(super) away: f64,
@@ -95,6 +98,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     hole_px: 24.0,
     linear_range: 0.25,
     most_drag: [0.5, 2.0],
+    least_drag: 0.05,
     away: 0.25,
     flow_deviations: 2.0,
     least_motion_px: 0.25,

@@ -13,7 +13,7 @@ use crate::solved::solve;
 
 const SIZE: (usize, usize) = (240, 240);
 
-/// A press in its last frame, and an inverse for its gel and camera.
+/// A frame of a press, by default its last, and an inverse for its gel and camera.
 struct Press {
     flow: FlowField,
     deviation: Image<f32>,
@@ -27,8 +27,14 @@ struct Press {
 }
 
 impl Press {
-    /// Solves a scene on the draft mesh.
+    /// The last frame of a scene that is solved on the draft mesh.
     fn new(indenter: &str, law: &str, motion: &str) -> Self {
+        let [last] = Self::frames(indenter, law, motion, [4]);
+        last
+    }
+
+    /// Some of its five frames.
+    fn frames<const N: usize>(indenter: &str, law: &str, motion: &str, frames: [usize; N]) -> [Self; N] {
         let text = format!(
             "name = 'press'\n[camera]\nfocal_length_px = [200.0, 200.0]\n[contact]\nlaw = '{law}'\n[indenter]\n{indenter}\n\
              [motion]\nframes = 5\n{motion}\n[render]\nwidth = 240\nheight = 240\n[mesh]\nresolution = 'draft'\n"
@@ -36,9 +42,12 @@ impl Press {
         let scene = Scene::from_toml(&text).unwrap();
         let mut simulation = Simulation::new(&scene).unwrap();
         solve(&mut simulation);
-        let last = simulation.states().len() - 1;
-        let force_n = simulation.states()[last].force_n;
-        let truth = simulation.truth(last).unwrap();
+        frames.map(|frame| Self::frame(&mut simulation, &scene, frame))
+    }
+
+    fn frame(simulation: &mut Simulation, scene: &Scene, frame: usize) -> Self {
+        let force_n = simulation.states()[frame].force_n;
+        let truth = simulation.truth(frame).unwrap();
         let part = |axis: usize| Image::from_fn(SIZE.0, SIZE.1, |x, y| truth.flow.at(x, y)[axis]);
         let flow = FlowField { u: part(0), v: part(1) };
         let valid = Image::from_fn(SIZE.0, SIZE.1, |x, y| u8::from(truth.flow.at(x, y)[0].is_finite()));
@@ -158,6 +167,35 @@ fn a_ball_that_is_dragged_is_not_taken_for_a_deeper_one() {
     }
     let (error_mm, _) = press.judge(live.fields());
     assert!(error_mm < 0.019, "{error_mm} mm");
+}
+
+#[test]
+fn a_ball_that_sticks_keeps_its_depth_while_it_is_dragged() {
+    let motion = "keyframes = [{ at = 2, depth_mm = 0.8 }, { at = 4, shear_mm = [1.5, 0.0] }]";
+    let [pressed, dragged] = Press::frames("shape = 'sphere'\nradius_mm = 12.0", "stick", motion, [2, 4]);
+    // At the rim, contact itself is uncertain.
+    let inside_mm = |press: &Press, fields: &ElasticFields| {
+        let depths = fields.depth_mm.values().iter().zip(press.depth_mm.values()).filter(|(_, truth)| **truth > 0.4);
+        depths.clone().map(|(found, truth)| f64::from((found - truth).abs())).sum::<f64>() / depths.count() as f64
+    };
+    for mode in [ElasticMode::Exact, ElasticMode::Live] {
+        let mut alone = dragged.inverse(mode);
+        let alone_mm = inside_mm(&dragged, alone.solve(&dragged.flow, &dragged.deviation, &dragged.valid));
+        let mut inverse = dragged.inverse(mode);
+        let before_mm = inside_mm(&pressed, inverse.solve(&pressed.flow, &pressed.deviation, &pressed.valid));
+        let fields = inverse.solve(&dragged.flow, &dragged.deviation, &dragged.valid);
+        let followed_mm = inside_mm(&dragged, fields);
+        assert!(
+            followed_mm < before_mm + 0.005 && followed_mm < 0.7 * alone_mm,
+            "{mode:?}: {followed_mm} mm, before {before_mm}, alone {alone_mm}"
+        );
+        let force_n = fields.force_n.unwrap();
+        assert!(close(force_n[2], dragged.force_n[2], 0.12), "{mode:?}: {force_n:?} of {:?}", dragged.force_n);
+        // What was known before is forgotten.
+        inverse.restart();
+        let again_mm = inside_mm(&dragged, inverse.solve(&dragged.flow, &dragged.deviation, &dragged.valid));
+        assert!((again_mm - alone_mm).abs() < 1e-12, "{mode:?}: {again_mm} mm after a restart, {alone_mm} mm alone");
+    }
 }
 
 #[test]

@@ -12,7 +12,8 @@ const SENSOR: &str = "[camera]\nfocal_length_px = [100, 100]\nprincipal_point_px
 /// A residual that is as large as this has the full weight to eleven digits.
 const NO_OUTLIER: f64 = 1e6;
 
-fn surface() -> Surface {
+/// The surface of a gel of 30 mm in 24 by 24 cells, 25 mm below the camera.
+pub(in super::super) fn surface() -> Surface {
     let (camera, gel): (Camera, GelBlock) = Profile::from_toml(SENSOR).unwrap().elastic_sensor().unwrap();
     Surface::new(&camera, &gel, (120, 120), 24).unwrap()
 }
@@ -22,15 +23,19 @@ fn motion() -> RigidMotion {
     RigidMotion::NONE.turned([0.04, -0.03, 0.2, 0.5, -0.8, 1.2])
 }
 
-/// Has every cell seen where a motion puts it, along a ray that leans by what its place is.
-fn show(surface: &mut Surface, motion: &RigidMotion) {
+/// Has every cell seen at a position, mm, along a ray that leans by what its place is.
+pub(in super::super) fn show_at(surface: &mut Surface, position_mm: impl Fn([f64; 2]) -> [f64; 3]) {
     for cell in 0..surface.seen.len() {
         let rest = surface.centre_mm(cell);
-        let to = motion.apply(rest);
+        let to = position_mm(rest);
         let slope = [0, 1].map(|axis| to[axis] / (25.0 - to[2]));
         surface.seen[cell].slope = slope.map(|slope| slope as f32);
         surface.seen[cell].apparent_mm = [0, 1].map(|axis| (to[axis] - rest[axis] + slope[axis] * to[2]) as f32);
     }
+}
+
+fn show(surface: &mut Surface, motion: &RigidMotion) {
+    show_at(surface, |rest| motion.apply(rest));
 }
 
 /// The derivative of a cell's residual by each of a step's six numbers, from steps of 1e-5 to either side.
@@ -55,8 +60,8 @@ fn the_normal_equations_are_those_of_finite_differences() {
     let motion = motion();
     // One cell at a time: the matrix of a single point holds its two rows and nothing that could cancel.
     for cell in [0, 23, 250, 300, 575] {
-        let (matrix, right) = normal_equations(&surface, &[cell], &motion, NO_OUTLIER);
-        let point = point(&surface, cell);
+        let (matrix, right) = normal_equations(&surface, &AtRest, &[cell], &motion, NO_OUTLIER);
+        let point = point(&surface, &AtRest, cell);
         let (rows, residuals) = (differences(&point, &motion), residual(&point, &motion));
         assert!(residuals.iter().all(|residual| residual.abs() > 1e-3), "cell {cell}: {residuals:?}");
         for i in 0..6 {
@@ -83,7 +88,7 @@ fn a_known_motion_is_found_among_outliers() {
     for cell in cells.iter().step_by(7) {
         surface.seen[*cell].apparent_mm[0] += 0.4;
     }
-    let found = fit(&surface, &cells, 0.01, &mut Vec::new()).unwrap();
+    let found = fit(&surface, &AtRest, &cells, 0.01, &mut Vec::new()).unwrap();
     for corner in [[-15.0, -15.0], [15.0, -15.0], [0.0, 15.0]] {
         let (found, expected) = (found.motion.apply(corner), motion.apply(corner));
         let off = (0..3).map(|i| (found[i] - expected[i]).abs()).fold(0.0, f64::max);
