@@ -8,7 +8,7 @@ use super::face_search::{self, FaceLimits, Scratch};
 use super::frozen_strain::FrozenStrain;
 use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Symmetry};
 use super::rigid::{self, AtRest, StuckFace};
-use super::stuck_shape::StuckShape;
+use super::stuck_shape::{self, StuckShape};
 use super::surface::{self, Seen, Surface, WithoutDrag};
 use super::thresholds::THRESHOLDS;
 use super::{CELLS, ElasticMode, ElasticParams};
@@ -91,7 +91,7 @@ impl ContactFinder {
             estimated: vec![[0.0; OUTPUTS]; cells],
             face_scratch: Scratch::new(cells),
             strain: FrozenStrain::new(gel.thickness_mm, surface.distance_mm()),
-            shape: StuckShape::new(cells),
+            shape: StuckShape::new(surface.grid),
             has_shape: false,
             padded,
             constants,
@@ -175,37 +175,24 @@ impl ContactFinder {
         self.hold_to_face(surface);
     }
 
-    /// Gives contact that sticks while it is dragged the depth of its shape before, moved as a rigid body. The depth of
-    /// cells in contact that do not move with it changes in proportion.
+    /// Gives contact that sticks while it is dragged the depth of its shape before.
     pub(super) fn hold_to_shape(&mut self, surface: &Surface) {
-        if self.has_face() {
-            return;
-        }
-        let Self { shape, inner, depth_mm, noise_mm, thickness_mm, scratch, .. } = self;
-        let Some(moved) = shape.motion(surface, (inner, depth_mm), *noise_mm, *thickness_mm, scratch) else { return };
-        let (mut by_shape, mut by_network) = (0.0, 0.0);
-        for cell in (0..depth_mm.len()).filter(|&cell| self.touches[cell]) {
-            if let Some([shape_mm, _]) = shape.depth_mm(surface, cell, &moved) {
-                by_shape += shape_mm;
-                by_network += depth_mm[cell];
-            }
-        }
-        if by_shape <= 0.0 || by_network <= 0.0 {
-            return;
-        }
-        self.has_shape = true;
-        for cell in (0..depth_mm.len()).filter(|&cell| self.touches[cell]) {
-            match shape.depth_mm(surface, cell, &moved) {
-                Some(of_shape) => [depth_mm[cell], self.network_deviation_mm[cell]] = of_shape,
-                None => depth_mm[cell] *= by_shape / by_network,
-            }
-        }
+        let Self { touches, inner, depth_mm, network_deviation_mm: deviation_mm, .. } = self;
+        let contact = stuck_shape::Contact { touches, inner, depth_mm, deviation_mm };
+        self.has_shape = self.shape.hold(surface, contact, self.noise_mm, self.thickness_mm, &mut self.scratch);
     }
 
-    /// Takes the shape of contact in a frame that is to be trusted and has no shear.
-    pub(super) fn take_shape(&mut self, surface: &Surface) {
+    /// Takes the shape of contact in a frame that is to be trusted. If contact is dragged, the shape is that of an earlier
+    /// frame, and is forgotten where contact slid.
+    pub(super) fn take_shape(&mut self, surface: &Surface, is_dragged: bool) {
+        if is_dragged {
+            self.shape.forget_if_slid();
+            return;
+        }
         let Self { shape, touches, depth_mm, on_face, face_deviation_mm, network_deviation_mm, .. } = self;
-        let deviation_mm = |cell: usize| if on_face[cell] { *face_deviation_mm } else { network_deviation_mm[cell] };
+        let flow_deviation_mm = self.flow_deviation_mm;
+        let of_network = |cell: usize| network_deviation_mm[cell].hypot(flow_deviation_mm);
+        let deviation_mm = |cell: usize| if on_face[cell] { *face_deviation_mm } else { of_network(cell) };
         shape.take(surface, touches, depth_mm, deviation_mm);
     }
 
@@ -219,6 +206,11 @@ impl ContactFinder {
         let beyond_mm = (deviation_mm.powi(2) - covered_mm.powi(2)).max(0.0).sqrt();
         self.flow_deviation_mm = (surface.typical_leverage() * beyond_mm) as f32;
         (THRESHOLDS.still_px * surface.mm_per_px).max(THRESHOLDS.still_over_deviation * deviation_mm)
+    }
+
+    /// Allowed difference between a point of the gel and the motion of a face, mm.
+    pub(super) fn noise_mm(&self) -> f64 {
+        self.noise_mm
     }
 
     /// Assigns the depth of a stuck face to the cells that move with it.
@@ -275,6 +267,13 @@ impl ContactFinder {
         }
     }
 
+    /// Mean deviation of the depth in contact relative to its mean.
+    pub(super) fn relative_deviation(&self) -> f64 {
+        let touched = || (0..self.depth_mm.len()).filter(|&cell| self.touches[cell]);
+        let depth_mm: f64 = touched().map(|cell| f64::from(self.depth_mm[cell])).sum();
+        touched().map(|cell| f64::from(self.deviation_mm(cell, 0.0))).sum::<f64>() / depth_mm
+    }
+
     /// Takes back what this frame says about the strain of a face.
     pub(super) fn discard_strain(&mut self) {
         self.strain.discard();
@@ -283,6 +282,7 @@ impl ContactFinder {
     /// Counts a frame without any estimate.
     pub(super) fn skip(&mut self) {
         self.strain.begin();
+        self.shape.skip();
     }
 
     /// Whether a face that the gel sticks to was found.

@@ -31,6 +31,8 @@ pub(super) struct Drag {
     is_found: bool,
     /// Motion of contact along the surface relative to its depth, root mean squares.
     ratio: f64,
+    /// That motion, root mean square, mm.
+    moved_mm: f64,
     /// Displacement of the surface's cells by shear and twist alone, mm.
     dragged_mm: Vec<[f32; 3]>,
     /// The camera's measurements of the cells without shear and twist.
@@ -48,6 +50,7 @@ impl Drag {
             coarse,
             is_found: false,
             ratio: 0.0,
+            moved_mm: 0.0,
             dragged_mm: vec![[0.0; 3]; cells],
             seen: vec![Seen::default(); cells],
         }
@@ -56,12 +59,17 @@ impl Drag {
     /// Forgets the previous frames.
     pub(super) fn rest(&mut self) {
         self.tractions.rest();
-        (self.is_found, self.ratio) = (false, 0.0);
+        (self.is_found, self.ratio, self.moved_mm) = (false, 0.0, 0.0);
     }
 
     /// Motion of contact along the surface relative to its depth, root mean squares; 0 without contact.
     pub(super) fn ratio(&self) -> f64 {
         self.ratio
+    }
+
+    /// Motion of contact along the surface, root mean square, mm; 0 without contact.
+    pub(super) fn moved_mm(&self) -> f64 {
+        self.moved_mm
     }
 
     /// The surface without drag, where there is any.
@@ -72,7 +80,7 @@ impl Drag {
     /// Finds the motion of contact along the surface and the displacement it causes; returns whether there is any.
     pub(super) fn find(&mut self, surface: &Surface, contact: &ContactFinder) -> bool {
         let found = motion_of(surface, contact);
-        self.ratio = found.as_ref().map_or(0.0, |(ratio, _)| *ratio);
+        (self.ratio, self.moved_mm) = found.as_ref().map_or((0.0, 0.0), |(ratio, motion)| (*ratio, motion.mean_mm()));
         let found = found.map(|(ratio, motion)| (ramp(ratio, PARTIAL) * motion.sticking(), motion));
         let Some((share, motion)) = found.filter(|(share, _)| *share > 0.0) else {
             self.is_found = false;

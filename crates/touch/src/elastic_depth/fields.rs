@@ -28,8 +28,8 @@ pub struct ElasticFields {
     /// Torque on the gel about the z axis through the centre of contact, N mm; none without Young's modulus.
     pub torque_nmm: Option<f32>,
     /// Difference between measured motion along the surface and the motion that the tractions predict, at distances of
-    /// at least a quarter of the thickness from contact: root mean square over the largest depth, dimensionless; none
-    /// if the motion is too small.
+    /// at least a quarter of the thickness from contact: root mean square over the largest depth plus 0.3 of the motion of
+    /// contact along the surface, dimensionless; none if the motion is too small.
     pub unexplained: Option<f32>,
     /// Whether the gel is strained beyond the linear range: by depth, or by shear that is large relative to the depth.
     pub is_beyond_linear: bool,

@@ -5,6 +5,7 @@ use fingervision_elastic::{BlockOperator, SurfaceGrid};
 
 use super::coarse::CoarseGrid;
 use super::contact::ContactFinder;
+use super::far_field::FarField;
 use super::nearest::Nearest;
 use super::stiffening::Strain;
 use super::surface::{Seen, Surface};
@@ -77,7 +78,7 @@ impl HeldGel {
     }
 
     /// Difference between measured motion along the surface and the motion that the tractions predict, away from
-    /// contact and beyond the error of the flow: root mean square over the largest motion of contact, mm. Without contact, the whole
+    /// contact and beyond the error of the flow: root mean square over `farthest_mm`. Without contact, the whole
     /// surface is compared. None if the motion is too small.
     pub(super) fn unexplained(&mut self, thickness_mm: f64, farthest_mm: f64, mm_per_px: f64) -> Option<f64> {
         let away = THRESHOLDS.away * thickness_mm / self.grid().cell_mm;
@@ -100,6 +101,25 @@ impl HeldGel {
         (all > count * least_mm * least_mm).then(|| (left / count).sqrt() / farthest_mm.max(least_mm))
     }
 
+    /// The motion far from contact and what the tractions contribute to it, for a gel of this thickness, mm, and without the
+    /// tenth of the gel at its sides. Needs [`Self::unexplained`] of the same frame.
+    pub(super) fn far_field(&mut self, thickness_mm: f64) -> FarField {
+        let SurfaceGrid { columns, rows, cell_mm } = self.grid();
+        let away = THRESHOLDS.away * thickness_mm / cell_mm;
+        let [beside_x, beside_y] = [columns, rows].map(|count| count / 20);
+        let mut far = FarField::default();
+        self.tractions.find_normal();
+        for row in beside_y..rows - beside_y {
+            for cell in row * columns + beside_x..(row + 1) * columns - beside_x {
+                if self.nearest.distance(cell) > away && self.seen[cell].is_tracked() {
+                    let moved = self.tractions.displacement_mm()[cell];
+                    far.add(&self.seen[cell], moved, self.tractions.by_normal_mm()[cell]);
+                }
+            }
+        }
+        far
+    }
+
     /// Strain in contact; what is known to stick does not slide.
     pub(super) fn strain(&self, thickness_mm: f64, sticks: bool) -> Strain {
         let strain = Strain::of(self.grid(), &self.touches, &self.wanted_mm, thickness_mm);
@@ -107,14 +127,14 @@ impl HeldGel {
     }
 
     /// Force `(x, y, z)`, N, and torque about the z axis through the centre of contact, N mm, for a gel of this shear
-    /// modulus and this strain in contact; passes the traction of each cell, `MPa`, to `write`.
+    /// modulus, with these factors for the three directions; passes the traction of each cell, `MPa`, to `write`.
     pub(super) fn force(
         &self,
         shear_modulus_mpa: f64,
-        strain: Strain,
+        factors: [f64; 3],
         mut write: impl FnMut(usize, [f64; 3]),
     ) -> ([f64; 3], f64) {
-        let factors = strain.stiffening().map(|factor| factor * shear_modulus_mpa);
+        let factors = factors.map(|factor| factor * shear_modulus_mpa);
         let centre = self.centre_mm();
         let area = self.grid().cell_area_mm2();
         let (mut force, mut torque) = ([0.0; 3], 0.0);

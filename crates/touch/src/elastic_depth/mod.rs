@@ -12,6 +12,7 @@
 //! 4. The tractions that cause the displacement in contact are found; outside contact there are none
 //!    ([`traction`]). They give the force and the torque, and show whether the gel is the one described. Without the
 //!    network they alone give the displacement around contact.
+//! 5. In nearly incompressible gel the motion far from contact shows the normal force, too ([`far_field`]).
 //!
 //! Elasticity is linear, that of a block with free sides, bonded at its base. The solution is that of small strain:
 //! beyond a depth of about a quarter of the thickness it is an approximation.
@@ -21,6 +22,7 @@ mod contact;
 mod drag;
 mod error;
 mod face_search;
+mod far_field;
 mod fields;
 mod frozen_strain;
 mod held;
@@ -50,6 +52,7 @@ pub use traction::{Limits, Tractions};
 
 use contact::ContactFinder;
 use drag::Drag;
+use far_field::FarField;
 use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
 use fingervision_flow::{FlowField, Team};
 use fingervision_image::Image;
@@ -64,7 +67,8 @@ use untracked::Untracked;
 
 /// Cells along the gel's longer side.
 const CELLS: usize = 120;
-/// Largest difference between motion away from contact and elasticity, root mean square, relative to the largest depth.
+/// Largest difference between motion away from contact and elasticity, root mean square, relative to the largest depth plus
+/// a part of the motion of contact along the surface.
 /// Above it, the flow is not that of the gel in the profile.
 pub const MOST_UNEXPLAINED: f64 = THRESHOLDS.most_unexplained;
 
@@ -186,8 +190,8 @@ impl ElasticDepth {
         self.write_figures(deepest_mm);
         if self.fields.is_unexplained || self.fields.is_flow_uncertain || self.fields.is_untracked {
             self.contact.discard_strain();
-        } else if !self.is_dragged() {
-            self.contact.take_shape(&self.surface);
+        } else if self.contact.uses_network() {
+            self.contact.take_shape(&self.surface, self.is_dragged());
         }
         self.write_force();
         &self.fields
@@ -207,7 +211,7 @@ impl ElasticDepth {
         if drag.find(&self.surface, &self.contact) {
             self.contact.find_depth(&self.surface, drag.found());
         }
-        if self.is_dragged() {
+        if self.is_dragged() && !self.contact.has_face() {
             self.contact.hold_to_shape(&self.surface);
         }
     }
@@ -312,8 +316,7 @@ impl ElasticDepth {
         self.fields.is_cut = self.contact.is_cut(&self.surface);
         self.fields.is_outside_training = self.is_outside_training;
         self.fields.is_untracked = self.untracked.is_untracked(&self.surface, &self.contact.touches, touched);
-        // Linear elasticity errs in proportion to all motion of contact, not only to its depth.
-        let farthest_mm = deepest_mm.hypot(deepest_mm * self.drag.as_ref().map_or(0.0, Drag::ratio));
+        let farthest_mm = deepest_mm + THRESHOLDS.shear_over_depth * self.drag.as_ref().map_or(0.0, Drag::moved_mm);
         let unexplained = self.held.unexplained(thickness_mm, farthest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|part| part as f32);
         // After a misfit, the gel has to fit well or to come to rest.
@@ -332,13 +335,25 @@ impl ElasticDepth {
         let Some(modulus) = self.gel.youngs_modulus_mpa else { return };
         let shear_modulus = modulus / (2.0 * (1.0 + self.gel.poissons_ratio));
         let strain = self.held.strain(self.gel.thickness_mm, self.contact.sticks());
+        let mut factors = strain.stiffening();
+        factors[2] *= self.by_far_field(strain);
         let grid = &mut self.fields.traction_mpa;
-        let (force, torque) = self.held.force(shear_modulus, strain, |cell, traction| {
+        let (force, torque) = self.held.force(shear_modulus, factors, |cell, traction| {
             if let Some(grid) = grid {
                 grid.traction_mpa[cell] = traction.map(|value| value as f32);
             }
         });
         self.fields.force_n = Some(force.map(|value| value as f32));
         self.fields.torque_nmm = Some(torque as f32);
+    }
+
+    /// The factor by which the motion far from contact corrects the normal force.
+    fn by_far_field(&mut self, strain: Strain) -> f64 {
+        let is_seen_whole = self.contact.uses_network() && !self.fields.is_cut && !self.fields.is_flow_uncertain;
+        if !is_seen_whole || !FarField::is_telling(self.gel.poissons_ratio) {
+            return 1.0;
+        }
+        let far = self.held.far_field(self.gel.thickness_mm);
+        far.correction(strain, self.contact.relative_deviation(), self.contact.noise_mm())
     }
 }

@@ -11,6 +11,7 @@ pub(super) struct Motion {
     centre_mm: [f64; 2],
     shift_mm: [f64; 2],
     turn: f64,
+    count: f64,
     /// Sums of squares over the points, mm²: of this motion, and of the points' own.
     square: f64,
     whole_square: f64,
@@ -38,7 +39,7 @@ impl Motion {
             across += from[0] * to[1] - from[1] * to[0];
             along += from[0] * to[0] + from[1] * to[1];
         }
-        let mut motion = Self { centre_mm, shift_mm, turn: across.atan2(along), square: 0.0, whole_square: 0.0 };
+        let mut motion = Self { centre_mm, shift_mm, turn: across.atan2(along), count, square: 0.0, whole_square: 0.0 };
         let square = |[x, y]: [f64; 2]| x * x + y * y;
         for (at, moved) in points {
             motion.square += square(motion.moves(at));
@@ -57,6 +58,16 @@ impl Motion {
         let [x, y] = [0, 1].map(|axis| at_mm[axis] - self.centre_mm[axis]);
         let (sin, cos) = self.turn.sin_cos();
         [self.shift_mm[0] + (cos - 1.0) * x - sin * y, self.shift_mm[1] + sin * x + (cos - 1.0) * y]
+    }
+
+    /// Its root mean square over the points, mm.
+    pub(super) fn mean_mm(&self) -> f64 {
+        (self.square / self.count).sqrt()
+    }
+
+    /// Root mean square of the points' own displacement, mm.
+    pub(super) fn whole_mm(&self) -> f64 {
+        (self.whole_square / self.count).sqrt()
     }
 
     /// The sum of its squares over the points, mm².

@@ -5,38 +5,58 @@
 //! [`super::rigid`] determines the motion, and with it every change of depth since then. The network does not know
 //! this: it estimates depth anew in every frame, and under large shear its error is several times as large.
 //!
-//! Contact that slides out from under the object moves differently and is left to the network. So is gel that only
-//! spreads under a face, which in the image looks as if it came closer: at least most of the motion has to be a translation
-//! and a rotation along the surface.
+//! Contact that slides moves differently and is left to the network; the shape is then forgotten. Gel that spreads evenly
+//! under an object looks in the image as if it came closer. Therefore most of the motion along the surface has to be a translation
+//! and a rotation, the depth must not be larger than the network's, and a part of the difference counts as uncertain.
 
 #[cfg(test)]
 mod tests;
+
+use fingervision_elastic::SurfaceGrid;
 
 use super::motion::Motion;
 use super::rigid::{self, Positions, RigidMotion};
 use super::surface::Surface;
 use super::thresholds::THRESHOLDS;
 
-/// Least [sticking](Motion::sticking) of the motion since the shape was known.
+/// Least [sticking](Motion::sticking) of the motion since the frame of the shape.
 const LEAST_STICKING: f64 = 0.5;
+/// Least motion that shows that contact slid, root mean square, in thicknesses: smaller motion may be due to the error of depth.
+const LEAST_SLIDING: f64 = 0.01;
+/// Range of the depth of the moved shape, relative to that of the network. Under shear the network errs towards too deep, by up to
+/// 60 % of the depth; gel that spreads while it is dragged looks deeper than it is.
+const RELATIVE_DEPTH: [f64; 2] = [0.55, 1.05];
+/// The part of the difference between both depths that counts as uncertain.
+const UNCERTAIN: f64 = 0.25;
+/// Largest distance of cells that are touched by the same object from the box around its shape, cells.
+const REACH: usize = 12;
+/// Frames without any estimate after which the shape is forgotten: contact may be another one.
+const MOST_SKIPPED_FRAMES: u32 = 3;
 
-/// Positions of the cells in contact in the last frame without shear.
+/// Positions of the cells in contact in the last frame in which it was pressed straight down.
 #[derive(Debug)]
 pub(super) struct StuckShape {
     is_known: bool,
+    /// Whether contact moved in a way that the shape does not explain.
+    has_slid: bool,
+    skipped: u32,
+    columns: usize,
+    /// The first and the last column and row of the shape.
+    columns_reached: [usize; 2],
+    rows_reached: [usize; 2],
     touches: Vec<bool>,
     position_mm: Vec<[f32; 3]>,
     deviation_mm: Vec<f32>,
     inner: Vec<usize>,
 }
 
-/// The motion of contact since then.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Moved {
-    motion: RigidMotion,
-    deviation_mm: f64,
-    /// Largest distance of a cell that moves with the shape, mm.
-    tolerance_mm: f64,
+/// Contact in the present frame: cells that are touched, cells inside of it, and their depth and its deviation, mm.
+#[derive(Debug)]
+pub(super) struct Contact<'a> {
+    pub(super) touches: &'a [bool],
+    pub(super) inner: &'a [usize],
+    pub(super) depth_mm: &'a mut [f32],
+    pub(super) deviation_mm: &'a mut [f32],
 }
 
 impl Positions for StuckShape {
@@ -46,10 +66,16 @@ impl Positions for StuckShape {
 }
 
 impl StuckShape {
-    /// None known, on a surface of this many cells.
-    pub(super) fn new(cells: usize) -> Self {
+    /// None known, on a surface of these cells.
+    pub(super) fn new(grid: SurfaceGrid) -> Self {
+        let cells = grid.len();
         Self {
             is_known: false,
+            has_slid: false,
+            skipped: 0,
+            columns: grid.columns,
+            columns_reached: [0; 2],
+            rows_reached: [0; 2],
             touches: vec![false; cells],
             position_mm: vec![[0.0; 3]; cells],
             deviation_mm: vec![0.0; cells],
@@ -59,10 +85,18 @@ impl StuckShape {
 
     /// Forgets the shape.
     pub(super) fn forget(&mut self) {
-        self.is_known = false;
+        (self.is_known, self.has_slid) = (false, false);
     }
 
-    /// Takes the shape of contact in a frame without shear: the depth of every cell and its deviation, mm.
+    /// Counts a frame without any estimate.
+    pub(super) fn skip(&mut self) {
+        self.skipped += 1;
+        if self.skipped >= MOST_SKIPPED_FRAMES {
+            self.forget();
+        }
+    }
+
+    /// Takes the shape of contact in a frame in which it is pressed straight down: the depth of every cell and its deviation, mm.
     pub(super) fn take(
         &mut self,
         surface: &Surface,
@@ -70,51 +104,107 @@ impl StuckShape {
         depth_mm: &[f32],
         deviation_mm: impl Fn(usize) -> f32,
     ) {
-        self.is_known = true;
+        (self.is_known, self.has_slid) = (true, false);
         self.touches.copy_from_slice(touches);
+        (self.columns_reached, self.rows_reached) = ([usize::MAX, 0], [usize::MAX, 0]);
         for cell in (0..touches.len()).filter(|&cell| touches[cell]) {
             let [x, y] = surface.centre_mm(cell).map(|at| at as f32);
             let [moved_x, moved_y] = surface.seen[cell].lateral_mm(depth_mm[cell]);
             self.position_mm[cell] = [x + moved_x, y + moved_y, depth_mm[cell]];
             self.deviation_mm[cell] = deviation_mm(cell);
+            for (reached, at) in
+                [(&mut self.columns_reached, cell % self.columns), (&mut self.rows_reached, cell / self.columns)]
+            {
+                *reached = [reached[0].min(at), reached[1].max(at)];
+            }
         }
     }
 
-    /// The motion of contact since then, if it sticks: `inner` are cells inside contact, at these depths, mm, with this
-    /// error of the flow, mm, on a gel of this thickness, mm.
-    pub(super) fn motion(
+    /// Whether a cell can be touched by the object that made the shape.
+    fn reaches(&self, cell: usize) -> bool {
+        let is_near = |at: usize, [first, last]: [usize; 2]| at + REACH >= first && at <= last + REACH;
+        is_near(cell % self.columns, self.columns_reached) && is_near(cell / self.columns, self.rows_reached)
+    }
+
+    /// Forgets the shape if contact slid in the last frame, which is to be trusted.
+    pub(super) fn forget_if_slid(&mut self) {
+        if self.has_slid {
+            self.forget();
+        }
+    }
+
+    /// Gives contact the depth of the shape, moved as a rigid body, if most of it moves so. The depth of other cells that are
+    /// touched by the same object changes in proportion. `noise_mm` is the error of the flow. Returns whether contact sticks.
+    pub(super) fn hold(
         &mut self,
         surface: &Surface,
-        (inner, depth_mm): (&[usize], &[f32]),
+        contact: Contact<'_>,
         noise_mm: f64,
         thickness_mm: f64,
         scratch: &mut Vec<f64>,
-    ) -> Option<Moved> {
+    ) -> bool {
+        (self.skipped, self.has_slid) = (0, false);
+        let Some((motion, deviation_mm)) = self.motion(surface, &contact, noise_mm, thickness_mm, scratch) else {
+            return false;
+        };
+        let Contact { touches, depth_mm, deviation_mm: deviations_mm, .. } = contact;
+        let sticks = |cell: usize| rigid::distance_mm(surface, self, cell, &motion) < rigid::tolerance_mm(noise_mm);
+        let by_shape_mm = |cell: usize| motion.moves(self.position_mm(surface, cell))[2];
+        let (mut by_shape, mut by_network, mut count) = (0.0, 0.0, 0.0);
+        for &cell in self.inner.iter().filter(|&&cell| sticks(cell)) {
+            by_shape += by_shape_mm(cell);
+            by_network += f64::from(depth_mm[cell]);
+            count += 1.0;
+        }
+        let factor = by_shape / by_network;
+        if !(RELATIVE_DEPTH[0]..=RELATIVE_DEPTH[1]).contains(&factor) {
+            return false;
+        }
+        let uncertain_mm = UNCERTAIN * (by_shape - by_network) / count;
+        for cell in (0..depth_mm.len()).filter(|&cell| touches[cell] && self.reaches(cell)) {
+            if self.touches[cell] && sticks(cell) {
+                depth_mm[cell] = by_shape_mm(cell) as f32;
+                let errors = [f64::from(self.deviation_mm[cell]), deviation_mm, uncertain_mm];
+                deviations_mm[cell] = errors.iter().map(|error| error * error).sum::<f64>().sqrt() as f32;
+            } else {
+                deviations_mm[cell] = deviations_mm[cell].hypot((factor as f32 - 1.0) * depth_mm[cell]);
+                depth_mm[cell] *= factor as f32;
+            }
+        }
+        true
+    }
+
+    /// The motion of contact since the frame of the shape and the deviation of the depth that it gives, mm, if most of contact
+    /// sticks.
+    fn motion(
+        &mut self,
+        surface: &Surface,
+        contact: &Contact<'_>,
+        noise_mm: f64,
+        thickness_mm: f64,
+        scratch: &mut Vec<f64>,
+    ) -> Option<(RigidMotion, f64)> {
         if !self.is_known {
             return None;
         }
         self.inner.clear();
-        self.inner.extend(inner.iter().copied().filter(|&cell| self.touches[cell]));
+        self.inner.extend(contact.inner.iter().copied().filter(|&cell| self.touches[cell]));
         let moved = self.inner.iter().map(|&cell| {
             let [x, y, _] = self.position_mm(surface, cell);
-            let (rest, along) = (surface.centre_mm(cell), surface.seen[cell].lateral_mm(depth_mm[cell]));
+            let (rest, along) = (surface.centre_mm(cell), surface.seen[cell].lateral_mm(contact.depth_mm[cell]));
             let to = [0, 1].map(|axis| rest[axis] + f64::from(along[axis]));
             ([x, y], [to[0] - x, to[1] - y])
         });
-        if Motion::of(moved)?.sticking() < LEAST_STICKING {
+        let moved = Motion::of(moved)?;
+        if moved.sticking() < LEAST_STICKING {
+            self.has_slid = moved.whole_mm() > LEAST_SLIDING * thickness_mm;
             return None;
         }
-        let found = rigid::fit(surface, self, &self.inner, noise_mm, scratch).filter(|found| found.sticks(noise_mm))?;
+        let found = rigid::fit(surface, self, &self.inner, noise_mm, scratch)?;
+        let common = self.inner.len() as f64 / contact.inner.len() as f64;
+        self.has_slid = !found.sticks(noise_mm) || found.matching * common < THRESHOLDS.least_matching;
         let deviation_mm = rigid::depth_deviation_mm(surface, self, &self.inner, &found, noise_mm)?;
         let is_certain = deviation_mm <= THRESHOLDS.most_face_deviation * thickness_mm;
-        let moved = Moved { motion: found.motion, deviation_mm, tolerance_mm: rigid::tolerance_mm(noise_mm) };
-        is_certain.then_some(moved)
-    }
-
-    /// Depth of a cell after the motion and its deviation, mm, if the cell moved with the shape.
-    pub(super) fn depth_mm(&self, surface: &Surface, cell: usize, moved: &Moved) -> Option<[f32; 2]> {
-        let sticks = self.touches[cell] && rigid::distance_mm(surface, self, cell, &moved.motion) < moved.tolerance_mm;
-        let depth_mm = moved.motion.moves(self.position_mm(surface, cell))[2];
-        sticks.then(|| [depth_mm as f32, self.deviation_mm[cell].hypot(moved.deviation_mm as f32)])
+        (!self.has_slid && is_certain).then_some((found.motion, deviation_mm))
     }
 }

@@ -1,5 +1,5 @@
-//! The thresholds of depth from elasticity in one place; only the model of a face's strain has its own
-//! ([`super::frozen_strain`]).
+//! The thresholds of depth from elasticity in one place; only the models of a face's strain, of a stuck shape
+//! and of the force have their own ([`super::frozen_strain`], [`super::stuck_shape`], [`super::stiffening`], [`super::far_field`]).
 //!
 //! None of them is a length in mm. They are pixels of flow, multiples of the flow's deviation, or relative to the gel's
 //! thickness, to the largest depth or to the size of contact. If a sensor is scaled as a whole (gel, distance and
@@ -73,8 +73,10 @@ pub(super) struct Thresholds {
     /// dominated by the error of the flow.
     pub(super) least_motion_px: f64,
     /// Largest difference between motion away from contact and elasticity, root mean square, relative to the largest
-    /// depth.
+    /// depth plus a part of the motion along the surface.
     pub(super) most_unexplained: f64,
+    /// That part: the difference grows with shear, too, but less.
+    pub(super) shear_over_depth: f64,
 }
 
 /// The values in use. Those without a stated source were measured on presses of the simulated sensor.
@@ -103,4 +105,5 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     flow_deviations: 2.0,
     least_motion_px: 0.25,
     most_unexplained: 0.05,
+    shear_over_depth: 0.3,
 };

@@ -61,6 +61,19 @@ impl Tractions {
         &self.displacement_mm
     }
 
+    /// Finds the part of the displacement that the tractions along the normal cause.
+    pub(super) fn find_normal(&mut self) {
+        for (normal, traction) in self.direction.iter_mut().zip(&self.traction) {
+            *normal = [0.0, 0.0, traction[2]];
+        }
+        self.operator.displacement_into(&self.direction, &mut self.image);
+    }
+
+    /// That part, `(x, y, z)` of the cells' centres, mm, as [`Self::find_normal`] found it last.
+    pub(super) fn by_normal_mm(&self) -> &[[f32; 3]] {
+        &self.image
+    }
+
     /// Solves for the tractions that give the cells in contact these displacements, mm; values elsewhere are not read.
     ///
     /// # Panics

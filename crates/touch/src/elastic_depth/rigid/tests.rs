@@ -23,7 +23,7 @@ fn motion() -> RigidMotion {
     RigidMotion::NONE.turned([0.04, -0.03, 0.2, 0.5, -0.8, 1.2])
 }
 
-/// Has every cell seen at a position, mm, along a ray that leans by what its place is.
+/// Sets the measurement of every cell to that of a point at this position, mm, for the position of the cell at rest.
 pub(in super::super) fn show_at(surface: &mut Surface, position_mm: impl Fn([f64; 2]) -> [f64; 3]) {
     for cell in 0..surface.seen.len() {
         let rest = surface.centre_mm(cell);
