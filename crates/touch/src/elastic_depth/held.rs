@@ -102,18 +102,22 @@ impl HeldGel {
     }
 
     /// The motion far from contact and what the tractions contribute to it, for a gel of this thickness, mm, and without the
-    /// tenth of the gel at its sides. Needs [`Self::unexplained`] of the same frame.
-    pub(super) fn far_field(&mut self, thickness_mm: f64) -> FarField {
+    /// tenth of the gel at its sides. Needs [`Self::unexplained`] of the same frame. Without shear all tractions count as
+    /// those along the normal, which saves a product with the compliance.
+    pub(super) fn far_field(&mut self, thickness_mm: f64, is_sheared: bool) -> FarField {
         let SurfaceGrid { columns, rows, cell_mm } = self.grid();
         let away = THRESHOLDS.away * thickness_mm / cell_mm;
         let [beside_x, beside_y] = [columns, rows].map(|count| count / 20);
         let mut far = FarField::default();
-        self.tractions.find_normal();
+        if is_sheared {
+            self.tractions.find_normal();
+        }
+        let (by_all, by_normal) = (self.tractions.displacement_mm(), self.tractions.by_normal_mm());
+        let by_normal = if is_sheared { by_normal } else { by_all };
         for row in beside_y..rows - beside_y {
             for cell in row * columns + beside_x..(row + 1) * columns - beside_x {
                 if self.nearest.distance(cell) > away && self.seen[cell].is_tracked() {
-                    let moved = self.tractions.displacement_mm()[cell];
-                    far.add(&self.seen[cell], moved, self.tractions.by_normal_mm()[cell]);
+                    far.add(&self.seen[cell], by_all[cell], by_normal[cell]);
                 }
             }
         }

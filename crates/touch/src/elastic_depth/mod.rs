@@ -353,7 +353,7 @@ impl ElasticDepth {
         if !is_seen_whole || !FarField::is_telling(self.gel.poissons_ratio) {
             return 1.0;
         }
-        let far = self.held.far_field(self.gel.thickness_mm);
+        let far = self.held.far_field(self.gel.thickness_mm, self.is_dragged());
         far.correction(strain, self.contact.relative_deviation(), self.contact.noise_mm())
     }
 }

@@ -62,7 +62,7 @@ pub(super) struct Thresholds {
     /// accurately: if contact is not known to stick, and if it is, because then depth does not depend on it.
     pub(super) most_drag: [f64; 2],
     /// The same motion up to which contact counts as pressed straight down: its shape is then known. It is below 0.02 for
-    /// faces that stick.
+    /// faces that stick, and at the side of the image an error of the depth of 10 % makes it 0.05.
     pub(super) least_drag: f64,
     /// Least distance from contact, in thicknesses, at which motion is compared with elasticity: nearer to contact, the
     /// strain is too large for a linear law.
@@ -100,7 +100,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     hole_px: 24.0,
     linear_range: 0.25,
     most_drag: [0.5, 2.0],
-    least_drag: 0.05,
+    least_drag: 0.1,
     away: 0.25,
     flow_deviations: 2.0,
     least_motion_px: 0.25,
