@@ -144,6 +144,7 @@ impl ContactFinder {
     /// [`Self::take_noise`] of the same frame.
     pub(super) fn find(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
         self.strain.begin();
+        self.shape.begin();
         self.has_shape = false;
         if self.network.is_some() {
             self.look(surface, drag);

@@ -27,9 +27,10 @@ const STIFFNESS_OF_SHEAR: f64 = 0.03 * 0.03 / (0.1 * 0.1);
 /// Exponents of the factor for finite strain.
 const BY_NARROWNESS: f64 = 0.28;
 const BY_DRAG: f64 = -0.22;
-/// Largest drag among the presses that they were fitted to.
+/// Largest narrowness and drag among the presses that they were fitted to.
+const MOST_NARROWNESS: f64 = 0.6;
 const MOST_DRAG: f64 = 1.7;
-/// Relative error of the force by the far field: of the model; of a Poisson's ratio that is known to ± 0.005; by narrowness; and
+/// Relative error of the force by the far field: of the model; of a Poisson's ratio that is known to ± 0.007; by narrowness; and
 /// by the mean depth relative to the thickness.
 const MODEL_ERROR: f64 = 0.025;
 const GEL_ERROR: f64 = 0.035;
@@ -76,13 +77,13 @@ impl FarField {
     }
 
     /// The factor from the normal force by depth, whose relative deviation is known, to that by both; `noise_mm` is the error
-    /// of the flow. 1 where the motion says nothing.
+    /// of the flow that is allowed for a stuck face. 1 where the motion says nothing.
     pub(super) fn correction(&self, strain: Strain, deviation: f64, noise_mm: f64) -> f64 {
         let by_prior = STIFFNESS_OF_SHEAR * self.normal_square;
         let shear_square = self.shear_square + by_prior;
         let determinant = self.normal_square * shear_square - self.product.powi(2);
         let scale = (self.by_normal * shear_square - self.product * (self.by_shear + by_prior)) / determinant;
-        let by_strain = BY_NARROWNESS * strain.narrowness + BY_DRAG * strain.drag.min(MOST_DRAG);
+        let by_strain = BY_NARROWNESS * strain.narrowness.min(MOST_NARROWNESS) + BY_DRAG * strain.drag.min(MOST_DRAG);
         let wanted = scale.ln() + by_strain;
         let typical_mm = (self.normal_square / self.count).sqrt();
         let by_depth = ERROR_BY_DEPTH * (strain.narrowness * strain.confinement).sqrt();

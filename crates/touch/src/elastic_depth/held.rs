@@ -102,7 +102,7 @@ impl HeldGel {
     }
 
     /// The motion far from contact and what the tractions contribute to it, for a gel of this thickness, mm, and without the
-    /// tenth of the gel at its sides. Needs [`Self::unexplained`] of the same frame. Without shear all tractions count as
+    /// twentieth of the gel at each side. Needs [`Self::unexplained`] of the same frame. Without shear all tractions count as
     /// those along the normal, which saves a product with the compliance.
     pub(super) fn far_field(&mut self, thickness_mm: f64, is_sheared: bool) -> FarField {
         let SurfaceGrid { columns, rows, cell_mm } = self.grid();

@@ -7,7 +7,7 @@
 //!
 //! Contact that slides moves differently and is left to the network; the shape is then forgotten. Gel that spreads evenly
 //! under an object looks in the image as if it came closer. Therefore most of the motion along the surface has to be a translation
-//! and a rotation, the depth must not be larger than the network's, and a part of the difference counts as uncertain.
+//! and a rotation, the depth must be about that of the network or less, and a part of the difference counts as uncertain.
 
 #[cfg(test)]
 mod tests;
@@ -23,6 +23,8 @@ use super::thresholds::THRESHOLDS;
 const LEAST_STICKING: f64 = 0.5;
 /// Least motion that shows that contact slid, root mean square, in thicknesses: smaller motion may be due to the error of depth.
 const LEAST_SLIDING: f64 = 0.01;
+/// Least part of the cells inside contact that belong to the shape; below it contact moved away.
+const LEAST_COMMON: f64 = 0.2;
 /// Range of the depth of the moved shape, relative to that of the network. Under shear the network errs towards too deep, by up to
 /// 60 % of the depth; gel that spreads while it is dragged looks deeper than it is.
 const RELATIVE_DEPTH: [f64; 2] = [0.55, 1.05];
@@ -85,7 +87,12 @@ impl StuckShape {
 
     /// Forgets the shape.
     pub(super) fn forget(&mut self) {
-        (self.is_known, self.has_slid) = (false, false);
+        (self.is_known, self.has_slid, self.skipped) = (false, false, 0);
+    }
+
+    /// Begins a frame with an estimate.
+    pub(super) fn begin(&mut self) {
+        (self.has_slid, self.skipped) = (false, 0);
     }
 
     /// Counts a frame without any estimate.
@@ -143,7 +150,6 @@ impl StuckShape {
         thickness_mm: f64,
         scratch: &mut Vec<f64>,
     ) -> bool {
-        (self.skipped, self.has_slid) = (0, false);
         let Some((motion, deviation_mm)) = self.motion(surface, &contact, noise_mm, thickness_mm, scratch) else {
             return false;
         };
@@ -189,6 +195,9 @@ impl StuckShape {
         }
         self.inner.clear();
         self.inner.extend(contact.inner.iter().copied().filter(|&cell| self.touches[cell]));
+        let near = contact.inner.iter().filter(|&&cell| self.reaches(cell)).count();
+        // Contact that moved away from the shape slid; contact that only grew did not.
+        self.has_slid = (self.inner.len() as f64) < LEAST_COMMON * contact.inner.len() as f64;
         let moved = self.inner.iter().map(|&cell| {
             let [x, y, _] = self.position_mm(surface, cell);
             let (rest, along) = (surface.centre_mm(cell), surface.seen[cell].lateral_mm(contact.depth_mm[cell]));
@@ -197,14 +206,15 @@ impl StuckShape {
         });
         let moved = Motion::of(moved)?;
         if moved.sticking() < LEAST_STICKING {
-            self.has_slid = moved.whole_mm() > LEAST_SLIDING * thickness_mm;
+            self.has_slid |= moved.whole_mm() > LEAST_SLIDING * thickness_mm;
             return None;
         }
         let found = rigid::fit(surface, self, &self.inner, noise_mm, scratch)?;
-        let common = self.inner.len() as f64 / contact.inner.len() as f64;
-        self.has_slid = !found.sticks(noise_mm) || found.matching * common < THRESHOLDS.least_matching;
+        self.has_slid |= !found.sticks(noise_mm);
+        let matching = found.matching * self.inner.len() as f64 / near as f64;
         let deviation_mm = rigid::depth_deviation_mm(surface, self, &self.inner, &found, noise_mm)?;
         let is_certain = deviation_mm <= THRESHOLDS.most_face_deviation * thickness_mm;
-        (!self.has_slid && is_certain).then_some((found.motion, deviation_mm))
+        let is_most = matching >= THRESHOLDS.least_matching;
+        (!self.has_slid && is_most && is_certain).then_some((found.motion, deviation_mm))
     }
 }

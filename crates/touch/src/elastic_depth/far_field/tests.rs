@@ -52,6 +52,15 @@ fn narrow_or_dragged_contact_is_corrected_for_strain() {
 }
 
 #[test]
+fn beyond_the_fitted_presses_the_strain_does_not_grow() {
+    let of = |times: f64| {
+        let strain = Strain { narrowness: times, drag: 3.0 * times, ..Strain::default() };
+        far(1.0, 1.0).correction(strain, 1e6, NOISE_MM)
+    };
+    assert!((of(1.0) - of(2.0)).abs() < 1e-6, "{} {}", of(1.0), of(2.0));
+}
+
+#[test]
 fn where_nothing_moves_or_little_is_seen_the_force_stays() {
     assert!(is(FarField::default().correction(Strain::default(), 1.0, NOISE_MM), 1.0));
     let mut few = FarField::default();

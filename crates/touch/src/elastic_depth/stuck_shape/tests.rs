@@ -44,6 +44,7 @@ impl Press {
         for cell in 0..self.depth_mm.len() {
             self.depth_mm[cell] = error * ball(self.surface.centre_mm(cell))[2] as f32;
         }
+        self.shape.begin();
         self.hold()
     }
 
@@ -103,17 +104,55 @@ fn contact_that_spreads_is_not_taken_for_deeper() {
 }
 
 #[test]
-fn another_object_keeps_its_depth() {
+fn another_object_keeps_its_depth_but_the_rim_of_the_same_one_does_not() {
     let mut press = Press::new();
-    let beside: Vec<_> = (0..press.touches.len()).filter(|&cell| press.surface.centre_mm(cell)[1] > 14.0).collect();
+    let cell_near = |press: &Press, [x, y]: [f64; 2]| {
+        let away = |cell: usize| {
+            let at = press.surface.centre_mm(cell);
+            (at[0] - x).hypot(at[1] - y)
+        };
+        (0..press.touches.len()).min_by(|&a, &b| away(a).total_cmp(&away(b))).unwrap()
+    };
+    // The shape reaches 5.9 mm from its middle, and the box around it 12 cells of 1.25 mm farther.
+    press.shape.columns_reached = [9, 14];
+    press.shape.rows_reached = [9, 14];
+    let [rim, beside] = [[6.9, 0.0], [14.0, 14.0]].map(|at| cell_near(&press, at));
     press.shape.rows_reached[1] -= REACH;
-    for &cell in &beside {
+    show_at(&mut press.surface, |rest| {
+        let [x, y, z] = ball(rest);
+        [x + 1.2, y, z]
+    });
+    for cell in [rim, beside] {
         press.touches[cell] = true;
     }
-    assert!(press.moves(|[x, y, z]| [x + 1.2, y, z], 1.2));
-    assert!(
-        beside.iter().all(|&cell| press.depth_mm[cell].abs() < 1e-9 && (press.deviation_mm[cell] - 0.05).abs() < 1e-9)
-    );
+    press.depth_mm.iter_mut().for_each(|depth_mm| *depth_mm *= 1.2);
+    (press.depth_mm[rim], press.depth_mm[beside]) = (0.12, 0.12);
+    assert!(press.hold());
+    assert!((press.depth_mm[rim] - 0.1).abs() < 2e-3, "{} mm", press.depth_mm[rim]);
+    assert!((press.depth_mm[beside] - 0.12).abs() < 1e-6 && (press.deviation_mm[beside] - 0.05).abs() < 1e-6);
+}
+
+#[test]
+fn contact_that_grows_keeps_its_shape_and_contact_elsewhere_does_not() {
+    let sticks = |[x, y, z]: [f64; 3]| [x + 1.2, y, z];
+    let mut press = Press::new();
+    let cells = || 0..press.touches.len();
+    let larger: Vec<_> = cells().map(|cell| depth_mm(press.surface.centre_mm(cell)) > -1.0).collect();
+    let elsewhere: Vec<_> = cells().map(|cell| press.surface.centre_mm(cell)[0] > 9.0).collect();
+    let first = press.touches.clone();
+    press.touches = larger;
+    press.moves(sticks, 1.2);
+    press.shape.forget_if_slid();
+    press.shape.begin();
+    press.touches.clone_from(&first);
+    assert!(press.moves(sticks, 1.2), "it grew, and did not slide");
+    press.shape.begin();
+    press.touches = elsewhere;
+    assert!(!press.moves(sticks, 1.2));
+    press.shape.forget_if_slid();
+    press.shape.begin();
+    press.touches = first;
+    assert!(!press.moves(sticks, 1.2), "it moved away");
 }
 
 #[test]
@@ -127,6 +166,14 @@ fn nothing_is_known_after_a_press_or_some_lost_frames() {
         press.shape.skip();
     }
     assert!(!press.moves(sticks, 1.2));
+    // Frames that were lost before the press do not count.
+    let mut press = Press::new();
+    for _ in 0..MOST_SKIPPED_FRAMES - 1 {
+        press.shape.skip();
+        press.shape.begin();
+    }
+    press.shape.skip();
+    assert!(press.moves(sticks, 1.2));
     let mut press = Press::new();
     press.shape.forget();
     assert!(!press.moves(sticks, 1.2));
