@@ -31,7 +31,6 @@ pub(super) struct ContactFinder {
     network: Option<ContactNetwork>,
     face_scratch: Scratch,
     strain: FrozenStrain,
-    shape: StuckShape,
     /// Whether contact moves with the shape that it had before it was dragged.
     has_shape: bool,
     /// The size of the network's grid: the surface's, padded to a multiple of what the network needs.
@@ -91,7 +90,6 @@ impl ContactFinder {
             estimated: vec![[0.0; OUTPUTS]; cells],
             face_scratch: Scratch::new(cells),
             strain: FrozenStrain::new(gel.thickness_mm, surface.distance_mm()),
-            shape: StuckShape::new(surface.grid),
             has_shape: false,
             padded,
             constants,
@@ -136,7 +134,6 @@ impl ContactFinder {
         self.on_face.fill(false);
         self.depth_mm.fill(0.0);
         self.strain.rest();
-        self.shape.forget();
         self.has_shape = false;
     }
 
@@ -144,7 +141,6 @@ impl ContactFinder {
     /// [`Self::take_noise`] of the same frame.
     pub(super) fn find(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
         self.strain.begin();
-        self.shape.begin();
         self.has_shape = false;
         if self.network.is_some() {
             self.look(surface, drag);
@@ -177,24 +173,10 @@ impl ContactFinder {
     }
 
     /// Gives contact that sticks while it is dragged the depth of its shape before.
-    pub(super) fn hold_to_shape(&mut self, surface: &Surface) {
+    pub(super) fn hold_to_shape(&mut self, surface: &Surface, shape: &mut StuckShape) {
         let Self { touches, inner, depth_mm, network_deviation_mm: deviation_mm, .. } = self;
         let contact = stuck_shape::Contact { touches, inner, depth_mm, deviation_mm };
-        self.has_shape = self.shape.hold(surface, contact, self.noise_mm, self.thickness_mm, &mut self.scratch);
-    }
-
-    /// Takes the shape of contact in a frame that is to be trusted. If contact is dragged, the shape is that of an earlier
-    /// frame, and is forgotten where contact slid.
-    pub(super) fn take_shape(&mut self, surface: &Surface, is_dragged: bool) {
-        if is_dragged {
-            self.shape.forget_if_slid();
-            return;
-        }
-        let Self { shape, touches, depth_mm, on_face, face_deviation_mm, network_deviation_mm, .. } = self;
-        let flow_deviation_mm = self.flow_deviation_mm;
-        let of_network = |cell: usize| network_deviation_mm[cell].hypot(flow_deviation_mm);
-        let deviation_mm = |cell: usize| if on_face[cell] { *face_deviation_mm } else { of_network(cell) };
-        shape.take(surface, touches, depth_mm, deviation_mm);
+        self.has_shape = shape.hold(surface, contact, self.noise_mm, self.thickness_mm, &mut self.scratch);
     }
 
     /// Stores the accuracy of a frame's flow; returns the motion, mm, up to which the gel counts as at rest in this
@@ -283,7 +265,6 @@ impl ContactFinder {
     /// Counts a frame without any estimate.
     pub(super) fn skip(&mut self) {
         self.strain.begin();
-        self.shape.skip();
     }
 
     /// Whether a face that the gel sticks to was found.

@@ -60,6 +60,7 @@ use fingervision_optics::Camera;
 use held::HeldGel;
 use rays::Rays;
 use std::sync::OnceLock;
+use stuck_shape::StuckShape;
 use surface::Surface;
 use thresholds::THRESHOLDS;
 use to_pixels::{Known, Planes};
@@ -107,6 +108,7 @@ pub struct ElasticDepth {
     /// Made when displacement is asked for the first time.
     rays: OnceLock<Rays>,
     contact: ContactFinder,
+    shape: StuckShape,
     /// None where the network is not used.
     drag: Option<Drag>,
     held: HeldGel,
@@ -151,6 +153,7 @@ impl ElasticDepth {
             gel: *gel,
             is_outside_training,
             contact,
+            shape: StuckShape::new(surface.grid),
             drag,
             held,
             untracked,
@@ -191,7 +194,7 @@ impl ElasticDepth {
         if self.fields.is_unexplained || self.fields.is_flow_uncertain || self.fields.is_untracked {
             self.contact.discard_strain();
         } else if self.contact.uses_network() {
-            self.contact.take_shape(&self.surface, self.is_dragged());
+            self.take_shape();
         }
         self.write_force();
         &self.fields
@@ -200,20 +203,33 @@ impl ElasticDepth {
     /// Takes note of a frame whose flow is not to be used. The fields remain those of the frame before.
     pub fn skip(&mut self) {
         self.contact.skip();
+        self.shape.skip();
     }
 
     /// Finds contact and its depth: contact from the whole motion, then the displacement by shear and twist, then the depth
     /// without it. If a frame used that of the previous frame instead, jumps would give wrong depths, and contact and shear
     /// would change each other from frame to frame even in a still image.
     fn find_contact(&mut self) {
+        self.shape.begin();
         self.contact.find(&self.surface, None);
         let Some(drag) = &mut self.drag else { return };
         if drag.find(&self.surface, &self.contact) {
             self.contact.find_depth(&self.surface, drag.found());
         }
         if self.is_dragged() && !self.contact.has_face() {
-            self.contact.hold_to_shape(&self.surface);
+            self.contact.hold_to_shape(&self.surface, &mut self.shape);
         }
+    }
+
+    /// Takes the shape of contact in a frame that is to be trusted. If contact is dragged, the shape is that of an earlier
+    /// frame, and is forgotten where contact slid.
+    fn take_shape(&mut self) {
+        if self.is_dragged() {
+            self.shape.forget_if_slid();
+            return;
+        }
+        let contact = &self.contact;
+        self.shape.take(&self.surface, &contact.touches, &contact.depth_mm, |cell| contact.deviation_mm(cell, 0.0));
     }
 
     /// Whether contact moved along the surface, so that its shape is that of an earlier frame.
@@ -277,6 +293,7 @@ impl ElasticDepth {
                 drag.rest();
             }
             self.contact.rest();
+            self.shape.forget();
         }
         self.fields.rest(still_mm / (THRESHOLDS.still_px * self.surface.mm_per_px));
     }

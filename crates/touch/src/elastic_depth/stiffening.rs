@@ -69,7 +69,8 @@ pub struct Strain {
 
 impl Strain {
     /// Strain of a grid's cells in contact, from their displacement, mm, and the gel's thickness, mm; the spread is that of
-    /// cells whose four neighbours are in contact. 0 where there is no contact, or none that is pressed in.
+    /// cells whose four neighbours are in contact. All numbers are 0 where nothing is touched, or where
+    /// the mean depth is not positive.
     ///
     /// # Panics
     ///

@@ -87,7 +87,7 @@ impl StuckShape {
 
     /// Forgets the shape.
     pub(super) fn forget(&mut self) {
-        (self.is_known, self.has_slid, self.skipped) = (false, false, 0);
+        self.is_known = false;
     }
 
     /// Begins a frame with an estimate.
@@ -97,7 +97,7 @@ impl StuckShape {
 
     /// Counts a frame without any estimate.
     pub(super) fn skip(&mut self) {
-        self.skipped += 1;
+        self.skipped = self.skipped.saturating_add(1);
         if self.skipped >= MOST_SKIPPED_FRAMES {
             self.forget();
         }
@@ -111,7 +111,7 @@ impl StuckShape {
         depth_mm: &[f32],
         deviation_mm: impl Fn(usize) -> f32,
     ) {
-        (self.is_known, self.has_slid) = (true, false);
+        self.is_known = true;
         self.touches.copy_from_slice(touches);
         (self.columns_reached, self.rows_reached) = ([usize::MAX, 0], [usize::MAX, 0]);
         for cell in (0..touches.len()).filter(|&cell| touches[cell]) {

@@ -72,7 +72,7 @@ fn where_nothing_moves_or_little_is_seen_the_force_stays() {
         assert!(is(far(1.2, 1.0).correction(Strain::default(), deviation, NOISE_MM), 1.0));
     }
     let backwards = far(-1.0, 1.0).correction(Strain::default(), 1.0, NOISE_MM);
-    assert!(is(backwards, 1.0), "motion against the force is no force");
+    assert!(is(backwards, 1.0), "the gel moves as if it were pulled: the force by depth remains");
     let far_off = far(5.0, 1.0).correction(Strain::default(), 1.0, NOISE_MM);
     assert!(is(far_off, MOST), "{far_off}");
     assert!(!FarField::is_telling(0.4) && FarField::is_telling(0.48));
