@@ -21,7 +21,7 @@ use fearless_simd::Level;
 use fingervision_evaluate::{end_point_errors, mean, without_border};
 use fingervision_flow::FlowField;
 use fingervision_gel::Truth;
-use fingervision_image::{Image, Pixels};
+use fingervision_image::{Image, Pixels, Rect, grey_into};
 use fingervision_touch::Reading;
 
 use film::{Film, SIZE};
@@ -64,7 +64,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         }
         Err(why) => return Err(why),
     };
-    let (path, rustc) = (record_path(), rustc()?);
+    let (path, rustc) = (record_of(Build::of(&std::env::current_exe()?)), rustc()?);
     let record = if args.update { None } else { read_record(&path, &rustc, args.required, out)? };
     if record.is_none() && !args.update {
         return Ok(());
@@ -169,18 +169,48 @@ fn error(stage: Stage, output: Output, frame: &Image<[u8; 3]>, truth: &Truth) ->
             let (truth, region) = (FlowField { u, v }, without_border(SIZE, BORDER_PX));
             mean(end_point_errors(&reading.flow, &truth, region).filter(|error| error.is_finite()))
         }
-        Output::Picture(Pixels::Rgb8(image)) => {
-            let pairs = image.values().as_flattened().iter().zip(frame.values().as_flattened());
-            mean(pairs.map(|(&is, &was)| f32::from(is.abs_diff(was))))
+        Output::Picture(decoded) => {
+            let [is, was] = [decoded, &Pixels::Rgb8(frame.clone())].map(|pixels| {
+                let mut grey = Image::from_fn(SIZE.0, SIZE.1, |_, _| f32::NAN);
+                grey_into(pixels, Rect::whole(SIZE.0, SIZE.1), &mut grey).map(|()| grey)
+            });
+            match (is, was) {
+                (Ok(is), Ok(was)) => mean(is.values().iter().zip(was.values()).map(|(is, was)| (is - was).abs())),
+                _ => f64::NAN,
+            }
         }
-        Output::Picture(_) => f64::NAN,
     }
 }
 
-/// The record for the instruction set that valgrind offers.
+/// The record for the instruction set that valgrind offers, of the optimised build.
 pub(crate) fn record_path() -> PathBuf {
-    let name = format!("{}.json", instruction_set().to_lowercase());
+    record_of(Build::Optimised)
+}
+
+fn record_of(build: Build) -> PathBuf {
+    let build = match build {
+        Build::Optimised => "",
+        Build::Tests => "-tests",
+    };
+    let name = format!("{}{build}.json", instruction_set().to_lowercase());
     crate::workspace().join("benches/instructions").join(name)
+}
+
+/// How this program was built. Checks for overflow in the tests' build take instructions of their own, so it has its own record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Build {
+    /// By `cargo xtask`.
+    Optimised,
+    /// Together with the tests.
+    Tests,
+}
+
+impl Build {
+    /// By the folder that this program is in.
+    fn of(program: &Path) -> Self {
+        let folder = program.parent().and_then(Path::file_name);
+        if folder.is_some_and(|folder| folder == "debug") { Self::Tests } else { Self::Optimised }
+    }
 }
 
 /// The highest instruction set that both the processor and valgrind know.
@@ -223,5 +253,17 @@ pub(crate) fn processor() -> String {
     match (value("model name"), value("cpu family"), value("model")) {
         (Some(name), Some(family), Some(model)) => format!("{name}, family {family}, model {model}"),
         _ => std::env::consts::ARCH.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_build_is_known_by_its_folder_and_has_a_record_of_its_own() {
+        let builds = ["target/debug/xtask", "target/release/xtask", "elsewhere/profiling/xtask", "xtask"].map(Path::new);
+        assert_eq!(builds.map(Build::of), [Build::Tests, Build::Optimised, Build::Optimised, Build::Optimised]);
+        assert_ne!(record_of(Build::Tests), record_of(Build::Optimised));
     }
 }
