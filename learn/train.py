@@ -22,26 +22,37 @@ BATCH = 8
 MEAN_STEPS = 2000  # over which weights are averaged
 LEAN = 2.0  # weight of the mean error in contact
 SHARES = {"draft": 0.08, "medium": 0.52, "fine": 0.4}  # of the frames of a batch, by mesh
+SHARES_WITHOUT_DRAG = {"draft": 0.3, "medium": 0.5, "fine": 0.2}  # the same with `--without-drag`
 DEEP_MM = 1.5  # contact that is less deep on average counts more
 MOST_SHALLOW = 2.5  # times as much at most
 TRACKED_SHARE = 0.85  # of them as a tracker saw them; the others as any camera would, under formulas for blur and noise
 JUDGED = "%s; unseen presses: depth %.4f mm, in contact %.3f mm (%+.1f %%), overlap %.3f, error over predicted %.2f"
 
 
-def load(folder):
+def load(folder, without_drag):
     """Frames to train on, by mesh, and frames to judge by: displacement, contact, gel (thickness, ν, coarseness of its mesh), what
-    cameras saw."""
+    cameras saw; of those where shear and twist were subtracted, what is left of both."""
     train, judge = {}, []
     for press in sorted(pathlib.Path(folder).glob("*/seen.npy")):
         about = tomllib.loads((press.parent / "press.toml").read_text())
         scale = SIZE_MM / about["gel"]["size_mm"][0]  # elasticity knows no scale
         gel = torch.tensor([scale * about["gel"]["thickness_mm"], about["gel"]["poissons_ratio"], MESHES[about["mesh"]]])
-        displacement, contact, seen = (numpy.load(press.parent / f"{name}.npy") for name in ("displacement", "contact", "seen"))
+        names = ("displacement", "contact", "dragged" if without_drag else "seen")
+        displacement, contact, seen = (numpy.load(press.parent / f"{name}.npy") for name in names)
         seen[:, :, :2] *= scale
         frames = judge if int(press.parent.name) % 20 == 7 else train.setdefault(about["mesh"], [])
         for frame in range(len(displacement)):
-            moved = torch.from_numpy(scale * displacement[frame].transpose(2, 0, 1))
-            frames.append((moved, torch.from_numpy(contact[frame]), gel, torch.from_numpy(seen[:, frame].copy())))
+            moved, touched = scale * displacement[frame].transpose(2, 0, 1), torch.from_numpy(contact[frame])
+            if not without_drag:
+                frames.append((torch.from_numpy(moved), touched, gel, torch.from_numpy(seen[:, frame].copy())))
+                continue
+            for camera in seen[numpy.isfinite(seen[:, frame]).all((1, 2, 3)), frame]:
+                left = moved.copy()
+                left[2] -= scale * camera[4]
+                frames.append((torch.from_numpy(left), touched, gel, torch.from_numpy(camera[None, :4].copy())))
+    train = {mesh: frames for mesh, frames in train.items() if frames}
+    if not train or not judge:
+        raise SystemExit(f"{folder}: {len(judge)} frames to judge by, and to train on those of {len(train)} meshes; both are needed")
     return train, judge
 
 
@@ -81,18 +92,21 @@ def judged(network, frames):
     return mean(errors), mean(inner), 100 * mean(biases), mean(overlaps), mean(errors) / mean(predicted_errors)
 
 
-def batch(draw, train):
+def batch(draw, train, shares, tracked_share):
     """Inputs, constants, coarseness of the mesh, depth and contact of frames drawn at random."""
-    meshes = [mesh for mesh in SHARES if mesh in train]
-    shares = numpy.array([SHARES[mesh] for mesh in meshes])
+    meshes = [mesh for mesh in shares if mesh in train]
+    shares = numpy.array([shares[mesh] for mesh in meshes])
     parts = []
     for mesh in draw.choice(meshes, BATCH, p=shares / shares.sum()):
         displacement, contact, gel, cameras = train[mesh][draw.integers(0, len(train[mesh]))]
         way, seen = int(draw.integers(0, 8)), cameras[draw.integers(0, len(cameras))]
         parts.append((*mirrored(displacement, contact.float() / 255, way), gel, mirrored_seen(seen, way)))
     displacement, contact, gel, seen = (torch.stack(part) for part in zip(*parts))
-    is_tracked = torch.rand(BATCH) < TRACKED_SHARE
-    choices = zip(tracked(seen, gel[:, :2]), drawn(displacement, gel[:, :2]))
+    is_tracked = torch.rand(BATCH) < tracked_share
+    inputs = tracked(seen, gel[:, :2])
+    if tracked_share == 1:
+        return *inputs, gel[:, 2], displacement[:, 2], contact
+    choices = zip(inputs, drawn(displacement, gel[:, :2]))
     cells, constants = (torch.where(is_tracked.view(-1, *[1] * (a.dim() - 1)), a, b) for a, b in choices)
     return cells, constants, gel[:, 2], displacement[:, 2], contact
 
@@ -106,11 +120,14 @@ def main():
     length.add_argument("--steps", type=int, help="how many steps, instead of minutes")
     arguments.add_argument("--seed", type=int, default=0)
     arguments.add_argument("--rate", type=float, default=2e-3)
+    arguments.add_argument("--without-drag", action="store_true", help="train on frames from which shear and twist were subtracted")
     arguments.add_argument("--start", help="weights to begin with: of an earlier training, or exported ones (.bin)")
     arguments = arguments.parse_args()
     torch.manual_seed(arguments.seed)
     torch.use_deterministic_algorithms(True)
-    train, judge = load(arguments.presses)
+    train, judge = load(arguments.presses, arguments.without_drag)
+    # Cameras drawn at random do not subtract anything.
+    shares, tracked_share = (SHARES_WITHOUT_DRAG, 1) if arguments.without_drag else (SHARES, TRACKED_SHARE)
     network = ContactNetwork().to(memory_format=torch.channels_last)
     if arguments.start:
         exported = arguments.start.endswith(".bin")
@@ -130,7 +147,7 @@ def main():
         warm = min(1, step / 200)
         for group in optimizer.param_groups:
             group["lr"] = arguments.rate * warm * (0.01 + 0.5 * (1 + numpy.cos(numpy.pi * part)))
-        cells, constants, coarseness, depth, contact = batch(draw, train)
+        cells, constants, coarseness, depth, contact = batch(draw, train, shares, tracked_share)
         estimated = network(cells.contiguous(memory_format=torch.channels_last), constants, coarseness)
         loss = cost(estimated, depth, contact)
         optimizer.zero_grad()

@@ -3,7 +3,9 @@
 //! `cargo run --release -p fingervision-cli --example look_at_presses -- presses`
 //!
 //! Reads `presses/*/press.toml` and `displacement.npy` as `learn/presses.py` writes them; puts `seen.npy` beside them where
-//! there is none: float32 `[camera, frame, 4, row, column]`, the apparent displacement (x, y), mm, and the slope of the ray.
+//! there is none: float32 `[camera, frame, 4, row, column]`, the apparent displacement (x, y), mm, and the slope of the ray; and
+//! `dragged.npy`: float32 `[camera, frame, 5, row, column]`, the same without the displacement by shear and twist, and the vertical
+//! part of that displacement, mm; all of it NaN in frames where nothing was subtracted.
 
 use std::error::Error;
 use std::fs::{self, File};
@@ -14,7 +16,9 @@ use fingervision_elastic::{GelBlock, SurfaceState};
 use fingervision_gel::{FrameRenderer, Motif, Pattern, RenderParams};
 use fingervision_image::Frame;
 use fingervision_optics::{Camera, CameraParams, Distortion};
-use fingervision_touch::{ElasticDepth, ElasticMode, ElasticParams, Fields, Profile, Tracker};
+use fingervision_touch::{
+    Cells, ElasticDepth, ElasticMode, ElasticParams, Fields, Profile, Seen, Tracker, WithoutDrag,
+};
 use npyz::{NpyFile, WriterBuilder};
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64Mcg;
@@ -23,7 +27,8 @@ use serde::Deserialize;
 
 const CELLS: usize = 120;
 const PIXELS: usize = 480;
-const CAMERAS: usize = 2;
+/// In which the shear of contact is found, for each camera.
+const MODES: [ElasticMode; 2] = [ElasticMode::Exact, ElasticMode::Live];
 /// Side of the gel that all lengths are drawn for, mm.
 const SIZE_MM: f64 = 30.0;
 /// Range of the farthest that a point moves from one frame to the next, mm: 1 to 16 px of the usual camera.
@@ -92,12 +97,12 @@ impl Sensor {
     }
 
     /// Renders and tracks the press from rest through all its poses, and appends the measurement of each.
-    fn look(&self, gel: &GelBlock, poses: &[Displacement], target: &mut Vec<f32>) -> Result<(), Fault> {
+    fn look(&self, gel: &GelBlock, mode: ElasticMode, poses: &[Displacement], target: &mut Views) -> Result<(), Fault> {
         let camera = Camera::new(&self.camera)?;
         let mut renderer = FrameRenderer::new(&self.render, &camera, &self.pattern.texture(gel.size_mm)?)?;
         let mut tracker = Tracker::new(&Profile::default(), (PIXELS, PIXELS), true, Fields::NONE)?;
-        // Only the measurement of the surface is used, so the fastest settings suffice.
-        let params = ElasticParams { mode: ElasticMode::Live, network: false };
+        // The network finds the contact whose shear is subtracted.
+        let params = ElasticParams { mode, network: true };
         let mut depth = ElasticDepth::new(&camera, gel, (PIXELS, PIXELS), &params)?;
         let mut sequence = 0;
         let mut show = |tracker: &mut Tracker, displacement_mm: Displacement| {
@@ -122,13 +127,54 @@ impl Sensor {
             before = pose;
             let reading = tracker.reading();
             depth.solve(&reading.flow, &reading.deviation, &reading.valid);
-            let seen = depth.cells().seen;
-            for plane in 0..4 {
-                target.extend(seen.iter().map(|seen| [seen.apparent_mm, seen.slope].as_flattened()[plane]));
+            let Cells { seen, without_drag, .. } = depth.cells();
+            push_planes(&mut target.seen, seen);
+            if let Some(WithoutDrag { seen, dragged_mm, .. }) = without_drag {
+                push_planes(&mut target.dragged, seen);
+                target.dragged.extend(dragged_mm.iter().map(|dragged_mm| dragged_mm[2]));
+            } else {
+                target.dragged.extend(std::iter::repeat_n(f32::NAN, 5 * seen.len()));
             }
         }
         Ok(())
     }
+}
+
+fn is_seen(folder: &Path) -> bool {
+    ["seen.npy", "dragged.npy"].into_iter().all(|name| folder.join(name).exists())
+}
+
+/// What all cameras saw of a press.
+#[derive(Debug, Default)]
+struct Views {
+    seen: Vec<f32>,
+    dragged: Vec<f32>,
+}
+
+impl Views {
+    /// Writes the frames of all cameras; `seen.npy` last, by which the training finds a press.
+    fn write(self, folder: &Path, frames: usize) -> Result<(), Fault> {
+        write_planes(folder, "dragged", self.dragged, frames, 5)?;
+        write_planes(folder, "seen", self.seen, frames, 4)
+    }
+}
+
+/// Appends the apparent displacement and the slopes of the rays, one plane after the other.
+fn push_planes(target: &mut Vec<f32>, seen: &[Seen]) {
+    for plane in 0..4 {
+        target.extend(seen.iter().map(|seen| [seen.apparent_mm, seen.slope].as_flattened()[plane]));
+    }
+}
+
+fn write_planes(folder: &Path, name: &str, values: Vec<f32>, frames: usize, planes: usize) -> Result<(), Fault> {
+    // Written under another name first: a file that is there is whole.
+    let part = folder.join(format!("{name}.part"));
+    let shape = [MODES.len(), frames, planes, CELLS, CELLS].map(|count| count as u64);
+    let file = BufWriter::new(File::create(&part)?);
+    let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd()?;
+    writer.extend(values)?;
+    writer.finish()?;
+    Ok(fs::rename(part, folder.join(format!("{name}.npy")))?)
 }
 
 fn distance(from: &[f64; 3], to: &[f64; 3]) -> f64 {
@@ -185,24 +231,17 @@ fn see(folder: &Path, seed: u64) -> Result<(), Fault> {
     let displacement_mm = NpyFile::new(File::open(folder.join("displacement.npy"))?)?.into_vec::<f32>()?;
     let poses: Vec<_> = displacement_mm.chunks_exact(3 * CELLS * CELLS).map(nodes).collect();
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
-    let mut seen = Vec::new();
-    for _ in 0..CAMERAS {
-        Sensor::draw(gel.size_mm[0], &mut rng)?.look(&gel, &poses, &mut seen)?;
+    let mut views = Views::default();
+    for mode in MODES {
+        Sensor::draw(gel.size_mm[0], &mut rng)?.look(&gel, mode, &poses, &mut views)?;
     }
-    // Written under another name first: a file that is there is whole.
-    let part = folder.join("seen.part");
-    let shape = [CAMERAS, poses.len(), 4, CELLS, CELLS].map(|count| count as u64);
-    let file = BufWriter::new(File::create(&part)?);
-    let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(file).begin_nd()?;
-    writer.extend(seen)?;
-    writer.finish()?;
-    Ok(fs::rename(part, folder.join("seen.npy"))?)
+    views.write(folder, poses.len())
 }
 
 fn main() -> Result<(), Fault> {
     let presses = std::env::args().nth(1).ok_or("name the folder of the presses")?;
     let mut folders = fs::read_dir(&presses)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, Fault>>()?;
-    folders.retain(|folder| folder.join("press.toml").is_file() && !folder.join("seen.npy").exists());
+    folders.retain(|folder| folder.join("press.toml").is_file() && !is_seen(folder));
     folders.sort();
     for (count, folder) in folders.iter().enumerate() {
         let name = folder.file_name().unwrap_or_default().to_string_lossy();

@@ -35,7 +35,7 @@ pub use density::{DensityEstimator, DensityField, DensityMethod, DensityParams};
 pub use depth_law::{DepthLaw, DepthLine, DepthMap, PerspectiveGain, perspective_slopes_mm};
 pub use elastic_depth::{
     Around, Cells, CoarseGrid, ElasticDepth, ElasticError, ElasticFields, ElasticMode, ElasticParams, Limits,
-    MOST_UNEXPLAINED, Seen, Strain, TRAINING_RANGE, TractionGrid, Tractions,
+    MOST_UNEXPLAINED, Seen, Strain, TRAINING_RANGE, TractionGrid, Tractions, WithoutDrag,
 };
 pub use error::TrackError;
 pub use fields::Fields;

@@ -64,8 +64,9 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         }
         Err(why) => return Err(why),
     };
-    let (path, rustc) = (record_of(Build::of(&std::env::current_exe()?)), rustc()?);
-    let record = if args.update { None } else { read_record(&path, &rustc, args.required, out)? };
+    let build = Build::of(&std::env::current_exe()?);
+    let (path, rustc) = (record_of(build), rustc()?);
+    let record = if args.update { None } else { read_record(build, &rustc, args.required, out)? };
     if record.is_none() && !args.update {
         return Ok(());
     }
@@ -87,19 +88,20 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         writeln!(out, "{line}")?;
     }
     if !comparison.faults.is_empty() {
-        bail!("{}; if it is intended: cargo xtask instructions --update", comparison.faults.join("; "));
+        bail!("{}; if it is intended: {}", comparison.faults.join("; "), build.update());
     }
     if comparison.fallen > 0 {
-        writeln!(out, "{} stages take less than recorded: cargo xtask instructions --update", comparison.fallen)?;
+        writeln!(out, "{} stages take less than recorded: {}", comparison.fallen, build.update())?;
     }
     writeln!(out, "instructions: {} stages as recorded, counted in {seconds:.0} s", stages.len())?;
     Ok(())
 }
 
 /// The record of this instruction set, or nothing and a line that says why.
-fn read_record(path: &Path, rustc: &str, is_required: bool, out: &mut impl Write) -> Result<Option<Record>> {
+fn read_record(build: Build, rustc: &str, is_required: bool, out: &mut impl Write) -> Result<Option<Record>> {
+    let path = record_of(build);
     let fault = if path.is_file() {
-        let record = Record::read(path)?;
+        let record = Record::read(&path)?;
         if record.rustc == rustc {
             return Ok(Some(record));
         }
@@ -107,7 +109,7 @@ fn read_record(path: &Path, rustc: &str, is_required: bool, out: &mut impl Write
     } else {
         format!("{} does not exist", path.display())
     };
-    ensure!(!is_required, "{fault}: cargo xtask instructions --update");
+    ensure!(!is_required, "{fault}: {}", build.update());
     writeln!(out, "instructions: skipped, {fault}")?;
     Ok(None)
 }
@@ -211,6 +213,14 @@ impl Build {
         let folder = program.parent().and_then(Path::file_name);
         if folder.is_some_and(|folder| folder == "debug") { Self::Tests } else { Self::Optimised }
     }
+
+    /// The command that writes its record.
+    fn update(self) -> &'static str {
+        match self {
+            Self::Optimised => "cargo xtask instructions --update",
+            Self::Tests => "target/debug/xtask instructions --update",
+        }
+    }
 }
 
 /// The highest instruction set that both the processor and valgrind know.
@@ -262,8 +272,10 @@ mod tests {
 
     #[test]
     fn a_build_is_known_by_its_folder_and_has_a_record_of_its_own() {
-        let builds = ["target/debug/xtask", "target/release/xtask", "elsewhere/profiling/xtask", "xtask"].map(Path::new);
+        let builds =
+            ["target/debug/xtask", "target/release/xtask", "elsewhere/profiling/xtask", "xtask"].map(Path::new);
         assert_eq!(builds.map(Build::of), [Build::Tests, Build::Optimised, Build::Optimised, Build::Optimised]);
         assert_ne!(record_of(Build::Tests), record_of(Build::Optimised));
+        assert_ne!(Build::Tests.update(), Build::Optimised.update());
     }
 }

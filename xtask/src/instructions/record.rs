@@ -91,7 +91,9 @@ impl Record {
                 ));
             }
             comparison.fallen += usize::from(change < -MOST_RISE);
-            if let (Some(before), Some(now), Some(unit)) = (old.error, new.error, &new.unit) {
+            if let Some(unit) = new.unit.as_ref().filter(|_| !is_number(old.error) || !is_number(new.error)) {
+                comparison.faults.push(format!("{} has no error in {unit} to compare", new.stage));
+            } else if let (Some(before), Some(now), Some(unit)) = (old.error, new.error, &new.unit) {
                 let change = self::change(before, now);
                 let _ = write!(line, ", error {:+.2} %", 100.0 * change);
                 if change > MOST_RISE {
@@ -108,6 +110,11 @@ impl Record {
         comparison.faults.extend(missing.map(|old| format!("{} was not counted", old.stage)));
         comparison
     }
+}
+
+/// A record keeps an error that is no number as none.
+fn is_number(error: Option<f64>) -> bool {
+    error.is_some_and(f64::is_finite)
 }
 
 /// The change as part of the value before.
@@ -159,6 +166,15 @@ mod tests {
             ["flow takes 103.10 M instructions a frame, 100.00 M before: 3.1 % more"],
             "{beyond:?}"
         );
+    }
+
+    #[test]
+    fn an_error_that_is_no_number_does_not_pass() {
+        let number = |error| Entry { unit: Some("px".to_owned()), ..entry(Stage::Flow, 100, error) };
+        for (before, now) in [(Some(0.01), Some(f64::NAN)), (Some(0.01), None), (None, Some(0.01))] {
+            let compared = record(vec![number(before)]).compare(&[number(now)]);
+            assert_eq!(compared.faults, ["flow has no error in px to compare"], "{before:?}, {now:?}");
+        }
     }
 
     #[test]

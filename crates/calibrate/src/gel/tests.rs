@@ -44,7 +44,7 @@ fn press(radius_mm: f64, [x, y]: [f64; 2]) -> Pressed {
 
 fn look(pressed: &Pressed, press: usize, gel: &GelBlock, force_n: Option<f64>) -> Look {
     let Pressed { seen, touches, depth_mm, .. } = pressed;
-    let cells = Cells { grid: GRID, seen, touches, depth_mm, mm_per_px: 0.06 };
+    let cells = Cells { grid: GRID, seen, without_drag: None, touches, depth_mm, mm_per_px: 0.06 };
     Look::new(&cells, Known { press, frame: 0, depth_mm: 0.5, force_n }, gel).unwrap()
 }
 

@@ -6,7 +6,9 @@ use fingervision_flow::Team;
 use super::coarse::Around;
 use super::face_search::{self, FaceLimits, Scratch};
 use super::frozen_strain::FrozenStrain;
-use super::network::{self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Symmetry};
+use super::network::{
+    self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Symmetry, Weights,
+};
 use super::rigid::{self, AtRest, StuckFace};
 use super::stuck_shape::{self, StuckShape};
 use super::surface::{self, Seen, Surface, WithoutDrag};
@@ -60,7 +62,9 @@ pub(super) struct ContactFinder {
     pub(super) share: Vec<f32>,
     /// Depth of each cell, mm.
     pub(super) depth_mm: Vec<f32>,
-    /// Error of that depth as the network estimates it, mm, one standard deviation.
+    /// Depth as the network estimates it from the whole motion, mm; with drag subtracted; and its error, one standard deviation.
+    whole_mm: Vec<f32>,
+    network_mm: Vec<f32>,
     network_deviation_mm: Vec<f32>,
     /// Whether a cell moves with a face that the gel sticks to.
     on_face: Vec<bool>,
@@ -102,6 +106,8 @@ impl ContactFinder {
             touches: vec![false; cells],
             share: vec![0.0; cells],
             depth_mm: vec![0.0; cells],
+            whole_mm: vec![0.0; cells],
+            network_mm: vec![0.0; cells],
             network_deviation_mm: vec![0.0; cells],
             on_face: vec![false; cells],
             face_deviation_mm: f32::INFINITY,
@@ -137,19 +143,17 @@ impl ContactFinder {
         self.has_shape = false;
     }
 
-    /// Finds contact and its depth from the surface's motion, with the known displacement by shear subtracted. Needs
-    /// [`Self::take_noise`] of the same frame.
-    pub(super) fn find(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
+    /// Finds contact and its depth from the surface's whole motion. Needs [`Self::take_noise`] of the same frame.
+    pub(super) fn find(&mut self, surface: &Surface) {
         self.strain.begin();
         self.has_shape = false;
         if self.network.is_some() {
-            self.look(surface, drag);
+            self.look(surface.grid, &surface.seen, Weights::Whole);
             self.take_contact(surface);
-            self.take_depth(drag);
+            self.take_depth();
             self.hold_to_face(surface);
             return;
         }
-        self.depth_mm.fill(0.0);
         face_search::mark(
             surface,
             &FaceLimits::new(self.noise_mm, self.thickness_mm),
@@ -166,16 +170,16 @@ impl ContactFinder {
 
     /// Finds the depth again with the displacement by shear subtracted. Contact does not change, because it is found
     /// better from the whole motion.
-    pub(super) fn find_depth(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
-        self.look(surface, drag);
-        self.take_depth(drag);
+    pub(super) fn find_depth(&mut self, surface: &Surface, drag: WithoutDrag<'_>) {
+        self.look(surface.grid, drag.seen, Weights::WithoutDrag);
+        self.take_depth_without(drag);
         self.hold_to_face(surface);
     }
 
     /// Gives contact that sticks while it is dragged the depth of its shape before.
     pub(super) fn hold_to_shape(&mut self, surface: &Surface, shape: &mut StuckShape) {
-        let Self { touches, inner, depth_mm, network_deviation_mm: deviation_mm, .. } = self;
-        let contact = stuck_shape::Contact { touches, inner, depth_mm, deviation_mm };
+        let Self { touches, inner, whole_mm, depth_mm, network_deviation_mm: deviation_mm, .. } = self;
+        let contact = stuck_shape::Contact { touches, inner, whole_mm, depth_mm, deviation_mm };
         self.has_shape = shape.hold(surface, contact, self.noise_mm, self.thickness_mm, &mut self.scratch);
     }
 
@@ -196,8 +200,9 @@ impl ContactFinder {
         self.noise_mm
     }
 
-    /// Assigns the depth of a stuck face to the cells that move with it.
+    /// Depth as the network estimates it, but that of a stuck face for the cells that move with it.
     fn hold_to_face(&mut self, surface: &Surface) {
+        self.depth_mm.copy_from_slice(&self.network_mm);
         self.erode(surface.grid);
         let deviation_mm = |face: &StuckFace| {
             rigid::depth_deviation_mm(surface, &AtRest, &self.inner, face, self.noise_mm)
@@ -229,9 +234,9 @@ impl ContactFinder {
         }
     }
 
-    /// Mean depth of a face, mm, by its motion and as estimated before.
+    /// Mean depth of a face, mm, by its motion and as the network estimates it.
     fn mean_depths_mm(&self, surface: &Surface, face: &StuckFace) -> [f64; 2] {
-        let depths = |cell: usize| [face.motion.apply(surface.centre_mm(cell))[2], f64::from(self.depth_mm[cell])];
+        let depths = |cell: usize| [face.motion.apply(surface.centre_mm(cell))[2], f64::from(self.network_mm[cell])];
         let sums =
             self.inner.iter().map(|&cell| depths(cell)).fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
         sums.map(|sum| sum / self.inner.len() as f64)
@@ -282,16 +287,15 @@ impl ContactFinder {
         surface.border().any(|cell| self.touches[cell])
     }
 
-    /// Evaluates the network: the mean over all symmetries in use.
-    fn look(&mut self, surface: &Surface, drag: Option<WithoutDrag<'_>>) {
+    /// Evaluates the network with these weights: the mean over all symmetries in use.
+    fn look(&mut self, grid: SurfaceGrid, seen: &[Seen], weights: Weights) {
         let Self { network: Some(network), padded, symmetries, inputs, estimated, constants, scale, .. } = self else {
             return;
         };
-        let SurfaceGrid { columns, rows, .. } = surface.grid;
-        let seen = drag.map_or(surface.seen.as_slice(), |drag| drag.seen);
+        let SurfaceGrid { columns, rows, .. } = grid;
         for (row, inputs) in inputs.chunks_exact_mut(padded.0).enumerate() {
             for (column, inputs) in inputs.iter_mut().enumerate() {
-                *inputs = input(surface.grid, seen, *padded, (column, row), *scale);
+                *inputs = input(grid, seen, *padded, (column, row), *scale);
             }
         }
         estimated.fill([0.0; OUTPUTS]);
@@ -300,7 +304,7 @@ impl ContactFinder {
                 let (column, row) = symmetry.place(*padded, (column, row));
                 symmetry.inputs(inputs[row * padded.0 + column])
             };
-            network.run(*constants, input, |column, row, outputs| {
+            network.run(weights, *constants, input, |column, row, outputs| {
                 let (column, row) = symmetry.place(*padded, (column, row));
                 if column < columns && row < rows {
                     for (sum, output) in estimated[row * columns + column].iter_mut().zip(outputs) {
@@ -322,15 +326,21 @@ impl ContactFinder {
         }
     }
 
-    fn take_depth(&mut self, drag: Option<WithoutDrag<'_>>) {
+    fn take_depth(&mut self) {
         for (cell, &[depth_mm, _, error]) in self.estimated.iter().enumerate() {
-            self.depth_mm[cell] = depth_mm / self.scale;
+            (self.whole_mm[cell], self.network_mm[cell]) = (depth_mm / self.scale, depth_mm / self.scale);
             self.network_deviation_mm[cell] = DEVIATION * error.exp() / self.scale;
         }
-        if let Some(WithoutDrag { dragged_mm, .. }) = drag {
-            for (depth_mm, dragged_mm) in self.depth_mm.iter_mut().zip(dragged_mm) {
-                *depth_mm += dragged_mm[2];
-            }
+    }
+
+    /// The depth estimated without drag, and that by drag; where little of the drag was subtracted, mostly the depth estimated from
+    /// the whole motion.
+    fn take_depth_without(&mut self, drag: WithoutDrag<'_>) {
+        for (cell, (&[depth_mm, _, error], dragged_mm)) in self.estimated.iter().zip(drag.dragged_mm).enumerate() {
+            let (depth_mm, deviation_mm) =
+                (depth_mm / self.scale + dragged_mm[2], DEVIATION * error.exp() / self.scale);
+            self.network_mm[cell] += drag.part * (depth_mm - self.network_mm[cell]);
+            self.network_deviation_mm[cell] += drag.part * (deviation_mm - self.network_deviation_mm[cell]);
         }
     }
 

@@ -3,8 +3,8 @@
 //! At small strain displacements add up: a press that also shears or twists the gel moves it as the press alone would,
 //! plus the displacement caused by the motion of contact along the surface. This motion, a translation and a rotation,
 //! is visible. Elasticity gives the displacement of the whole surface, from tractions that cause this motion of contact
-//! without changing its depth. After subtracting it, the field looks like a press straight down, for which the network
-//! is most accurate.
+//! without changing its depth. What is left after subtracting it looks like a press straight down, but for what linear elasticity
+//! neglects: the network estimates depth from it with weights of its own.
 
 use fingervision_elastic::BlockOperator;
 
@@ -28,7 +28,8 @@ pub(super) struct Drag {
     touches: Vec<bool>,
     /// Motion of contact along the surface, mm.
     wanted_mm: Vec<[f32; 3]>,
-    is_found: bool,
+    /// The part of that motion that is subtracted, 0 to 1.
+    part: f32,
     /// Motion of contact along the surface relative to its depth, root mean squares.
     ratio: f64,
     /// That motion, root mean square, mm.
@@ -48,7 +49,7 @@ impl Drag {
             touches: vec![false; coarse.grid.len()],
             wanted_mm: vec![[0.0; 3]; coarse.grid.len()],
             coarse,
-            is_found: false,
+            part: 0.0,
             ratio: 0.0,
             moved_mm: 0.0,
             dragged_mm: vec![[0.0; 3]; cells],
@@ -59,7 +60,7 @@ impl Drag {
     /// Forgets the previous frames.
     pub(super) fn rest(&mut self) {
         self.tractions.rest();
-        (self.is_found, self.ratio, self.moved_mm) = (false, 0.0, 0.0);
+        (self.part, self.ratio, self.moved_mm) = (0.0, 0.0, 0.0);
     }
 
     /// Motion of contact along the surface relative to its depth, root mean squares; 0 without contact.
@@ -74,30 +75,31 @@ impl Drag {
 
     /// The surface without drag, where there is any.
     pub(super) fn found(&self) -> Option<WithoutDrag<'_>> {
-        self.is_found.then_some(WithoutDrag { seen: &self.seen, dragged_mm: &self.dragged_mm })
+        let part = self.part;
+        (part > 0.0).then_some(WithoutDrag { seen: &self.seen, dragged_mm: &self.dragged_mm, part })
     }
 
-    /// Finds the motion of contact along the surface and the displacement it causes; returns whether there is any.
-    pub(super) fn find(&mut self, surface: &Surface, contact: &ContactFinder) -> bool {
+    /// Finds the motion of contact along the surface and the displacement it causes.
+    pub(super) fn find(&mut self, surface: &Surface, contact: &ContactFinder) {
         let found = motion_of(surface, contact);
         (self.ratio, self.moved_mm) = found.as_ref().map_or((0.0, 0.0), |(ratio, motion)| (*ratio, motion.mean_mm()));
-        let found = found.map(|(ratio, motion)| (ramp(ratio, PARTIAL) * motion.sticking(), motion));
-        let Some((share, motion)) = found.filter(|(share, _)| *share > 0.0) else {
-            self.is_found = false;
-            return false;
-        };
+        self.part = 0.0;
+        let Some((ratio, motion)) = found else { return };
+        let part = ramp(ratio, PARTIAL) * motion.sticking();
+        if part <= 0.0 {
+            return;
+        }
+        self.part = part as f32;
         let centres = self.coarse.grid.centres_mm().zip(self.coarse.around());
         for ((centre_mm, around), (touches, wanted)) in centres.zip(self.touches.iter_mut().zip(&mut self.wanted_mm)) {
-            let [x, y] = motion.moves(centre_mm).map(|moved| (share * moved) as f32);
+            let [x, y] = motion.moves(centre_mm).map(|moved| (part * moved) as f32);
             (*touches, *wanted) = (contact.touches_around(around), [x, y, 0.0]);
         }
         self.tractions.hold(&self.touches, &self.wanted_mm, self.limits);
         self.coarse.to_surface(self.tractions.displacement_mm(), &mut self.dragged_mm);
-        self.is_found = true;
         for ((cell, seen), &dragged_mm) in self.seen.iter_mut().enumerate().zip(&self.dragged_mm) {
             *seen = surface.without(cell, contact.depth_mm[cell], dragged_mm);
         }
-        true
     }
 }
 

@@ -3,7 +3,8 @@
 //! The camera gives two equations for the three unknowns of every point ([`surface`]). Elasticity gives the third:
 //!
 //! 1. A small network, trained on simulated presses, estimates where the gel is touched and how deep ([`network`]).
-//!    Around contact it corrects linear elasticity for large strain.
+//!    Around contact it corrects linear elasticity for large strain. The motion caused by shear and twist of contact is then
+//!    subtracted, and depth estimated again ([`drag`]).
 //! 2. A face that the gel sticks to moves as a rigid body: where that explains the flow to its noise, perspective
 //!    determines the depth of the face far more accurately than anything else ([`rigid`]), but for the strain that the
 //!    face had when the gel began to stick ([`frozen_strain`]).
@@ -47,7 +48,7 @@ pub use fields::{ElasticFields, TractionGrid};
 pub use network::TRAINING_RANGE;
 pub use params::{ElasticMode, ElasticParams};
 pub use stiffening::Strain;
-pub use surface::Seen;
+pub use surface::{Seen, WithoutDrag};
 pub use traction::{Limits, Tractions};
 
 use contact::ContactFinder;
@@ -85,6 +86,8 @@ pub struct Cells<'a> {
     pub grid: SurfaceGrid,
     /// The camera's measurement of each cell.
     pub seen: &'a [Seen],
+    /// The same without the displacement by shear and twist of contact, in frames where that was subtracted.
+    pub without_drag: Option<WithoutDrag<'a>>,
     /// Whether each is touched.
     pub touches: &'a [bool],
     /// Depth of each that is touched, mm.
@@ -211,10 +214,11 @@ impl ElasticDepth {
     /// would change each other from frame to frame even in a still image.
     fn find_contact(&mut self) {
         self.shape.begin();
-        self.contact.find(&self.surface, None);
+        self.contact.find(&self.surface);
         let Some(drag) = &mut self.drag else { return };
-        if drag.find(&self.surface, &self.contact) {
-            self.contact.find_depth(&self.surface, drag.found());
+        drag.find(&self.surface, &self.contact);
+        if let Some(without_drag) = drag.found() {
+            self.contact.find_depth(&self.surface, without_drag);
         }
         if self.is_dragged() && !self.contact.has_face() {
             self.contact.hold_to_shape(&self.surface, &mut self.shape);
@@ -244,6 +248,7 @@ impl ElasticDepth {
         Cells {
             grid: self.surface.grid,
             seen: &self.surface.seen,
+            without_drag: self.drag.as_ref().and_then(Drag::found),
             touches,
             depth_mm,
             mm_per_px: self.surface.mm_per_px,

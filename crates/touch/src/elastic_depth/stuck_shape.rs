@@ -7,7 +7,7 @@
 //!
 //! Contact that slides moves differently and is left to the network; the shape is then forgotten. Gel that spreads evenly
 //! under an object looks in the image as if it came closer. Therefore most of the motion along the surface has to be a translation
-//! and a rotation, the depth must be about that of the network or less, and a part of the difference counts as uncertain.
+//! and a rotation, the depth must be about that of the network, and a part of the difference counts as uncertain.
 
 #[cfg(test)]
 mod tests;
@@ -25,9 +25,9 @@ const LEAST_STICKING: f64 = 0.5;
 const LEAST_SLIDING: f64 = 0.01;
 /// Least part of the cells inside contact that belong to the shape; below it contact moved away.
 const LEAST_COMMON: f64 = 0.2;
-/// Range of the depth of the moved shape, relative to that of the network. Under shear the network errs towards too deep, by up to
-/// 60 % of the depth; gel that spreads while it is dragged looks deeper than it is.
-const RELATIVE_DEPTH: [f64; 2] = [0.55, 1.05];
+/// Range of the depth of the moved shape, relative to that which the network estimates from the whole motion. For balls that stick it
+/// is 0.64 to 1.20 in either mode; gel that spreads while it is dragged looks 1.39 times as deep and more.
+const RELATIVE_DEPTH: [f64; 2] = [0.55, 1.25];
 /// The part of the difference between both depths that counts as uncertain.
 const UNCERTAIN: f64 = 0.25;
 /// Largest distance of cells that are touched by the same object from the box around its shape, cells.
@@ -52,11 +52,13 @@ pub(super) struct StuckShape {
     inner: Vec<usize>,
 }
 
-/// Contact in the present frame: cells that are touched, cells inside of it, and their depth and its deviation, mm.
+/// Contact in the present frame: cells that are touched, cells inside of it, their depth as the network estimates it from the
+/// whole motion, their depth and its deviation, mm.
 #[derive(Debug)]
 pub(super) struct Contact<'a> {
     pub(super) touches: &'a [bool],
     pub(super) inner: &'a [usize],
+    pub(super) whole_mm: &'a [f32],
     pub(super) depth_mm: &'a mut [f32],
     pub(super) deviation_mm: &'a mut [f32],
 }
@@ -153,17 +155,18 @@ impl StuckShape {
         let Some((motion, deviation_mm)) = self.motion(surface, &contact, noise_mm, thickness_mm, scratch) else {
             return false;
         };
-        let Contact { touches, depth_mm, deviation_mm: deviations_mm, .. } = contact;
+        let Contact { touches, whole_mm, depth_mm, deviation_mm: deviations_mm, .. } = contact;
         let sticks = |cell: usize| rigid::distance_mm(surface, self, cell, &motion) < rigid::tolerance_mm(noise_mm);
         let by_shape_mm = |cell: usize| motion.moves(self.position_mm(surface, cell))[2];
-        let (mut by_shape, mut by_network, mut count) = (0.0, 0.0, 0.0);
+        let (mut by_shape, mut by_network, mut by_whole, mut count) = (0.0, 0.0, 0.0, 0.0);
         for &cell in self.inner.iter().filter(|&&cell| sticks(cell)) {
             by_shape += by_shape_mm(cell);
             by_network += f64::from(depth_mm[cell]);
+            by_whole += f64::from(whole_mm[cell]);
             count += 1.0;
         }
         let factor = by_shape / by_network;
-        if !(RELATIVE_DEPTH[0]..=RELATIVE_DEPTH[1]).contains(&factor) {
+        if !(RELATIVE_DEPTH[0]..=RELATIVE_DEPTH[1]).contains(&(by_shape / by_whole)) {
             return false;
         }
         let uncertain_mm = UNCERTAIN * (by_shape - by_network) / count;

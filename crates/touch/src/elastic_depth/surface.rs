@@ -73,13 +73,15 @@ pub struct Seen {
     pub deviation_mm: f32,
 }
 
-/// The surface without drag, and its displacement by drag.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct WithoutDrag<'a> {
+/// The surface without drag, the displacement by shear and twist of contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WithoutDrag<'a> {
     /// The camera's measurements of the cells without drag.
-    pub(super) seen: &'a [Seen],
-    /// Displacement of the cells by drag alone, mm.
-    pub(super) dragged_mm: &'a [[f32; 3]],
+    pub seen: &'a [Seen],
+    /// Displacement of the cells that was subtracted, mm.
+    pub dragged_mm: &'a [[f32; 3]],
+    /// The part that it is of the displacement by drag, above 0, at most 1.
+    pub part: f32,
 }
 
 impl Seen {

@@ -2,88 +2,15 @@
 
 use std::f32::consts::TAU;
 
-use fingervision_elastic::GelBlock;
 use fingervision_flow::FlowField;
-use fingervision_gel::{Scene, Simulation};
 use fingervision_image::Image;
 use fingervision_optics::{Camera, CameraParams};
-use fingervision_touch::{ElasticDepth, ElasticFields, ElasticMode, ElasticParams};
+use fingervision_touch::{ElasticDepth, ElasticMode, ElasticParams};
 
-use crate::solved::solve;
-
-const SIZE: (usize, usize) = (240, 240);
-
-/// A frame of a press, by default its last, and an inverse for its gel and camera.
-struct Press {
-    flow: FlowField,
-    deviation: Image<f32>,
-    valid: Image<u8>,
-    depth_mm: Image<f32>,
-    lateral_mm: Image<[f32; 3]>,
-    contact: Image<u8>,
-    force_n: [f64; 3],
-    gel: GelBlock,
-    camera: Camera,
-}
-
-impl Press {
-    /// The last frame of a scene that is solved on the draft mesh.
-    fn new(indenter: &str, law: &str, motion: &str) -> Self {
-        let [last] = Self::frames(indenter, law, motion, [4]);
-        last
-    }
-
-    /// Some of its five frames.
-    fn frames<const N: usize>(indenter: &str, law: &str, motion: &str, frames: [usize; N]) -> [Self; N] {
-        let text = format!(
-            "name = 'press'\n[camera]\nfocal_length_px = [200.0, 200.0]\n[contact]\nlaw = '{law}'\n[indenter]\n{indenter}\n\
-             [motion]\nframes = 5\n{motion}\n[render]\nwidth = 240\nheight = 240\n[mesh]\nresolution = 'draft'\n"
-        );
-        let scene = Scene::from_toml(&text).unwrap();
-        let mut simulation = Simulation::new(&scene).unwrap();
-        solve(&mut simulation);
-        frames.map(|frame| Self::frame(&mut simulation, &scene, frame))
-    }
-
-    fn frame(simulation: &mut Simulation, scene: &Scene, frame: usize) -> Self {
-        let force_n = simulation.states()[frame].force_n;
-        let truth = simulation.truth(frame).unwrap();
-        let part = |axis: usize| Image::from_fn(SIZE.0, SIZE.1, |x, y| truth.flow.at(x, y)[axis]);
-        let flow = FlowField { u: part(0), v: part(1) };
-        let valid = Image::from_fn(SIZE.0, SIZE.1, |x, y| u8::from(truth.flow.at(x, y)[0].is_finite()));
-        Self {
-            flow,
-            deviation: Image::filled(SIZE.0, SIZE.1, 0.02),
-            valid,
-            depth_mm: truth.depth.clone(),
-            lateral_mm: truth.displacement.clone(),
-            contact: truth.contact.clone(),
-            force_n,
-            gel: scene.gel,
-            camera: Camera::new(&scene.camera()).unwrap(),
-        }
-    }
-
-    fn inverse(&self, mode: ElasticMode) -> ElasticDepth {
-        ElasticDepth::new(&self.camera, &self.gel, SIZE, &ElasticParams { mode, ..ElasticParams::default() }).unwrap()
-    }
-
-    /// Mean error of depth over the image, mm, and the overlap of contact.
-    fn judge(&self, fields: &ElasticFields) -> (f64, f64) {
-        let depths = fields.depth_mm.values().iter().zip(self.depth_mm.values());
-        let error: f64 = depths.map(|(found, truth)| f64::from((found - truth).abs())).sum();
-        let contacts = fields.contact.values().iter().zip(self.contact.values());
-        let count = |holds: fn(u8, u8) -> bool| contacts.clone().filter(|(a, b)| holds(**a, **b)).count() as f64;
-        (error / (SIZE.0 * SIZE.1) as f64, count(|a, b| a & b == 1) / count(|a, b| a | b == 1))
-    }
-}
+use crate::press::{Press, SIZE, close};
 
 fn stuck_circle() -> Press {
     Press::new("shape = 'circle'\nradius_mm = 4.0", "stick", "keyframes = [{ at = 4, depth_mm = 1.5 }]")
-}
-
-fn close(found: f32, wanted: f64, relative: f64) -> bool {
-    (f64::from(found) - wanted).abs() <= relative * wanted.abs()
 }
 
 #[test]
@@ -135,67 +62,6 @@ fn a_face_that_slides_and_spreads_is_not_taken_for_one_that_sticks() {
     let mut inverse = press.inverse(ElasticMode::Exact);
     let centre = inverse.solve(&press.flow, &press.deviation, &press.valid).depth_mm.at(120, 120);
     assert!(centre < 2.5, "{centre} mm deep, 3.5 as one that sticks");
-}
-
-#[test]
-fn shear_force_is_found_from_a_face_that_is_dragged() {
-    let motion = "keyframes = [{ at = 2, depth_mm = 1.0 }, { at = 4, shear_mm = [1.0, 0.0] }]";
-    let press = Press::new("shape = 'rectangle'\nsize_mm = [6.0, 6.0]", "stick", motion);
-    let mut inverse = press.inverse(ElasticMode::Exact);
-    let fields = inverse.solve(&press.flow, &press.deviation, &press.valid);
-    let force = fields.force_n.unwrap();
-    assert!(close(force[0], press.force_n[0], 0.1), "{force:?} {:?}", press.force_n);
-    assert!(close(force[2], press.force_n[2], 0.1), "{force:?} {:?}", press.force_n);
-    assert!(!fields.is_beyond_linear, "the depth of a face that sticks does not depend on shear");
-    let (error_mm, overlap) = press.judge(fields);
-    assert!(error_mm < 0.01 && overlap > 0.8, "{error_mm} mm, {overlap}");
-}
-
-#[test]
-fn a_ball_that_is_dragged_is_not_taken_for_a_deeper_one() {
-    let motion = "keyframes = [{ at = 2, depth_mm = 0.8 }, { at = 4, shear_mm = [1.5, 0.0] }]";
-    let press = Press::new("shape = 'sphere'\nradius_mm = 12.0", "stick", motion);
-    let mut exact = press.inverse(ElasticMode::Exact);
-    let fields = exact.solve(&press.flow, &press.deviation, &press.valid);
-    assert!(fields.is_beyond_linear, "shear that is large relative to the depth");
-    let (error_mm, overlap) = press.judge(fields);
-    assert!(error_mm < 0.018 && overlap > 0.7, "{error_mm} mm, {overlap}");
-    // Live mode takes the motion of contact from the previous frame. Without that its error is 0.021 mm.
-    let mut live = press.inverse(ElasticMode::Live);
-    for _ in 0..8 {
-        live.solve(&press.flow, &press.deviation, &press.valid);
-    }
-    let (error_mm, _) = press.judge(live.fields());
-    assert!(error_mm < 0.019, "{error_mm} mm");
-}
-
-#[test]
-fn a_ball_that_sticks_keeps_its_depth_while_it_is_dragged() {
-    let motion = "keyframes = [{ at = 2, depth_mm = 0.8 }, { at = 4, shear_mm = [1.5, 0.0] }]";
-    let [pressed, dragged] = Press::frames("shape = 'sphere'\nradius_mm = 12.0", "stick", motion, [2, 4]);
-    // At the rim, contact itself is uncertain.
-    let inside_mm = |press: &Press, fields: &ElasticFields| {
-        let depths = fields.depth_mm.values().iter().zip(press.depth_mm.values()).filter(|(_, truth)| **truth > 0.4);
-        depths.clone().map(|(found, truth)| f64::from((found - truth).abs())).sum::<f64>() / depths.count() as f64
-    };
-    for mode in [ElasticMode::Exact, ElasticMode::Live] {
-        let mut alone = dragged.inverse(mode);
-        let alone_mm = inside_mm(&dragged, alone.solve(&dragged.flow, &dragged.deviation, &dragged.valid));
-        let mut inverse = dragged.inverse(mode);
-        let before_mm = inside_mm(&pressed, inverse.solve(&pressed.flow, &pressed.deviation, &pressed.valid));
-        let fields = inverse.solve(&dragged.flow, &dragged.deviation, &dragged.valid);
-        let followed_mm = inside_mm(&dragged, fields);
-        assert!(
-            followed_mm < before_mm + 0.005 && followed_mm < 0.7 * alone_mm,
-            "{mode:?}: {followed_mm} mm, before {before_mm}, alone {alone_mm}"
-        );
-        let force_n = fields.force_n.unwrap();
-        assert!(close(force_n[2], dragged.force_n[2], 0.12), "{mode:?}: {force_n:?} of {:?}", dragged.force_n);
-        // What was known before is forgotten.
-        inverse.restart();
-        let again_mm = inside_mm(&dragged, inverse.solve(&dragged.flow, &dragged.deviation, &dragged.valid));
-        assert!((again_mm - alone_mm).abs() < 1e-12, "{mode:?}: {again_mm} mm after a restart, {alone_mm} mm alone");
-    }
 }
 
 #[test]

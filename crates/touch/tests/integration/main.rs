@@ -2,12 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod dragged;
 mod elastic;
 mod elastic_depth;
 mod elastic_tracking;
 mod focus;
 mod fuzz;
 mod health;
+mod press;
 mod properties;
 mod rezero;
 mod solved;

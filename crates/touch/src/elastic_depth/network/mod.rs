@@ -3,7 +3,8 @@
 //! A convolutional network of the U-Net type ([Ronneberger2015]). Its inputs are the apparent motion of the surface and
 //! the slopes of the rays, in mm, at three resolutions; its outputs are depth, contact and the expected error of the
 //! depth at every cell. It was trained only on presses of random bodies, gels and cameras by our own simulator
-//! (`learn/`), none of them a ready-made scene.
+//! (`learn/`), none of them a ready-made scene. Presses that are sheared or twisted are seen twice: whole, and without the
+//! displacement by shear and twist, with other weights; of the second estimate only depth is used.
 //!
 //! The order of sums is fixed, but multiply and add are fused where the processor supports it: one machine always gives
 //! the same bits, instruction sets differ in the last ones.
@@ -31,8 +32,9 @@ use plane::Plane;
 use shape::Shape;
 pub(super) use symmetry::Symmetry;
 
-/// Weights and biases, as `learn/export.py` writes them: three numbers of channels as little-endian u32, then f32.
-const WEIGHTS: &[u8] = include_bytes!("../../../weights/contact.bin");
+/// The weights and biases of [`Weights`], as `learn/export.py` writes them: three numbers of channels as little-endian u32, then f32.
+const FILES: [&[u8]; 2] =
+    [include_bytes!("../../../weights/contact.bin"), include_bytes!("../../../weights/without-drag.bin")];
 /// Inputs at every cell: apparent motion (x, y), slope of the ray (x, y), divergence of the motion.
 pub(super) const INPUTS: usize = 5;
 /// Inputs that are the same for all cells: Poisson's ratio and thickness.
@@ -94,12 +96,22 @@ pub(super) const LEAST_SIDE: usize = convolution::CELLS * MULTIPLE;
 /// Largest number of channels of a layer that a file of weights may contain.
 const MOST_CHANNELS: usize = 4096;
 
+/// The motion that weights were trained for. Both networks have the same layers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Weights {
+    /// All that the camera sees.
+    Whole,
+    /// What is left after the motion by shear and twist was subtracted.
+    WithoutDrag,
+}
+
 /// The network with buffers for one grid.
 #[derive(Debug, Clone)]
 pub(super) struct ContactNetwork {
     level: Level,
     team: Team,
-    layers: Layers,
+    /// Of each of [`Weights`].
+    layers: [Layers; 2],
     input: Plane,
     fine: [Plane; 2],
     middle: [Plane; 2],
@@ -123,8 +135,9 @@ struct Layers {
 impl ContactNetwork {
     /// Buffers for a grid of cells, both sides multiples of [`MULTIPLE`] and at least [`LEAST_SIDE`].
     pub(super) fn new((columns, rows): (usize, usize)) -> Self {
-        let (channels, layers) = Layers::read(WEIGHTS).expect("the weights that are built in are whole");
-        let [fine, middle, coarse] = channels;
+        let read = FILES.map(|file| Layers::read(file).expect("the weights that are built in are whole"));
+        let [fine, middle, coarse] = read[0].0;
+        assert_eq!(read[0].0, read[1].0, "both networks use the same buffers");
         let plane = |part: usize, channels: usize| Plane::new((columns / part, rows / part), channels);
         let pair = |part: usize, channels: usize| [plane(part, channels), plane(part, channels)];
         Self {
@@ -137,7 +150,7 @@ impl ContactNetwork {
             middle_lifted: plane(8, middle),
             fine_lifted: plane(4, fine),
             output: plane(2, 4 * OUTPUTS),
-            layers,
+            layers: read.map(|(_, layers)| layers),
         }
     }
 
@@ -150,12 +163,13 @@ impl ContactNetwork {
     /// `input` gives the inputs of a cell `(column, row)`.
     pub(super) fn run(
         &mut self,
+        weights: Weights,
         constants: [f32; CONSTANTS],
         input: impl Fn(usize, usize) -> [f32; INPUTS],
         mut write: impl FnMut(usize, usize, [f32; OUTPUTS]),
     ) {
         self.load(constants, input);
-        self.forward();
+        self.forward(weights);
         for row in 0..self.output.rows {
             for (column, cell) in self.output.row(row).chunks_exact(4 * OUTPUTS).enumerate() {
                 for part in 0..4 {
@@ -182,9 +196,9 @@ impl ContactNetwork {
         }
     }
 
-    fn forward(&mut self) {
+    fn forward(&mut self, weights: Weights) {
         use Activation::{AddGrownAndRectify, Keep, Rectify, RectifyAndAdd};
-        let (level, team, layers) = (self.level, &self.team, &mut self.layers);
+        let (level, team, layers) = (self.level, &self.team, &mut self.layers[weights as usize]);
         let [fine, fine_kept] = &mut self.fine;
         let [middle, middle_kept] = &mut self.middle;
         let [coarse, coarse_kept] = &mut self.coarse;

@@ -68,7 +68,10 @@ fn two_threads_give_the_same_bits() {
             let mut network = ContactNetwork::new(size);
             network.share(team);
             let mut results = Vec::new();
-            team.run(|| network.run([0.2, 0.0], input, |_, _, outputs| results.extend(outputs.map(f32::to_bits))));
+            for weights in [Weights::Whole, Weights::WithoutDrag] {
+                let write = |_, _, outputs: [f32; OUTPUTS]| results.extend(outputs.map(f32::to_bits));
+                team.run(|| network.run(weights, [0.2, 0.0], input, write));
+            }
             results
         };
         let team = Team::new(2).unwrap();
@@ -148,11 +151,13 @@ fn instruction_sets_differ_by_rounding_alone() {
         network.level = level;
         let mut results = Vec::new();
         let input = |column: usize, row: usize| std::array::from_fn(|k| 0.1 * scatter(977 * row + 31 * column + k));
-        network.run([0.2, 0.0], input, |_, _, outputs| results.extend(outputs));
+        for weights in [Weights::Whole, Weights::WithoutDrag] {
+            network.run(weights, [0.2, 0.0], input, |_, _, outputs| results.extend(outputs));
+        }
         results
     };
     let (best, baseline) = (run(Level::new()), run(Level::baseline()));
-    assert_eq!(best.len(), 3 * 72 * 64);
+    assert_eq!(best.len(), 2 * 3 * 72 * 64);
     for (best, baseline) in best.iter().zip(&baseline) {
         assert!((best - baseline).abs() < 1e-4 * (1.0 + baseline.abs()), "{best} {baseline}");
     }

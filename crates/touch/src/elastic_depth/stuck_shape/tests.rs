@@ -51,7 +51,8 @@ impl Press {
     fn hold(&mut self) -> bool {
         let Self { surface, shape, touches, depth_mm, deviation_mm } = self;
         let inner: Vec<_> = (0..touches.len()).filter(|&cell| touches[cell]).collect();
-        let contact = Contact { touches, inner: &inner, depth_mm, deviation_mm };
+        let whole_mm = depth_mm.clone();
+        let contact = Contact { touches, inner: &inner, whole_mm: &whole_mm, depth_mm, deviation_mm };
         shape.hold(surface, contact, NOISE_MM, THICKNESS_MM, &mut Vec::new())
     }
 
