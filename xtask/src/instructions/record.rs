@@ -91,9 +91,8 @@ impl Record {
                 ));
             }
             comparison.fallen += usize::from(change < -MOST_RISE);
-            if let Some(unit) = new.unit.as_ref().filter(|_| !is_number(old.error) || !is_number(new.error)) {
-                comparison.faults.push(format!("{} has no error in {unit} to compare", new.stage));
-            } else if let (Some(before), Some(now), Some(unit)) = (old.error, new.error, &new.unit) {
+            let errors = [old.error, new.error].map(|error| error.filter(|error| error.is_finite()));
+            if let ([Some(before), Some(now)], Some(unit)) = (errors, &new.unit) {
                 let change = self::change(before, now);
                 let _ = write!(line, ", error {:+.2} %", 100.0 * change);
                 if change > MOST_RISE {
@@ -103,6 +102,8 @@ impl Record {
                         new.stage
                     ));
                 }
+            } else if let Some(unit) = &new.unit {
+                comparison.faults.push(format!("{} has no error in {unit} to compare", new.stage));
             }
             comparison.lines.push(line);
         }
@@ -110,11 +111,6 @@ impl Record {
         comparison.faults.extend(missing.map(|old| format!("{} was not counted", old.stage)));
         comparison
     }
-}
-
-/// A record keeps an error that is no number as none.
-fn is_number(error: Option<f64>) -> bool {
-    error.is_some_and(f64::is_finite)
 }
 
 /// The change as part of the value before.

@@ -62,8 +62,9 @@ pub(super) struct ContactFinder {
     pub(super) share: Vec<f32>,
     /// Depth of each cell, mm.
     pub(super) depth_mm: Vec<f32>,
-    /// Depth as the network estimates it from the whole motion, mm; with drag subtracted; and its error, one standard deviation.
+    /// Depth that the network estimates from the whole motion, mm.
     whole_mm: Vec<f32>,
+    /// The same with drag subtracted, where there is any, and its error, one standard deviation.
     network_mm: Vec<f32>,
     network_deviation_mm: Vec<f32>,
     /// Whether a cell moves with a face that the gel sticks to.
@@ -200,7 +201,7 @@ impl ContactFinder {
         self.noise_mm
     }
 
-    /// Depth as the network estimates it, but that of a stuck face for the cells that move with it.
+    /// Sets depth: in cells that move with a stuck face that of the face, in all others that of the network.
     fn hold_to_face(&mut self, surface: &Surface) {
         self.depth_mm.copy_from_slice(&self.network_mm);
         self.erode(surface.grid);

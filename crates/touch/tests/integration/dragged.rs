@@ -4,6 +4,10 @@ use fingervision_touch::{ElasticFields, ElasticMode};
 
 use crate::press::{Press, close};
 
+/// A ball that is pressed down until frame 2 and dragged until frame 4.
+const BALL: &str = "shape = 'sphere'\nradius_mm = 12.0";
+const DRAG: &str = "keyframes = [{ at = 2, depth_mm = 0.8 }, { at = 4, shear_mm = [1.5, 0.0] }]";
+
 #[test]
 fn shear_force_is_found_from_a_face_that_is_dragged() {
     let motion = "keyframes = [{ at = 2, depth_mm = 1.0 }, { at = 4, shear_mm = [1.0, 0.0] }]";
@@ -20,8 +24,7 @@ fn shear_force_is_found_from_a_face_that_is_dragged() {
 
 #[test]
 fn a_ball_that_is_dragged_is_not_taken_for_a_deeper_one() {
-    let motion = "keyframes = [{ at = 2, depth_mm = 0.8 }, { at = 4, shear_mm = [1.5, 0.0] }]";
-    let press = Press::new("shape = 'sphere'\nradius_mm = 12.0", "stick", motion);
+    let press = Press::new(BALL, "stick", DRAG);
     let mut exact = press.inverse(ElasticMode::Exact);
     let fields = exact.solve(&press.flow, &press.deviation, &press.valid);
     assert!(fields.is_beyond_linear, "shear that is large relative to the depth");
@@ -37,8 +40,7 @@ fn a_ball_that_is_dragged_is_not_taken_for_a_deeper_one() {
 
 #[test]
 fn a_ball_that_sticks_keeps_its_depth_while_it_is_dragged() {
-    let motion = "keyframes = [{ at = 2, depth_mm = 0.8 }, { at = 4, shear_mm = [1.5, 0.0] }]";
-    let [pressed, dragged] = Press::frames("shape = 'sphere'\nradius_mm = 12.0", "stick", motion, [2, 4]);
+    let [pressed, dragged] = Press::frames(BALL, "stick", DRAG, [2, 4]);
     // At the rim, contact itself is uncertain.
     let inside_mm = |press: &Press, fields: &ElasticFields| {
         let depths = fields.depth_mm.values().iter().zip(press.depth_mm.values()).filter(|(_, truth)| **truth > 0.4);
@@ -66,8 +68,7 @@ fn a_ball_that_sticks_keeps_its_depth_while_it_is_dragged() {
 
 #[test]
 fn shear_is_subtracted_only_where_there_is_any_and_dragged_frames_do_not_allocate() {
-    let motion = "keyframes = [{ at = 2, depth_mm = 0.8 }, { at = 4, shear_mm = [1.5, 0.0] }]";
-    let frames = Press::frames("shape = 'sphere'\nradius_mm = 12.0", "stick", motion, [2, 4]);
+    let frames = Press::frames(BALL, "stick", DRAG, [2, 4]);
     let mut inverse = frames[0].inverse(ElasticMode::Exact);
     let mut parts = [0.0; 2];
     for (press, part) in frames.iter().zip(&mut parts) {
