@@ -186,6 +186,7 @@ impl ElasticDepth {
         let still_mm = self.contact.take_noise(&self.surface);
         if self.surface.largest_apparent_mm() < still_mm {
             self.rest(still_mm);
+            self.fields.is_flow_uncertain = self.contact.is_flow_uncertain;
             return &self.fields;
         }
         self.fields.is_at_rest = false;

@@ -32,10 +32,12 @@ const RELATIVE_DEPTH: [f64; 2] = [0.55, 1.25];
 const UNCERTAIN: f64 = 0.25;
 /// Largest distance of cells that are touched by the same object from the box around its shape, cells.
 const REACH: usize = 12;
+/// Largest distance of cells from the shape, along rows and columns, cells, that keep the depth that they had beside it, too.
+const BESIDE: usize = 4;
 /// Frames without any estimate after which the shape is forgotten: contact may be another one.
 const MOST_SKIPPED_FRAMES: u32 = 3;
 
-/// Positions of the cells in contact in the last frame in which it was pressed straight down.
+/// Positions of the cells in contact and beside it, in the last frame in which it was pressed straight down.
 #[derive(Debug)]
 pub(super) struct StuckShape {
     is_known: bool,
@@ -47,6 +49,8 @@ pub(super) struct StuckShape {
     columns_reached: [usize; 2],
     rows_reached: [usize; 2],
     touches: Vec<bool>,
+    /// Whether the position of each cell is known: those in contact and those beside it.
+    has_position: Vec<bool>,
     position_mm: Vec<[f32; 3]>,
     deviation_mm: Vec<f32>,
     inner: Vec<usize>,
@@ -81,6 +85,7 @@ impl StuckShape {
             columns_reached: [0; 2],
             rows_reached: [0; 2],
             touches: vec![false; cells],
+            has_position: vec![false; cells],
             position_mm: vec![[0.0; 3]; cells],
             deviation_mm: vec![0.0; cells],
             inner: Vec::with_capacity(cells),
@@ -115,16 +120,29 @@ impl StuckShape {
     ) {
         self.is_known = true;
         self.touches.copy_from_slice(touches);
-        (self.columns_reached, self.rows_reached) = ([usize::MAX, 0], [usize::MAX, 0]);
-        for cell in (0..touches.len()).filter(|&cell| touches[cell]) {
+        self.find_extent();
+        for cell in (0..touches.len()).filter(|&cell| self.has_position[cell]) {
             let [x, y] = surface.centre_mm(cell).map(|at| at as f32);
             let [moved_x, moved_y] = surface.seen[cell].lateral_mm(depth_mm[cell]);
             self.position_mm[cell] = [x + moved_x, y + moved_y, depth_mm[cell]];
             self.deviation_mm[cell] = deviation_mm(cell);
-            for (reached, at) in
-                [(&mut self.columns_reached, cell % self.columns), (&mut self.rows_reached, cell / self.columns)]
-            {
+        }
+    }
+
+    /// Finds the first and the last column and row of the shape, and the cells beside it.
+    fn find_extent(&mut self) {
+        (self.columns_reached, self.rows_reached) = ([usize::MAX, 0], [usize::MAX, 0]);
+        self.has_position.fill(false);
+        let rows = self.touches.len() / self.columns;
+        for cell in (0..self.touches.len()).filter(|&cell| self.touches[cell]) {
+            let (column, row) = (cell % self.columns, cell / self.columns);
+            for (reached, at) in [(&mut self.columns_reached, column), (&mut self.rows_reached, row)] {
                 *reached = [reached[0].min(at), reached[1].max(at)];
+            }
+            let first = column.saturating_sub(BESIDE);
+            let count = (column + BESIDE + 1).min(self.columns) - first;
+            for row in row.saturating_sub(BESIDE)..(row + BESIDE + 1).min(rows) {
+                self.has_position[row * self.columns + first..][..count].fill(true);
             }
         }
     }
@@ -142,8 +160,10 @@ impl StuckShape {
         }
     }
 
-    /// Gives contact the depth of the shape, moved as a rigid body, if most of it moves so. The depth of other cells that are
-    /// touched by the same object changes in proportion. `noise_mm` is the error of the flow. Returns whether contact sticks.
+    /// Gives contact the depth of the shape, moved as a rigid body, if most of it moves so. Cells beside the shape that are touched,
+    /// too, keep the depth that they had then, moved in the same way: contact is seen better while it is dragged than before, and its
+    /// rim is where the depth of the network is least certain. The depth of cells farther away that are touched by the same object
+    /// changes in proportion. `noise_mm` is the error of the flow. Returns whether contact sticks.
     pub(super) fn hold(
         &mut self,
         surface: &Surface,
@@ -171,14 +191,16 @@ impl StuckShape {
         }
         let uncertain_mm = UNCERTAIN * (by_shape - by_network) / count;
         for cell in (0..depth_mm.len()).filter(|&cell| touches[cell] && self.reaches(cell)) {
+            let in_proportion_mm = depth_mm[cell] * factor as f32;
+            let moved_mm = if self.has_position[cell] { by_shape_mm(cell) as f32 } else { in_proportion_mm };
             if self.touches[cell] && sticks(cell) {
-                depth_mm[cell] = by_shape_mm(cell) as f32;
                 let errors = [f64::from(self.deviation_mm[cell]), deviation_mm, uncertain_mm];
                 deviations_mm[cell] = errors.iter().map(|error| error * error).sum::<f64>().sqrt() as f32;
             } else {
-                deviations_mm[cell] = deviations_mm[cell].hypot((factor as f32 - 1.0) * depth_mm[cell]);
-                depth_mm[cell] *= factor as f32;
+                let change_mm = (in_proportion_mm - depth_mm[cell]).abs().max((moved_mm - depth_mm[cell]).abs());
+                deviations_mm[cell] = deviations_mm[cell].hypot(change_mm);
             }
+            depth_mm[cell] = moved_mm;
         }
         true
     }

@@ -196,6 +196,19 @@ fn depth_is_as_uncertain_as_its_flow() {
 }
 
 #[test]
+fn gel_that_seems_untouched_is_flagged_if_its_flow_is_too_uncertain_to_tell() {
+    let press = stuck_circle();
+    let mut inverse = press.inverse(ElasticMode::Exact);
+    let still = FlowField::zero(SIZE.0, SIZE.1);
+    for (deviation_px, expected) in [(0.025, false), (0.1, true), (0.025, false)] {
+        let deviation = Image::filled(SIZE.0, SIZE.1, deviation_px);
+        let fields = inverse.solve(&still, &deviation, &press.valid);
+        assert!(fields.contact_area_mm2 < 1e-6, "{deviation_px} px");
+        assert_eq!(fields.is_flow_uncertain, expected, "{deviation_px} px");
+    }
+}
+
+#[test]
 fn without_the_network_and_without_a_face_nothing_is_known() {
     let press = stuck_circle();
     let params = ElasticParams { network: false, ..ElasticParams::default() };
