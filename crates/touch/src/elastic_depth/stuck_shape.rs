@@ -16,7 +16,7 @@ use fingervision_elastic::SurfaceGrid;
 
 use super::motion::Motion;
 use super::rigid::{self, Positions, RigidMotion};
-use super::surface::Surface;
+use super::surface::{self, Surface};
 use super::thresholds::THRESHOLDS;
 
 /// Least [sticking](Motion::sticking) of the motion since the frame of the shape.
@@ -44,7 +44,7 @@ pub(super) struct StuckShape {
     /// Whether contact moved in a way that the shape does not explain.
     has_slid: bool,
     skipped: u32,
-    columns: usize,
+    grid: SurfaceGrid,
     /// The first and the last column and row of the shape.
     columns_reached: [usize; 2],
     rows_reached: [usize; 2],
@@ -81,7 +81,7 @@ impl StuckShape {
             is_known: false,
             has_slid: false,
             skipped: 0,
-            columns: grid.columns,
+            grid,
             columns_reached: [0; 2],
             rows_reached: [0; 2],
             touches: vec![false; cells],
@@ -133,16 +133,21 @@ impl StuckShape {
     fn find_extent(&mut self) {
         (self.columns_reached, self.rows_reached) = ([usize::MAX, 0], [usize::MAX, 0]);
         self.has_position.fill(false);
-        let rows = self.touches.len() / self.columns;
+        let SurfaceGrid { columns, rows, .. } = self.grid;
         for cell in (0..self.touches.len()).filter(|&cell| self.touches[cell]) {
-            let (column, row) = (cell % self.columns, cell / self.columns);
+            let (column, row) = (cell % columns, cell / columns);
             for (reached, at) in [(&mut self.columns_reached, column), (&mut self.rows_reached, row)] {
                 *reached = [reached[0].min(at), reached[1].max(at)];
             }
+            self.has_position[cell] = true;
+            // Cells beside an inner one are beside one of the rim, too.
+            if surface::neighbours(self.grid, cell).is_some_and(|near| near.iter().all(|&near| self.touches[near])) {
+                continue;
+            }
             let first = column.saturating_sub(BESIDE);
-            let count = (column + BESIDE + 1).min(self.columns) - first;
+            let count = (column + BESIDE + 1).min(columns) - first;
             for row in row.saturating_sub(BESIDE)..(row + BESIDE + 1).min(rows) {
-                self.has_position[row * self.columns + first..][..count].fill(true);
+                self.has_position[row * columns + first..][..count].fill(true);
             }
         }
     }
@@ -150,7 +155,7 @@ impl StuckShape {
     /// Whether a cell can be touched by the object that made the shape.
     fn reaches(&self, cell: usize) -> bool {
         let is_near = |at: usize, [first, last]: [usize; 2]| at + REACH >= first && at <= last + REACH;
-        is_near(cell % self.columns, self.columns_reached) && is_near(cell / self.columns, self.rows_reached)
+        is_near(cell % self.grid.columns, self.columns_reached) && is_near(cell / self.grid.columns, self.rows_reached)
     }
 
     /// Forgets the shape if contact slid in the last frame, which is to be trusted.
