@@ -13,7 +13,28 @@ pub(crate) struct FineTemplate {
     /// For every node; zero if its window reaches beyond the image.
     pub(super) equations: Vec<PatchEquations>,
     /// Variance of the displacement from the patch alone, px².
-    pub(super) own_variance: Vec<f32>,
+    own_variance: Vec<OwnVariance>,
+}
+
+/// Variances of a patch's displacement from its own pixels, px²: with slopes that the prior limits, and with slopes that it hardly limits,
+/// as at a rim. They differ where the texture does not determine the slopes.
+#[derive(Debug, Clone, Copy)]
+struct OwnVariance {
+    bound: f32,
+    loose: f32,
+}
+
+/// The bond of a patch for which [`OwnVariance::loose`] is computed.
+const LEAST_BOND: f32 = 0.001;
+/// The bond at which the variance has grown by half as much as without any bond; measured on speckle patterns.
+const HALF_BOND: f32 = 0.0005;
+
+impl OwnVariance {
+    /// The variance of a patch whose bonds to its neighbours are `bond` on average, 0 to 1.
+    fn at(self, bond: f32) -> f32 {
+        let part = ((HALF_BOND + LEAST_BOND) / (HALF_BOND + bond)).min(1.0);
+        self.bound + part * (self.loose - self.bound)
+    }
 }
 
 impl FineTemplate {
@@ -41,10 +62,16 @@ impl FineTemplate {
         self.equations.extend(sums.iter().map(|sums| PatchEquations::new(|moment| sums[moment])));
         let variance = |equations: &PatchEquations| {
             let noise = noise_gradient(equations.samples, noise_variance);
-            own_variance(|entry| equations.normal[entry], noise, scale, slope_stiffness)
+            let with_stiffness = |stiffness| own_variance(|entry| equations.normal[entry], noise, scale, stiffness);
+            OwnVariance { bound: with_stiffness(slope_stiffness), loose: with_stiffness(LEAST_BOND * slope_stiffness) }
         };
         self.own_variance.clear();
         self.own_variance.extend(self.equations.iter().map(variance));
+    }
+
+    /// Variance of a patch's displacement from its own pixels, px²; `bond` is the mean of those to its neighbours, 0 to 1.
+    pub(super) fn own_variance(&self, place: usize, bond: f32) -> f32 {
+        self.own_variance[place].at(bond)
     }
 
     /// Sums the moments over the windows.
@@ -65,5 +92,40 @@ impl FineTemplate {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::affine::grid::PatchGrid;
+    use fingervision_image::Image;
+
+    const SIZE: usize = 48;
+    const NOISE_VARIANCE: f32 = 4.0;
+    const STIFFNESS: f32 = 8000.0;
+
+    /// How much the variance of the patch in the middle grows from full bonds to hardly any.
+    fn growth(level_at: impl FnMut(usize, usize) -> f32) -> f32 {
+        let image = Image::from_fn(SIZE, SIZE, level_at);
+        let mut template = Template::new(PatchGrid::over(SIZE, SIZE), 1, 1);
+        template.prepare(Level::new(), std::slice::from_ref(&image));
+        let mut fine = FineTemplate::new(SIZE, SIZE);
+        let scale = 1.0 / (2.0 * NOISE_VARIANCE);
+        fine.prepare(Level::new(), &template, 1, NOISE_VARIANCE, scale, STIFFNESS);
+        let place = fine.grid.nodes() / 2 + fine.grid.columns / 2;
+        let [bound, half, loose] = [1.0, HALF_BOND, 0.0].map(|bond| fine.own_variance(place, bond));
+        assert!(bound > 0.0 && bound <= half && half <= loose && loose < 1.0, "{bound}, {half}, {loose} px²");
+        loose / bound
+    }
+
+    #[test]
+    fn a_patch_with_texture_in_a_corner_alone_depends_on_its_neighbours() {
+        let textured = growth(|x, y| ((7919 * x + 104_729 * y + 31 * x * y) % 251) as f32);
+        assert!(textured < 1.5, "slopes are determined by the texture: {textured}");
+        // A dark spot beside the patch's middle, nothing else.
+        let place = |at: usize| at as f32 - 27.0;
+        let corner = growth(|x, y| if place(x).hypot(place(y)) < 2.5 { 30.0 } else { 220.0 });
+        assert!(corner > 3.0, "the slopes are those of the neighbours: {corner}");
     }
 }
