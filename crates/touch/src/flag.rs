@@ -145,7 +145,7 @@ impl Flag {
                 "contact reaches the border of the image, so area, force and torque are those of the visible part: press nearer to the middle"
             }
             Self::GelMisfit => {
-                "the motion cannot be that of this gel, so depth and force are not computed: check [gel] and [camera] of the profile"
+                "the motion cannot be that of this gel, so depth and force are not computed: check [gel] and [camera] of the profile; if the camera or the gel was moved, re-zero"
             }
             Self::OutsideTraining => {
                 "the network was not trained for such a gel and camera, so depth and force have larger errors: check the profile, or measure the error with a known object"

@@ -22,6 +22,10 @@ pub(super) struct Thresholds {
     pub(super) slow_px: f32,
     /// How long the gel must be at rest for that, s.
     pub(super) slow_s: f64,
+    /// An image has moved as a whole if at least the first part of it is valid, and a shift, a rotation and a magnification leave at
+    /// most the second part of its flow (root mean square).
+    pub(super) least_seen: f32,
+    pub(super) most_bent: f32,
     /// Flow of the untouched gel above which the reference has drifted, px (root mean square).
     pub(super) drift_px: f32,
     /// The reference has aged if the residual of the untouched gel grows by more than this factor.
@@ -91,6 +95,8 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     rest_px: 0.15,
     slow_px: 0.1,
     slow_s: 2.0,
+    least_seen: 0.25,
+    most_bent: 0.3,
     drift_px: 0.25,
     aged: 1.6,
     repeated_levels: 0.05,
