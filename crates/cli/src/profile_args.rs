@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use fingervision_touch::{Fields, Profile, Remark};
+use fingervision_touch::{Fields, Profile, Remark, Weight};
 
 use crate::failure::Failure;
 use crate::output::OutputArgs;
@@ -22,10 +22,15 @@ pub(crate) struct ProfileArgs {
     assignments: Vec<(String, String)>,
 }
 
-/// Notes the values of a profile with which the numbers would be wrong; `profile check` lists them, too.
-pub(crate) fn note_faults(profile: &Profile, frame_size: (usize, usize), output: OutputArgs) {
-    for Remark { message, hint, .. } in profile.review(Some(frame_size)).faults() {
-        output.note(&format!("the profile is faulty, so the numbers may be wrong: {message}: {hint}"));
+/// Notes the values of a profile with which the numbers would be wrong or may be; `profile check` lists them, too.
+pub(crate) fn note_doubts(profile: &Profile, frame_size: (usize, usize), output: OutputArgs) {
+    for Remark { weight, message, hint, .. } in profile.review(Some(frame_size)).remarks {
+        let doubt = match weight {
+            Weight::Fault => "the profile is faulty, so the numbers may be wrong",
+            Weight::Warning => "the profile is unusual; if that is not intended, the numbers are wrong",
+            Weight::Missing => continue,
+        };
+        output.note(&format!("{doubt}: {message}: {hint}"));
     }
 }
 

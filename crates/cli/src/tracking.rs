@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::output::OutputArgs;
 use crate::part::Part;
-use crate::profile_args::note_faults;
+use crate::profile_args::note_doubts;
 use crate::reader::{Next, Reader};
 use crate::run_record::run_record;
 use crate::skipped::Skipped;
@@ -63,7 +63,7 @@ impl Run {
         let mut skipped = Skipped::default();
         let first = self.reference(source, &mut skipped)?;
         let mut tracker = self.tracker(source.tracks_in_colour(&first.pixels), source.size())?;
-        note_faults(&self.profile, source.size(), self.output);
+        note_doubts(&self.profile, source.size(), self.output);
         let fields = self.fields_to_keep(tracker.reading());
         let traction = tracker.reading().traction.as_ref();
         let record = run_record(&source.description(), &fields, &self.profile, traction, self.part)?;

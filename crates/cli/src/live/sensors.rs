@@ -10,7 +10,7 @@ use fingervision_touch::{DepthMethod, ElasticMode, Fields, Profile};
 use crate::failure::Failure;
 use crate::output::OutputArgs;
 use crate::place::{Place, recorded, solve};
-use crate::profile_args::{assignment, note_faults};
+use crate::profile_args::{assignment, note_doubts};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct SensorArgs {
@@ -67,7 +67,7 @@ impl SensorArgs {
             for remark in sensor.remarks() {
                 output.note(&format!("{}: {remark}", sensor.handle().name()));
             }
-            note_faults(sensor.handle().profile(), sensor.handle().frame_size(), output);
+            note_doubts(sensor.handle().profile(), sensor.handle().frame_size(), output);
             sensors.push(sensor);
         }
         Ok(sensors)

@@ -90,3 +90,15 @@ fn a_wrong_value_on_the_command_line_is_named() {
     set("gel.poissons_ratio=0.4").expect_failure("gel: missing field", "all keys of the table");
     set("density.sigma_px=0").expect_failure("density.sigma_px = 0", "1.5 to 8 px");
 }
+
+#[test]
+fn an_unusual_value_is_noted() {
+    let bench = Workbench::new();
+    bench.press(2);
+    bench.write(
+        "sensor.toml",
+        "[camera]\nfocal_length_px = [400.0, 200.0]\nprincipal_point_px = [320, 240]\ntranslation_mm = [0, 0, 25]\n",
+    );
+    let ended = bench.run("track press --out run --profile sensor.toml --fields flow").expect_done();
+    assert!(ended.errors.contains("means that pixels are not square"), "{}", ended.errors);
+}

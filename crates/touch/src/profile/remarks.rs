@@ -15,6 +15,8 @@ const LEAST_PART: f64 = 0.2;
 /// A principal point farther than this from the middle of the image, in longer sides of the image, is unusual: lenses
 /// are mounted within a few per cent, and three times the standard deviation that a calibration assumes is 0.09.
 const FARTHEST_AXIS: f64 = 0.1;
+/// If more than this part of the region is beyond the range of the lens's distortion, its coefficients are wrong. Corners may be.
+const MOST_BEYOND_LENS: f64 = 0.1;
 /// A rotation vector longer than this, rad, is assumed to be in degrees.
 const LARGEST_ROTATION_RAD: f64 = 0.6;
 
@@ -162,6 +164,17 @@ fn lens(profile: &Profile, view: &View) -> Vec<Remark> {
                 "the focal length is in px of the image: that of the lens in mm divided by the size of a pixel on the chip in mm",
             ));
         }
+    }
+    let beyond = view.beyond_lens.unwrap_or(0.0);
+    if beyond > 0.0 {
+        let message =
+            format!("the distortion folds the image: {:.0} % of the region is beyond its range", 100.0 * beyond);
+        let hint = "that part is not measured: check [camera.distortion] and focal_length_px, or calibrate with points in the whole image";
+        remarks.push(Remark::new(
+            if beyond > MOST_BEYOND_LENS { Weight::Fault } else { Weight::Warning },
+            message,
+            hint,
+        ));
     }
     if (fx / fy).max(fy / fx) > 1.25 {
         let message = format!("camera.focal_length_px = [{fx}, {fy}] px means that pixels are not square");

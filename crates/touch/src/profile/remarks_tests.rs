@@ -64,6 +64,10 @@ fn a_lens_that_cannot_be_is_a_fault() {
     );
     expect(&[("camera.focal_length_px", "[400.0, 800.0]")], Weight::Warning, "not square", "nearly equal");
     expect(&[("camera.rotation_rad", "[0, 0, 3.0]")], Weight::Warning, "by 172°", "in rad");
+    expect(&[("camera.distortion.k1", "-0.6")], Weight::Fault, "the distortion folds the image", "camera.distortion");
+    // Only the corners are beyond this one's range.
+    expect(&[("camera.distortion.k1", "-0.22")], Weight::Warning, "the distortion folds the image", "is not measured");
+    assert_eq!(remarks(&[("camera.distortion.k1", "-0.1")]), []);
 }
 
 #[test]

@@ -20,6 +20,8 @@ pub(super) struct View {
     pub(super) gel_seen: Option<f64>,
     /// Part of the region that shows gel, 0 to 1.
     pub(super) region_on_gel: Option<f64>,
+    /// Part of the region beyond the range of the lens's distortion, 0 to 1: no direction is seen there.
+    pub(super) beyond_lens: Option<f64>,
 }
 
 impl View {
@@ -35,6 +37,7 @@ impl View {
             region,
             field_of_view_mm: scene.as_ref().and_then(|(region, camera)| field_of_view_mm(region, camera)),
             gel_seen: with_gel.map(|((region, camera), gel)| gel_seen(region, camera, &gel)),
+            beyond_lens: scene.as_ref().map(|(region, camera)| beyond_lens(region, camera)),
             region_on_gel: with_gel.map(|((region, camera), gel)| region_on_gel(region, camera, &gel)),
         }
     }
@@ -69,6 +72,11 @@ fn region_on_gel(region: &Rect, camera: &Camera, gel: &GelBlock) -> f64 {
         let point = camera.surface_point([s * right, t * bottom], 0.0);
         point.is_some_and(|[x, y]| 2.0 * x.abs() <= width && 2.0 * y.abs() <= height)
     })
+}
+
+fn beyond_lens(region: &Rect, camera: &Camera) -> f64 {
+    let [right, bottom] = last_px(region);
+    part_of_grid(|s, t| camera.ray([s * right, t * bottom]).is_none())
 }
 
 /// The centre of the last pixel, px in the region.
