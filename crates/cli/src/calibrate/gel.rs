@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use fingervision_calibrate::gel::{GelPress, GelPressRecorder, GelReport, GelTable, Unknowns, fit_gel};
 use fingervision_calibrate::update_profile;
 use fingervision_sink::write_png;
-use fingervision_touch::Profile;
+use fingervision_touch::{Profile, Remark};
 use serde::Serialize;
 
 use super::press::Press;
@@ -74,8 +74,11 @@ struct GelResult<'a> {
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let profile = load(&args.profile)?;
     let report = fit_presses(&args.presses, args.draft, &args.fit, &profile, args.output)?;
-    let pictures = draw(args, &report)?;
     let written = report.table();
+    if let Some(table) = &written {
+        refuse_impossible(&with_table(&profile, table))?;
+    }
+    let pictures = draw(args, &report)?;
     if let Some(table) = &written {
         update_profile(&args.profile, "gel", table)?;
     }
@@ -83,6 +86,26 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let text = text(&report, written.as_ref(), &args.profile, &pictures);
     let result = GelResult { report: &report, written, profile: &args.profile, pictures: &pictures };
     args.output.result(out, &result, &text)
+}
+
+/// The profile with the fitted values.
+fn with_table(profile: &Profile, table: &GelTable) -> Profile {
+    let mut fitted = profile.clone();
+    if let Some(gel) = &mut fitted.gel {
+        gel.poissons_ratio = table.poissons_ratio.unwrap_or(gel.poissons_ratio);
+        gel.thickness_mm = table.thickness_mm.unwrap_or(gel.thickness_mm);
+        gel.youngs_modulus_mpa = table.youngs_modulus_mpa.or(gel.youngs_modulus_mpa);
+    }
+    fitted
+}
+
+/// Refuses values that no sensor has.
+pub(super) fn refuse_impossible(fitted: &Profile) -> Result<(), Failure> {
+    let review = fitted.review(None);
+    let of_gel = |remark: &&Remark| remark.message.starts_with("gel.");
+    let Some(Remark { message, .. }) = review.faults().find(of_gel) else { return Ok(()) };
+    let hint = "check the units of the presses' forces (N; 1 g is 0.00981 N) and depths (mm): nothing was written";
+    Err(Failure::new(format!("the presses give an impossible gel: {message}"), hint))
 }
 
 /// Fits all values that the recorded presses can determine.

@@ -103,3 +103,21 @@ fn what_cannot_be_fitted_is_named_and_the_profile_stays_as_it_was() {
     assert_eq!(fs::read_to_string(bench.path("sensor.toml")).unwrap(), PROFILE);
     assert!(!bench.path("sensor-gel.png").exists());
 }
+
+#[test]
+fn forces_in_another_unit_are_refused_and_nothing_is_written() {
+    let bench = bench();
+    bench.write("press.toml", PRESS);
+    bench.run("simulate press.toml --out press").expect_done();
+    let force = fs::read_to_string(bench.path("press/truth/force.csv")).unwrap();
+    let column = force.lines().next().unwrap().split(',').position(|name| name == "force_z_n").unwrap();
+    let rows = force.lines().skip(1).enumerate().map(|(frame, row)| {
+        let newtons: f64 = row.split(',').nth(column).unwrap().parse().unwrap();
+        format!("{frame},{},{}\n", 0.2 * frame as f64, 1000.0 * newtons)
+    });
+    let table: String = std::iter::once("frame,depth_mm,force_z_n\n".into()).chain(rows).collect();
+    bench.write("press/depth.csv", &table);
+    let ended = bench.run("calibrate gel press --profile sensor.toml");
+    ended.expect_failure("the presses give an impossible gel: gel.youngs_modulus_mpa = ", "forces (N");
+    assert_eq!(fs::read_to_string(bench.path("sensor.toml")).unwrap(), PROFILE);
+}

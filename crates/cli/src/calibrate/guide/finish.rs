@@ -10,7 +10,7 @@ use fingervision_calibrate::gel::GelTable;
 use fingervision_calibrate::update_profile;
 use fingervision_elastic::GelBlock;
 use fingervision_source::images_of;
-use fingervision_touch::{Profile, Remark};
+use fingervision_touch::Profile;
 use serde::Serialize;
 
 use crate::calibrate::{beside, camera, depth, gel};
@@ -140,18 +140,10 @@ fn fit_gel(draft: &Path, described: GelBlock, presses: &[String], output: Output
     }
     if let Some(table) = &fitted {
         update_profile(draft, "gel", table)?;
-        refuse_faults(&Profile::load(draft)?)?;
+        gel::refuse_impossible(&Profile::load(draft)?)?;
     }
     let remark = fitted.is_none().then(|| "the presses do not determine it".into());
     Ok(GelOutcome { described, fitted, remark, warnings: report.warnings })
-}
-
-/// Refuses values that no sensor has.
-fn refuse_faults(profile: &Profile) -> Result<(), Failure> {
-    let review = profile.review(None);
-    let Some(Remark { message, .. }) = review.faults().next() else { return Ok(()) };
-    let hint = "check the units of the presses' forces (N; 1 g is 0.00981 N) and depths (mm): nothing was written";
-    Err(Failure::new(format!("the presses give an impossible gel: {message}"), hint))
 }
 
 /// Refuses a camera whose field of view contradicts the ruler or the gel's size.
