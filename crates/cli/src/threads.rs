@@ -13,8 +13,12 @@ pub(crate) struct ThreadArgs {
     threads: Option<NonZero<usize>>,
 }
 
+/// More threads than this only take time to start.
+const MOST_THREADS: usize = 1024;
+
 fn threads(text: &str) -> Result<NonZero<usize>, String> {
-    text.parse().map_err(|_| "expected a number of threads, 1 or more".into())
+    let threads = text.parse().ok().filter(|threads: &NonZero<usize>| threads.get() <= MOST_THREADS);
+    threads.ok_or_else(|| format!("expected a number of threads, 1 to {MOST_THREADS}"))
 }
 
 impl ThreadArgs {

@@ -113,7 +113,7 @@ pub enum SourceError {
         hint: String,
     },
     /// An impossible frame rate.
-    #[error("{frames_per_second} frames per second: a rate is a positive number")]
+    #[error("{frames_per_second} frames per second: a rate is a number from 1e-6 to 1e6")]
     Rate {
         /// The requested rate, frames per second.
         frames_per_second: f64,
@@ -148,7 +148,7 @@ impl SourceError {
             Self::Simulated { hint, .. } => hint.clone(),
             Self::Io { .. } => Some("check that the file exists and is readable".into()),
             Self::Rate { .. } | Self::Option { .. } => {
-                Some("give a number above 0, as in --fps 60 or sim:letter?fps=60".into())
+                Some("give a number from 1e-6 to 1e6, as in --fps 60 or sim:letter?fps=60".into())
             }
         }
     }

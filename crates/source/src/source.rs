@@ -97,6 +97,9 @@ pub struct Options {
     pub frames_per_second: f64,
 }
 
+/// Rates that a recording can have, frames per second: from one frame in some days to a million a second.
+const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e6;
+
 impl Default for Options {
     fn default() -> Self {
         Self { frames_per_second: 30.0 }
@@ -108,9 +111,9 @@ impl Options {
     ///
     /// # Errors
     ///
-    /// [`SourceError::Rate`] if the rate is not a positive finite number.
+    /// [`SourceError::Rate`] if the rate is not from 1e-6 to 1e6 frames per second.
     pub fn validate(&self) -> Result<(), SourceError> {
         let rate = self.frames_per_second;
-        if rate.is_finite() && rate > 0.0 { Ok(()) } else { Err(SourceError::Rate { frames_per_second: rate }) }
+        if RATES.contains(&rate) { Ok(()) } else { Err(SourceError::Rate { frames_per_second: rate }) }
     }
 }

@@ -19,6 +19,7 @@ fn wrong_usage_exits_with_2() {
         "track press --out run --frames 3..3",
         "track press --out run --frames 5",
         "track press --out run --threads 0",
+        "track press --out run --threads 1025",
         "profile",
         "profile new",
         "profile new --out a.toml --image-size 640",
