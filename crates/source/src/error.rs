@@ -176,6 +176,13 @@ impl SourceError {
         Self::NotRead { path: path.to_owned(), what, hint: conversion(path, "") }
     }
 
+    /// A folder of so many images with an ending that is not read.
+    pub(crate) fn other_images(folder: &Path, count: usize, ending: &str) -> Self {
+        let what = format!("the format of its {count} images, .{ending},");
+        let hint = format!("convert them: magick mogrify -format png '{}/*.{ending}'", folder.display());
+        Self::NotRead { path: folder.to_owned(), what, hint }
+    }
+
     #[cfg(not(feature = "video"))]
     pub(crate) fn video_left_out(path: &Path) -> Self {
         let hint = "build with the feature `video`, or store the frames as images in a folder".into();

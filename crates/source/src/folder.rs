@@ -13,6 +13,9 @@ use std::path::{Path, PathBuf};
 
 /// Files with these extensions are frames; all others are ignored.
 const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "tif", "tiff", "bmp"];
+/// Extensions of images that are not read.
+const OTHER_EXTENSIONS: [&str; 12] =
+    ["webp", "gif", "pgm", "ppm", "pnm", "jp2", "heic", "heif", "avif", "jxl", "exr", "tga"];
 
 /// Reads the images of a folder in natural order, one at a time.
 pub(crate) struct FolderSource {
@@ -35,7 +38,9 @@ impl FolderSource {
     pub(crate) fn open(folder: &Path, frames_per_second: f64) -> Result<Self, SourceError> {
         let files = images_in(folder)?;
         if files.len() < 2 {
-            return Err(SourceError::TooFewFrames { path: folder.to_owned(), count: files.len() as u64 });
+            let count = files.len() as u64;
+            let too_few = SourceError::TooFewFrames { path: folder.to_owned(), count };
+            return Err(other_images(folder)?.unwrap_or(too_few));
         }
         let sequences = sequences(&files);
         let (begin, format) = begin(folder, &files, &sequences, frames_per_second)?;
@@ -157,8 +162,23 @@ fn sequences(files: &[PathBuf]) -> Vec<u64> {
 }
 
 fn is_image_name(name: &str) -> bool {
+    has_ending(name, &EXTENSIONS)
+}
+
+fn has_ending(name: &str, endings: &[&str]) -> bool {
     let extension = name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
-    extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
+    extension.is_some_and(|extension| endings.contains(&extension.as_str()))
+}
+
+/// The error if the folder has two images or more of a format that is not read.
+fn other_images(folder: &Path) -> Result<Option<SourceError>, SourceError> {
+    let entries = entries_of(folder)?;
+    let counted = OTHER_EXTENSIONS.iter().map(|&ending| {
+        let count = entries.iter().filter(|(name, path)| has_ending(name, &[ending]) && !path.is_dir()).count();
+        (count, ending)
+    });
+    let most = counted.max_by_key(|(count, _)| *count).filter(|(count, _)| *count >= 2);
+    Ok(most.map(|(count, ending)| SourceError::other_images(folder, count, ending)))
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>, SourceError> {

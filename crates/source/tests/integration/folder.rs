@@ -199,6 +199,17 @@ fn a_floating_point_pixel_outside_0_to_1_is_named() {
 }
 
 #[test]
+fn images_of_another_format_are_refused_with_the_command_that_converts_them() {
+    let others = tempdir().unwrap();
+    for name in ["a.webp", "b.WEBP", "notes.txt"] {
+        fs::write(others.path().join(name), "no image").unwrap();
+    }
+    let error = open_error(others.path());
+    assert!(error.to_string().ends_with("the format of its 2 images, .webp, is not supported"), "{error}");
+    assert!(error.hint().unwrap().starts_with("convert them: magick mogrify -format png"), "{error}");
+}
+
+#[test]
 fn too_few_images_are_refused_with_a_hint() {
     let none = folder([]);
     let error = open_error(none.path());
