@@ -38,8 +38,9 @@ impl FlowHistory {
     #[must_use]
     pub fn largest_change_px(&self) -> f32 {
         let [[last_u, last_v], [u, v]] = self.nodes.each_ref().map(|nodes| [&nodes.planes[0], &nodes.planes[3]]);
-        let changes = last_u.iter().zip(u).zip(last_v.iter().zip(v)).map(|((a, b), (c, d))| (a - b).hypot(c - d));
-        changes.take(self.nodes[0].grid.nodes()).fold(0.0, f32::max)
+        let changes = last_u.iter().zip(u).zip(last_v.iter().zip(v));
+        let squares = changes.map(|((a, b), (c, d))| (a - b).powi(2) + (c - d).powi(2));
+        squares.take(self.nodes[0].grid.nodes()).fold(0.0, f32::max).sqrt()
     }
 
     /// The flow of the last frame at the nodes of the patches; zero if there is none yet.

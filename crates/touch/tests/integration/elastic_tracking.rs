@@ -129,6 +129,27 @@ fn a_light_touch_is_felt_and_noise_is_not() {
     assert!((f64::from(force_n) - true_n).abs() < 0.3 * true_n, "{force_n} N, {true_n} N in truth");
 }
 
+/// A gel that is pressed at the start and then pressed harder looks like one that was at rest, until it is released.
+#[test]
+fn a_release_after_a_harder_press_shows_that_the_gel_was_pressed_at_the_start() {
+    let mut press = Press::of_a_ball("", 1.6);
+    press.profile.references.rest_frames = 4;
+    let mut tracker = press.tracker();
+    for pose in [3, 4, 5, 6, 7, 8, 8, 8, 8, 8, 8] {
+        assert!(!press.show(pose, &mut tracker).flags.has(Flag::PressedAtStart), "pose {pose}");
+    }
+    for pose in [6, 3, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0] {
+        press.show(pose, &mut tracker);
+    }
+    assert!(tracker.reading().flags.has(Flag::PressedAtStart), "{}", tracker.reading().flags);
+    // Only a new reference ends it.
+    assert!(press.show_all(&mut tracker).flags.has(Flag::PressedAtStart));
+    tracker.rezero();
+    press.show(0, &mut tracker);
+    let reading = press.show_all(&mut tracker);
+    assert!(!reading.flags.has(Flag::PressedAtStart), "{}", reading.flags);
+}
+
 #[test]
 fn a_press_on_compressible_gel_is_not_taken_for_a_release() {
     let mut press = Press::of_a_ball("poissons_ratio = 0.35", 1.6);
