@@ -98,8 +98,10 @@ fn a_frame_that_is_cut_off_is_left_out() {
     let (numbers, sentences) = until(&subscription, 3);
     running.stop();
     assert!(!numbers.contains(&2), "{numbers:?}");
-    // The frame may have been dropped before it was decoded, because all came at once.
-    assert!(sentences.iter().all(|text| text.starts_with("frame 2 is left out: cut off")), "{sentences:?}");
+    // The frame may have been dropped before it was decoded, because all came at once. On a busy machine the silence after the last
+    // frame may be reported, too.
+    let mut of_frames = sentences.iter().filter(|text| text.starts_with("frame "));
+    assert!(of_frames.all(|text| text.starts_with("frame 2 is left out: cut off")), "{sentences:?}");
 }
 
 #[test]
