@@ -76,7 +76,7 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<(), Failure> {
     let report = fit_presses(&args.presses, args.draft, &args.fit, &profile, args.output)?;
     let written = report.table();
     if let Some(table) = &written {
-        refuse_impossible(&with_table(&profile, table))?;
+        refuse_impossible(&with_table(&profile, table), &profile.review(None).remarks)?;
     }
     let pictures = draw(args, &report)?;
     if let Some(table) = &written {
@@ -99,11 +99,10 @@ fn with_table(profile: &Profile, table: &GelTable) -> Profile {
     fitted
 }
 
-/// Refuses values that no sensor has.
-pub(super) fn refuse_impossible(fitted: &Profile) -> Result<(), Failure> {
+/// Refuses values that no sensor has; `known` are the remarks on the profile before the fit.
+pub(super) fn refuse_impossible(fitted: &Profile, known: &[Remark]) -> Result<(), Failure> {
     let review = fitted.review(None);
-    let of_gel = |remark: &&Remark| remark.message.starts_with("gel.");
-    let Some(Remark { message, .. }) = review.faults().find(of_gel) else { return Ok(()) };
+    let Some(Remark { message, .. }) = review.faults().find(|fault| !known.contains(fault)) else { return Ok(()) };
     let hint = "check the units of the presses' forces (N; 1 g is 0.00981 N) and depths (mm): nothing was written";
     Err(Failure::new(format!("the presses give an impossible gel: {message}"), hint))
 }

@@ -118,11 +118,8 @@ impl Rest {
             return;
         }
         self.slow_since_s = None;
-        store(self.size, estimate, &mut self.untouched);
-        let squares = self.untouched.iter().map(|[u, v]| u * u + v * v).sum::<f32>();
-        let drift_px = (squares / self.untouched.len().max(1) as f32).sqrt();
+        self.take_untouched(estimate);
         let (sum, count) = self.residuals;
-        self.has_moved = drift_px > THRESHOLDS.drift_px;
         if count > 0.0 {
             let residual = sum / count;
             let first = *self.first_residual.get_or_insert(residual);
@@ -130,10 +127,18 @@ impl Rest {
         }
     }
 
+    /// Takes a flow for that of the untouched gel.
+    fn take_untouched(&mut self, estimate: &Estimate) {
+        store(self.size, estimate, &mut self.untouched);
+        let squares = self.untouched.iter().map(|[u, v]| u * u + v * v).sum::<f32>();
+        let drift_px = (squares / self.untouched.len().max(1) as f32).sqrt();
+        self.has_moved = drift_px > THRESHOLDS.drift_px;
+    }
+
     /// Whether the whole image has moved, and has stayed there long enough to be that of the untouched gel; its flow is then stored.
     fn has_moved_as_a_whole(&mut self, time_s: f64, estimate: &Estimate) -> bool {
-        let stays = off_px(self.size, estimate, &self.moved) < THRESHOLDS.slow_px;
-        let Some(since_s) = self.moved_since_s.filter(|_| stays) else {
+        let stays = |_: &f64| off_px(self.size, estimate, &self.moved) < THRESHOLDS.slow_px;
+        let Some(since_s) = self.moved_since_s.filter(stays) else {
             self.moved_since_s = moves_as_a_whole(self.size, estimate).then_some(time_s);
             store(self.size, estimate, &mut self.moved);
             return false;
@@ -141,8 +146,8 @@ impl Rest {
         if time_s - since_s < THRESHOLDS.slow_s {
             return false;
         }
-        store(self.size, estimate, &mut self.untouched);
-        (self.has_moved, self.since_s, self.moved_since_s) = (true, Some(since_s), None);
+        self.take_untouched(estimate);
+        (self.since_s, self.moved_since_s) = (Some(since_s), None);
         true
     }
 }

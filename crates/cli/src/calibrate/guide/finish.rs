@@ -140,7 +140,7 @@ fn fit_gel(draft: &Path, described: GelBlock, presses: &[String], output: Output
     }
     if let Some(table) = &fitted {
         update_profile(draft, "gel", table)?;
-        gel::refuse_impossible(&Profile::load(draft)?)?;
+        gel::refuse_impossible(&Profile::load(draft)?, &[])?;
     }
     let remark = fitted.is_none().then(|| "the presses do not determine it".into());
     Ok(GelOutcome { described, fitted, remark, warnings: report.warnings })
