@@ -3,8 +3,8 @@
 use crate::jpeg::decode_jpeg;
 use fingervision_image::{Image, Pixels};
 use image::metadata::Orientation;
-use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageFormat, ImageReader};
-use std::io::Cursor;
+use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageError, ImageFormat, ImageReader};
+use std::io::{self, Cursor, ErrorKind};
 use tiff::decoder::{Decoder as TiffDecoder, DecodingResult};
 use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
@@ -26,15 +26,31 @@ pub(crate) enum PictureFault {
     Range { x: usize, y: usize, value: f64 },
 }
 
-impl From<image::ImageError> for PictureFault {
-    fn from(error: image::ImageError) -> Self {
-        Self::Damaged(error.to_string())
+impl From<ImageError> for PictureFault {
+    fn from(error: ImageError) -> Self {
+        match error {
+            ImageError::IoError(error) => error.into(),
+            error => Self::Damaged(error.to_string()),
+        }
     }
 }
 
 impl From<TiffError> for PictureFault {
     fn from(error: TiffError) -> Self {
-        Self::Damaged(error.to_string())
+        match error {
+            TiffError::IoError(error) => error.into(),
+            error => Self::Damaged(error.to_string()),
+        }
+    }
+}
+
+/// Reading from memory fails only at its end.
+impl From<io::Error> for PictureFault {
+    fn from(error: io::Error) -> Self {
+        Self::Damaged(match error.kind() {
+            ErrorKind::UnexpectedEof => "the picture is cut off".into(),
+            _ => error.to_string(),
+        })
     }
 }
 
@@ -47,7 +63,7 @@ impl From<String> for PictureFault {
 /// Decodes PNG, JPEG, TIFF or BMP, recognised by content, and rotates the picture upright if the file gives its
 /// orientation.
 pub(crate) fn decode(bytes: &[u8]) -> Result<Pixels, PictureFault> {
-    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(image::ImageError::IoError)?;
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
     let (mut image, orientation) = match reader.format() {
         Some(ImageFormat::Jpeg) => decode_jpeg(bytes)?,
         Some(ImageFormat::Tiff) if has_more_pages(bytes) => {

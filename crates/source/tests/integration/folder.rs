@@ -269,7 +269,10 @@ fn an_image_that_is_cut_off_anywhere_is_an_error_with_its_name() {
             fs::write(&path, &whole[..len]).unwrap();
             let (before, error) = error_after_frames(folder.path());
             assert_eq!(before, 1);
-            assert!(error.to_string().contains(&format!("{}: frame 1: ", names[1])), "{len} bytes: {error}");
+            let text = error.to_string();
+            assert!(text.contains(&format!("{}: frame 1: ", names[1])), "{len} bytes: {text}");
+            let says_so = text.ends_with("picture is cut off") || text.ends_with("unexpected end of file");
+            assert!(says_so || len < whole.len() / 2 || format == ImageFormat::Tiff, "{len} bytes: {text}");
         }
     }
 }
