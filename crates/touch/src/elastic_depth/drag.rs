@@ -16,7 +16,7 @@ use super::traction::{Limits, Tractions};
 
 /// Ratio of motion along the surface to depth, root mean squares: below the first number nothing is subtracted, above
 /// the second the whole displacement. For faces pressed straight down it is below 0.02 if they stick and below 0.22 if
-/// they slide.
+/// they slide. Contact that slips while it is dragged is treated as contact that sticks: what is left then looks less like depth.
 const PARTIAL: [f64; 2] = [0.15, 0.3];
 
 /// Finds the displacement caused by shear and twist in every frame.
@@ -85,7 +85,7 @@ impl Drag {
         (self.ratio, self.moved_mm) = found.as_ref().map_or((0.0, 0.0), |(ratio, motion)| (*ratio, motion.mean_mm()));
         self.part = 0.0;
         let Some((ratio, motion)) = found else { return };
-        let part = ramp(ratio, PARTIAL) * motion.sticking();
+        let part = ramp(ratio, PARTIAL);
         if part <= 0.0 {
             return;
         }

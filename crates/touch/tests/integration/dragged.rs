@@ -67,6 +67,23 @@ fn a_ball_that_sticks_keeps_its_depth_while_it_is_dragged() {
 }
 
 #[test]
+fn a_ball_that_slips_while_it_is_dragged_is_not_taken_for_a_deeper_one() {
+    let motion = "keyframes = [{ at = 2, depth_mm = 0.6 }, { at = 4, shear_mm = [0.7, 0.5] }]";
+    let ball = "shape = 'sphere'\nradius_mm = 7.5\n[gel]\npoissons_ratio = 0.4";
+    let frames = Press::frames(ball, "{ friction = 0.3 }", motion, [2, 4]);
+    for mode in [ElasticMode::Exact, ElasticMode::Live] {
+        let mut inverse = frames[0].inverse(mode);
+        let errors = frames.each_ref().map(|press| {
+            let fields = inverse.solve(&press.flow, &press.deviation, &press.valid);
+            f64::from(fields.force_n.unwrap()[2]) / press.force_n[2] - 1.0
+        });
+        assert!(errors.iter().all(|error| error.abs() < 0.11), "{mode:?}: {errors:?}");
+        let part = inverse.cells().without_drag.map_or(0.0, |without_drag| without_drag.part);
+        assert_eq!(part.to_bits(), 1.0_f32.to_bits(), "{mode:?}: slipping contact is dragged, too");
+    }
+}
+
+#[test]
 fn shear_is_subtracted_only_where_there_is_any_and_dragged_frames_do_not_allocate() {
     let frames = Press::frames(BALL, "stick", DRAG, [2, 4]);
     let mut inverse = frames[0].inverse(ElasticMode::Exact);

@@ -33,8 +33,10 @@ impl Press {
 
     /// Some of its five frames.
     pub(crate) fn frames<const N: usize>(indenter: &str, law: &str, motion: &str, frames: [usize; N]) -> [Self; N] {
+        // Friction is a table, the other laws are names.
+        let law = if law.starts_with('{') { law.to_owned() } else { format!("'{law}'") };
         let text = format!(
-            "name = 'press'\n[camera]\nfocal_length_px = [200.0, 200.0]\n[contact]\nlaw = '{law}'\n[indenter]\n{indenter}\n\
+            "name = 'press'\n[camera]\nfocal_length_px = [200.0, 200.0]\n[contact]\nlaw = {law}\n[indenter]\n{indenter}\n\
              [motion]\nframes = 5\n{motion}\n[render]\nwidth = 240\nheight = 240\n[mesh]\nresolution = 'draft'\n"
         );
         let scene = Scene::from_toml(&text).unwrap();
