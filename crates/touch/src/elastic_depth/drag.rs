@@ -15,9 +15,9 @@ use super::surface::{Seen, Surface, WithoutDrag};
 use super::traction::{Limits, Tractions};
 
 /// Ratio of motion along the surface to depth, root mean squares: below the first number nothing is subtracted, above
-/// the second the whole displacement. For faces pressed straight down it is below 0.02 if they stick and below 0.22 if
-/// they slide. Contact that slips while it is dragged is treated as contact that sticks: what is left then looks less like depth.
-const PARTIAL: [f64; 2] = [0.15, 0.3];
+/// the second the whole displacement. For faces pressed straight down it is below 0.02 if they stick, but up to 0.22 if they slide
+/// tilted or at a corner of the gel.
+const PARTIAL: [f64; 2] = [0.1, 0.2];
 
 /// Finds the displacement caused by shear and twist in every frame.
 #[derive(Debug)]
