@@ -1,5 +1,7 @@
 //! Conversion of a frame's pixels to `f32` grey levels.
 
+mod rows;
+
 use crate::{Image, ImageError, Pixels, Rect};
 
 /// Weights of red, green and blue in grey, dimensionless, summing to 1: ITU-R BT.601 luma.
@@ -18,7 +20,11 @@ const LEVELS_PER_VALUE_16: f32 = 1.0 / 257.0;
 pub fn grey_into(pixels: &Pixels, region: Rect, grey: &mut Image<f32>) -> Result<(), ImageError> {
     match pixels {
         Pixels::Grey8(image) => convert(image, region, grey, f32::from),
-        Pixels::Rgb8(image) => convert_rows(image, region, grey, luma_row),
+        Pixels::Rgb8(image) => {
+            check(image, region)?;
+            rows::grey_into(image, region, grey);
+            Ok(())
+        }
         Pixels::Grey16(image) => convert(image, region, grey, |value| f32::from(value) * LEVELS_PER_VALUE_16),
         Pixels::Rgb16(image) => convert(image, region, grey, |rgb| luma(rgb.map(f32::from)) * LEVELS_PER_VALUE_16),
     }
@@ -47,16 +53,8 @@ pub fn grey_and_channels_into(
         }
         Pixels::Rgb8(image) => {
             check(image, region)?;
-            for channel in channels.iter_mut() {
-                channel.set_size((region.width, region.height));
-            }
-            let [red, green, blue] = channels.each_mut().map(Image::rows_mut);
-            let mut channels = red.zip(green).zip(blue).map(|((red, green), blue)| [red, green, blue]);
-            convert_rows(image, region, grey, |row, grey| {
-                if let Some(channels) = channels.next() {
-                    separate_row(row, grey, channels);
-                }
-            })
+            rows::separate_into(image, region, grey, channels);
+            Ok(())
         }
         Pixels::Rgb16(image) => {
             for (index, channel) in channels.iter_mut().enumerate() {
@@ -67,58 +65,9 @@ pub fn grey_and_channels_into(
     }
 }
 
+#[inline(always)]
 fn luma([red, green, blue]: [f32; 3]) -> f32 {
     LUMA_WEIGHTS[0] * red + LUMA_WEIGHTS[1] * green + LUMA_WEIGHTS[2] * blue
-}
-
-/// The grey levels of a row, four pixels at once.
-fn luma_row(row: &[[u8; 3]], grey: &mut [f32]) {
-    let (blocks, rest) = row.as_chunks::<4>();
-    let (grey_blocks, grey_rest) = grey.as_chunks_mut::<4>();
-    for (pixels, grey) in blocks.iter().zip(grey_blocks) {
-        let [red, green, blue] = levels_of_four(pixels);
-        *grey = std::array::from_fn(|k| luma([red[k], green[k], blue[k]]));
-    }
-    for (grey, &rgb) in grey_rest.iter_mut().zip(rest) {
-        *grey = luma(rgb.map(f32::from));
-    }
-}
-
-/// Grey levels and channels of a row, four pixels at once.
-fn separate_row(row: &[[u8; 3]], grey: &mut [f32], [red, green, blue]: [&mut [f32]; 3]) {
-    let (blocks, rest) = row.as_chunks::<4>();
-    let [(grey, grey_rest), (red, red_rest), (green, green_rest), (blue, blue_rest)] =
-        [grey, red, green, blue].map(|line| line.as_chunks_mut::<4>());
-    let lines = grey.iter_mut().zip(red).zip(green.iter_mut().zip(blue));
-    for (pixels, ((grey, red), (green, blue))) in blocks.iter().zip(lines) {
-        let levels = levels_of_four(pixels);
-        *grey = std::array::from_fn(|k| luma(levels.map(|channel| channel[k])));
-        [*red, *green, *blue] = levels;
-    }
-    let lines = grey_rest.iter_mut().zip(red_rest).zip(green_rest.iter_mut().zip(blue_rest));
-    for (&rgb, ((grey, red), (green, blue))) in rest.iter().zip(lines) {
-        let levels = rgb.map(f32::from);
-        *grey = luma(levels);
-        [*red, *green, *blue] = levels;
-    }
-}
-
-/// Red, green and blue of four pixels.
-#[inline(always)]
-fn levels_of_four(pixels: &[[u8; 3]; 4]) -> [[f32; 4]; 3] {
-    let words = words(pixels);
-    let channel = |mask: u32, scale: f32| words.map(|word| (word & mask).cast_signed() as f32 * scale);
-    // Factors that are powers of two do not change the result.
-    [channel(0xff, 1.0), channel(0xff00, 1.0 / 256.0), channel(0xff_0000, 1.0 / 65536.0)]
-}
-
-/// Red, green and blue of four pixels in the lower three bytes of a word each. The fourth byte is any value.
-#[inline(always)]
-fn words(pixels: &[[u8; 3]; 4]) -> [u32; 4] {
-    let bytes = pixels.as_flattened();
-    // As a whole: single bytes would be loaded one by one.
-    let word = |first: usize| bytes[first..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
-    [word(0), word(3), word(6), word(8) >> 8]
 }
 
 fn convert<T: Copy, U: Copy + Default>(
@@ -127,23 +76,12 @@ fn convert<T: Copy, U: Copy + Default>(
     to: &mut Image<U>,
     convert_pixel: impl Fn(T) -> U,
 ) -> Result<(), ImageError> {
-    convert_rows(from, region, to, |from, to| {
-        for (to, &from) in to.iter_mut().zip(from) {
-            *to = convert_pixel(from);
-        }
-    })
-}
-
-fn convert_rows<T: Copy, U: Copy + Default>(
-    from: &Image<T>,
-    region: Rect,
-    to: &mut Image<U>,
-    mut convert_row: impl FnMut(&[T], &mut [U]),
-) -> Result<(), ImageError> {
     check(from, region)?;
     to.set_size((region.width, region.height));
     for (y, to) in to.rows_mut().enumerate() {
-        convert_row(&from.row(region.y + y)[region.x..][..region.width], to);
+        for (to, &from) in to.iter_mut().zip(&from.row(region.y + y)[region.x..]) {
+            *to = convert_pixel(from);
+        }
     }
     Ok(())
 }
