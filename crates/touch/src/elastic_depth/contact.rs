@@ -9,6 +9,7 @@ use super::frozen_strain::FrozenStrain;
 use super::network::{
     self, CONSTANTS, ContactNetwork, INPUTS, LEAST_SIDE, MULTIPLE, OUTPUTS, Sensor, Symmetry, Weights,
 };
+use super::network_inputs;
 use super::rigid::{self, AtRest, StuckFace};
 use super::stuck_shape::{self, StuckShape};
 use super::surface::{self, Seen, Surface, WithoutDrag};
@@ -294,11 +295,7 @@ impl ContactFinder {
             return;
         };
         let SurfaceGrid { columns, rows, .. } = grid;
-        for (row, inputs) in inputs.chunks_exact_mut(padded.0).enumerate() {
-            for (column, inputs) in inputs.iter_mut().enumerate() {
-                *inputs = input(grid, seen, *padded, (column, row), *scale);
-            }
-        }
+        network_inputs::fill(inputs, *padded, grid, seen, *scale);
         estimated.fill([0.0; OUTPUTS]);
         for symmetry in &*symmetries {
             let input = |column: usize, row: usize| {
@@ -361,31 +358,4 @@ impl ContactFinder {
         self.inner.clear();
         self.inner.extend(inner.step_by(every));
     }
-}
-
-/// The network's input for a cell of a grid of this many columns and rows; beyond the surface, the input of the last
-/// cell.
-fn input(
-    grid: SurfaceGrid,
-    seen: &[Seen],
-    (columns, rows): (usize, usize),
-    (column, row): (usize, usize),
-    scale: f32,
-) -> [f32; INPUTS] {
-    let SurfaceGrid { columns: last_column, rows: last_row, cell_mm } = grid;
-    let seen = |column: usize, row: usize| &seen[row.min(last_row - 1) * last_column + column.min(last_column - 1)];
-    let cell_mm = cell_mm as f32;
-    let [left, right] = neighbours(column, columns);
-    let [above, below] = neighbours(row, rows);
-    let along_x = seen(right, row).apparent_mm[0] - seen(left, row).apparent_mm[0];
-    let along_y = seen(column, below).apparent_mm[1] - seen(column, above).apparent_mm[1];
-    let spread = along_x / ((right - left) as f32 * cell_mm) + along_y / ((below - above) as f32 * cell_mm);
-    let here = seen(column, row);
-    let [x, y] = here.apparent_mm.map(|value| scale * value);
-    [2.0 * x, 2.0 * y, here.slope[0], here.slope[1], 3.0 * spread]
-}
-
-/// The neighbours of a position along an axis of this length; the position itself where there is none.
-fn neighbours(at: usize, count: usize) -> [usize; 2] {
-    [at.saturating_sub(1), (at + 1).min(count - 1)]
 }

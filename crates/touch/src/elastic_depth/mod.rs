@@ -30,6 +30,7 @@ mod held;
 mod motion;
 mod nearest;
 mod network;
+mod network_inputs;
 mod params;
 mod pixel_sums;
 mod rays;
@@ -313,7 +314,7 @@ impl ElasticDepth {
             let around_mm = moved.map_or(0.0, |moved| moved[cell][2]);
             let is_estimated = moved.is_none() || self.contact.touches[cell];
             let depth = if is_estimated { self.contact.depth_mm[cell] } else { around_mm };
-            *values = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell]];
+            *values = [depth, self.contact.deviation_mm(cell, around_mm), self.contact.share[cell], 0.0];
         }
         let ElasticFields { depth_mm, deviation_mm, contact, .. } = &mut self.fields;
         let planes = Planes {

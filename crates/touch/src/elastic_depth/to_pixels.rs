@@ -3,7 +3,7 @@
 //! Pixels that follow each other in a row mostly lie between the same four cells. They are processed together, as the lanes of
 //! one register.
 
-use fearless_simd::{Level, dispatch, f32x8, prelude::*};
+use fearless_simd::{Level, dispatch, f32x4, f32x8, prelude::*};
 use fearless_simd_macros::simd;
 use fingervision_elastic::SurfaceGrid;
 use fingervision_flow::Team;
@@ -25,8 +25,9 @@ const BYTES: [[u8; LANES]; 1 << LANES] = {
     bytes
 };
 
-/// What is known of a cell: its depth, mm, the deviation of the depth, mm, and the share of the cell in contact, 0 to 1.
-pub(super) type Known = [f32; 3];
+/// What is known of a cell: its depth, mm, the deviation of the depth, mm, and the share of the cell in contact, 0 to 1; then 0, so
+/// that a cell fills a register.
+pub(super) type Known = [f32; 4];
 
 /// The same of some pixels, row by row; in contact is a pixel with a share above ½.
 pub(super) struct Planes<'a> {
@@ -135,6 +136,8 @@ impl Part {
         let Planes { depth_mm, deviation_mm, contact } = planes;
         let (depth_mm, deviation_mm, contact) =
             (&mut depth_mm[..count], &mut deviation_mm[..count], &mut contact[..count]);
+        // Of one length: the second one needs no check of its own.
+        let (rights, downs) = (&self.right[..], &self.down[..self.right.len()]);
         for &Run { cell, first, length } in &self.runs {
             let (first, length) = (first as usize, length as usize);
             if cell == NOWHERE {
@@ -143,15 +146,18 @@ impl Part {
                 contact[first..first + length].fill(0);
                 continue;
             }
-            let upper = &cells[cell as usize..][..2];
-            let lower = &cells[cell as usize + columns..][..2];
-            let right = f32x8::from_slice(simd, &self.right[first..][..LANES]);
-            let down = f32x8::from_slice(simd, &self.down[first..][..LANES]);
+            let cells = &cells[cell as usize..][..columns + 2];
+            let right = f32x8::from_slice(simd, &rights[first..first + LANES]);
+            let down = f32x8::from_slice(simd, &downs[first..first + LANES]);
+            // The value at the left and at the right of the cells is a + b down each.
+            let [a, other_a] = [&cells[0], &cells[1]].map(|cell| f32x4::from_slice(simd, cell));
+            let b = f32x4::from_slice(simd, &cells[columns]) - a;
+            let other_b = f32x4::from_slice(simd, &cells[columns + 1]) - other_a;
+            let terms = [a, b, other_a - a, other_b - b].map(f32x4::to_array);
             let mut values = [right; 3];
             for (k, value) in values.iter_mut().enumerate() {
-                let left = down.mul_add(lower[0][k] - upper[0][k], f32x8::splat(simd, upper[0][k]));
-                let other = down.mul_add(lower[1][k] - upper[1][k], f32x8::splat(simd, upper[1][k]));
-                *value = right.mul_add(other - left, left);
+                let [a, b, c, d] = terms.map(|term| f32x8::splat(simd, term[k]));
+                *value = right.mul_add(down.mul_add(d, c), down.mul_add(b, a));
             }
             let [depth, deviation, share] = values;
             let touches = &BYTES[share.simd_gt(0.5).to_bitmask() as usize];
@@ -193,7 +199,7 @@ mod tests {
         let beside = places.iter().filter(|place| place.is_none()).count();
         assert!((100..SIZE.0 * SIZE.1 / 2).contains(&beside), "{beside} pixels beside the gel");
         let cells: Vec<Known> =
-            (0..GRID.len()).map(|cell| [0, 1, 2].map(|k| (3.7 * cell as f32 + k as f32).sin())).collect();
+            (0..GRID.len()).map(|cell| [0, 1, 2, 3].map(|k| (3.7 * cell as f32 + k as f32).sin())).collect();
         let pixels = places.len();
         let write = |team: &Team| {
             let (mut depth_mm, mut deviation_mm, mut contact) = (vec![9.0; pixels], vec![9.0; pixels], vec![9; pixels]);

@@ -4,6 +4,7 @@ use fearless_simd::{Level, dispatch, f32x16, prelude::*};
 use fearless_simd_macros::simd;
 use fingervision_flow::Team;
 
+use super::finish::{Activation, Finish};
 use super::plane::{Plane, Rows};
 use super::shape::{LANES, Shape, TILE};
 use super::winograd;
@@ -14,24 +15,10 @@ pub(super) const CELLS: usize = 6;
 /// Least number of cells of a layer that two threads share: each then has more tiles than are computed together.
 const LEAST_SHARED: usize = 96;
 
-/// The operation on the sums of a layer.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Activation<'a> {
-    /// Nothing.
-    Keep,
-    /// Negative values become zero.
-    Rectify,
-    /// Negative values become zero, and the input is added: the layer learns a change.
-    RectifyAndAdd,
-    /// A plane of half the resolution is added, each of its cells to 2×2, then negative values become zero.
-    AddGrownAndRectify(&'a Plane),
-}
-
 /// A convolution of 3×3 or 1×1 cells over all channels, at every cell or at every second one.
 #[derive(Debug, Clone)]
 pub(super) struct Convolution {
     inputs: usize,
-    outputs: usize,
     side: usize,
     stride: usize,
     weights: Weights,
@@ -60,12 +47,13 @@ impl Convolution {
         } else {
             Weights::Plain(in_blocks(shape, weights))
         };
-        Self { inputs, outputs, side, stride, weights, bias: padded }
+        Self { inputs, side, stride, weights, bias: padded }
     }
 
-    /// Applies the layer. `to` has a cell for every `stride`-th of `from`.
+    /// Applies the layer. `to` has a cell for every `stride`-th of `from`, and its channels are whole blocks of [`LANES`]: zeros
+    /// follow the last output.
     pub(super) fn apply(&self, level: Level, team: &Team, from: &Plane, to: &mut Plane, then: Activation<'_>) {
-        assert_eq!((from.channels, to.channels), (self.inputs, self.outputs), "channels of the layer");
+        assert_eq!((from.channels, to.channels), (self.inputs, self.bias.len()), "channels of the layer");
         let (cells, rows) = (to.rows * to.columns, to.rows);
         let to = to.rows_mut();
         if !team.is_shared() || cells < LEAST_SHARED {
@@ -78,30 +66,28 @@ impl Convolution {
     }
 
     /// Applies the layer to some rows.
-    fn apply_to(&self, level: Level, from: &Plane, mut to: Rows<'_>, then: Activation<'_>) {
+    fn apply_to(&self, level: Level, from: &Plane, to: Rows<'_>, then: Activation<'_>) {
+        let finish = Finish { from, to, then };
         match &self.weights {
-            Weights::Plain(weights) => dispatch!(level, simd => self.run(simd, weights, from, to, then)),
+            Weights::Plain(weights) => dispatch!(level, simd => self.run(simd, weights, finish)),
             Weights::Winograd(kernels) => {
-                let cells = (to.columns, to.range());
-                let finish = |place: (usize, usize, usize), sums: &[f32; LANES]| {
-                    self.finish(place, sums, from, &mut to, then);
-                };
-                dispatch!(level, simd => winograd::run(simd, (kernels, &self.bias), from, cells, finish));
+                dispatch!(level, simd => winograd::run(simd, (kernels, &self.bias), finish));
             }
         }
     }
 
     #[simd]
-    fn run<S: Simd>(&self, simd: S, weights: &[f32], from: &Plane, mut to: Rows<'_>, then: Activation<'_>) {
+    fn run<S: Simd>(&self, simd: S, weights: &[f32], mut finish: Finish<'_>) {
         let per_block = self.side * self.side * self.inputs * LANES;
-        for row in to.range() {
+        let columns = finish.to.columns;
+        for row in finish.to.range() {
             for (block, weights) in weights.chunks_exact(per_block).enumerate() {
-                for column in (0..to.columns).step_by(CELLS) {
+                for column in (0..columns).step_by(CELLS) {
                     // The last group of a row overlaps the previous one.
-                    let column = column.min(to.columns - CELLS);
-                    let sums = self.sum(simd, weights, self.bias(block), from, (column, row));
-                    for (cell, sums) in (column..).zip(&sums) {
-                        self.finish((block, cell, row), sums, from, &mut to, then);
+                    let column = column.min(columns - CELLS);
+                    let sums = self.sum(simd, weights, self.bias(block), finish.from, (column, row));
+                    for (cell, sums) in (column..).zip(sums) {
+                        finish.cell(simd, (block, cell, row), sums);
                     }
                 }
             }
@@ -114,32 +100,6 @@ impl Convolution {
         self.bias[block * LANES..].first_chunk().expect("biases fill whole blocks")
     }
 
-    /// Writes a cell's channels of one block of outputs, given their sums.
-    #[inline(always)]
-    fn finish(
-        &self,
-        (block, column, row): (usize, usize, usize),
-        sums: &[f32; LANES],
-        from: &Plane,
-        to: &mut Rows<'_>,
-        then: Activation<'_>,
-    ) {
-        let first = block * LANES;
-        let count = LANES.min(self.outputs - first);
-        let to = to.cell_mut((column, row), first, count);
-        match then {
-            Activation::Keep => to.copy_from_slice(&sums[..count]),
-            Activation::Rectify => write(to, sums, &[0.0; LANES], |sum, _| sum.max(0.0)),
-            Activation::RectifyAndAdd => {
-                write(to, sums, from.cell((column, row), first, count), |sum, before| sum.max(0.0) + before);
-            }
-            Activation::AddGrownAndRectify(coarse) => {
-                let coarse = coarse.cell((column / 2, row / 2), first, count);
-                write(to, sums, coarse, |sum, coarse| (sum + coarse).max(0.0));
-            }
-        }
-    }
-
     /// The sums of [`CELLS`] neighbouring cells for one block of outputs.
     #[simd]
     fn sum<S: Simd>(
@@ -149,7 +109,7 @@ impl Convolution {
         bias: &[f32; LANES],
         from: &Plane,
         (column, row): (usize, usize),
-    ) -> [[f32; LANES]; CELLS] {
+    ) -> [f32x16<S>; CELLS] {
         let (stride, step) = (from.stride(), self.stride * self.inputs);
         // The rim is one cell wide: a kernel of 1×1 begins in its middle.
         let rim = usize::from(self.side == 1);
@@ -170,7 +130,7 @@ impl Convolution {
                 sums[5] = weights.mul_add(f32x16::splat(simd, f[tap]), sums[5]);
             }
         }
-        sums.map(|sums| *sums.as_slice().first_chunk().expect("as many lanes"))
+        sums
     }
 }
 
@@ -184,19 +144,4 @@ fn in_blocks(Shape { inputs, outputs, side, .. }: Shape, weights: &[f32]) -> Vec
         ordered[((block * side * side + tap) * inputs + input) * LANES + lane] = weight;
     }
     ordered
-}
-
-/// Writes what `combine` returns for each sum and the value next to it.
-#[inline(always)]
-fn write(to: &mut [f32], sums: &[f32; LANES], beside: &[f32], combine: impl Fn(f32, f32) -> f32) {
-    // Of a known length: these loops are vectorised.
-    if let ([to], [beside, ..]) = (to.as_chunks_mut::<LANES>().0, beside.as_chunks::<LANES>().0) {
-        for k in 0..LANES {
-            to[k] = combine(sums[k], beside[k]);
-        }
-        return;
-    }
-    for ((to, &sum), &beside) in to.iter_mut().zip(sums).zip(beside) {
-        *to = combine(sum, beside);
-    }
 }

@@ -10,6 +10,7 @@
 //! the same bits, instruction sets differ in the last ones.
 
 mod convolution;
+mod finish;
 mod global_context;
 #[cfg(test)]
 mod golden;
@@ -26,10 +27,11 @@ use fearless_simd::Level;
 use fingervision_elastic::GelBlock;
 use fingervision_flow::Team;
 
-use convolution::{Activation, Convolution};
+use convolution::Convolution;
+use finish::Activation;
 use global_context::GlobalContext;
 use plane::Plane;
-use shape::Shape;
+use shape::{LANES, Shape};
 pub(super) use symmetry::Symmetry;
 
 /// The weights and biases of [`Weights`], as `learn/export.py` writes them: three numbers of channels as little-endian u32, then f32.
@@ -138,6 +140,10 @@ impl ContactNetwork {
         let read = FILES.map(|file| Layers::read(file).expect("the weights that are built in are whole"));
         let [fine, middle, coarse] = read[0].0;
         assert_eq!(read[0].0, read[1].0, "both networks use the same buffers");
+        assert!(
+            read[0].0.iter().all(|channels| channels.is_multiple_of(LANES)),
+            "the channels of a cell fill registers"
+        );
         let plane = |part: usize, channels: usize| Plane::new((columns / part, rows / part), channels);
         let pair = |part: usize, channels: usize| [plane(part, channels), plane(part, channels)];
         Self {
@@ -149,7 +155,7 @@ impl ContactNetwork {
             coarse: pair(8, coarse),
             middle_lifted: plane(8, middle),
             fine_lifted: plane(4, fine),
-            output: plane(2, 4 * OUTPUTS),
+            output: plane(2, (4 * OUTPUTS).next_multiple_of(LANES)),
             layers: read.map(|(_, layers)| layers),
         }
     }
@@ -171,7 +177,7 @@ impl ContactNetwork {
         self.load(constants, input);
         self.forward(weights);
         for row in 0..self.output.rows {
-            for (column, cell) in self.output.row(row).chunks_exact(4 * OUTPUTS).enumerate() {
+            for (column, cell) in self.output.row(row).chunks_exact(self.output.channels).enumerate() {
                 for part in 0..4 {
                     write(
                         2 * column + part % 2,

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::shape::TILE;
+use super::shape::{LANES, TILE};
 
 /// `channels` values at every cell of a grid, side by side, and one ring of cells around it that stays zero, because a
 /// convolution of 3×3 reads one cell beyond the border. Sides that are no multiple of a tile have more zeros behind them.
@@ -39,11 +39,11 @@ impl Plane {
         &self.values[(row + 1) * self.stride() + self.channels..][..self.columns * self.channels]
     }
 
-    /// Channels of a cell, from one of them on.
+    /// [`LANES`] channels of a cell, from one of them on.
     #[inline(always)]
-    pub(super) fn cell(&self, (column, row): (usize, usize), first: usize, count: usize) -> &[f32] {
+    pub(super) fn cell(&self, (column, row): (usize, usize), first: usize) -> &[f32] {
         let start = (row + 1) * self.stride() + (column + 1) * self.channels + first;
-        &self.values[start..][..count]
+        &self.values[start..][..LANES]
     }
 
     /// The cells of a row without its rim, to be written.
@@ -92,10 +92,10 @@ impl Rows<'_> {
         self.first..self.first + self.count
     }
 
-    /// Channels of a cell, from one of them on; the row is counted from the top of the plane.
+    /// [`LANES`] channels of a cell, from one of them on; the row is counted from the top of the plane.
     #[inline(always)]
-    pub(super) fn cell_mut(&mut self, (column, row): (usize, usize), first: usize, count: usize) -> &mut [f32] {
+    pub(super) fn cell_mut(&mut self, (column, row): (usize, usize), first: usize) -> &mut [f32] {
         let start = (row - self.first) * self.stride + (column + 1) * self.channels + first;
-        &mut self.values[start..][..count]
+        &mut self.values[start..][..LANES]
     }
 }

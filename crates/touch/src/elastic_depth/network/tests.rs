@@ -1,6 +1,7 @@
 //! Tests of the network.
 
-use super::convolution::{Activation, Convolution};
+use super::convolution::Convolution;
+use super::finish::Activation;
 use super::global_context::GlobalContext;
 use super::plane::Plane;
 use super::shape::Shape;
@@ -48,12 +49,12 @@ fn a_layer_is_the_sum_of_its_definition() {
         let shape = Shape { inputs, outputs, side, stride };
         let values: Vec<_> = (0..shape.len()).map(scatter).collect();
         let from = filled(size, inputs);
-        let mut to = Plane::new((size.0 / stride, size.1 / stride), outputs);
+        let mut to = Plane::new((size.0 / stride, size.1 / stride), outputs.next_multiple_of(LANES));
         Convolution::new(shape, &values).apply(Level::new(), &Team::default(), &from, &mut to, Activation::Keep);
         for (row, column) in (0..to.rows).flat_map(|row| (0..to.columns).map(move |column| (row, column))) {
             let output = (row + column) % outputs;
             let expected = slow(shape, &values, &from, (column, row), output);
-            let found = f64::from(to.row(row)[column * outputs + output]);
+            let found = f64::from(to.row(row)[column * to.channels + output]);
             let is_near = (found - expected).abs() < 1e-5 * (1.0 + expected.abs());
             assert!(is_near, "{shape:?} {size:?} at {column}, {row}: {found} {expected}");
         }
