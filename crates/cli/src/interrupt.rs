@@ -35,6 +35,9 @@ pub(crate) struct Interrupt(());
 
 /// Installs the handlers; until [`Interrupt::listen`] a signal ends the command at once, after this call.
 pub(crate) fn watch(before_the_end: impl FnOnce() + Send + 'static) -> io::Result<()> {
+    // A file that reaches the limit of its size is then an error of writing it. Otherwise the signal ends the program.
+    #[cfg(unix)]
+    flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
     for signal in [SIGINT, SIGTERM] {
         listen_to(signal)?;
     }

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::workbench::{Workbench, press_image};
+use crate::workbench::{Ended, Workbench, press_image};
 
 #[test]
 fn the_overlay_is_a_video_that_can_be_tracked_again() {
@@ -83,4 +83,21 @@ fn a_folder_of_images_with_and_without_loss_is_remarked_on() {
     fs::remove_file(folder.join("0001.png")).unwrap();
     let ended = bench.run("track press --out run --overwrite").expect_done();
     assert!(ended.errors.contains("note: 1 of 4 images are JPEG, the first is 0001.jpg"), "{}", ended.errors);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_file_that_may_not_grow_further_is_an_error_that_names_it() {
+    use std::os::unix::process::CommandExt;
+    use std::process::Command;
+
+    let bench = Workbench::new();
+    bench.press(4);
+    // Blocks of 512 bytes: less than the flow of a frame.
+    let track = bench.command("track press --out run");
+    let mut limited = Command::new("sh");
+    limited.args(["-c", "ulimit -f 64; exec \"$@\"", "limited"]).arg(track.get_program()).args(track.get_args());
+    limited.current_dir(bench.path("")).arg0("limited");
+    limited.envs(track.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    Ended::from(limited.output().unwrap()).expect_failure("run/flow.npy: File too large", "disk");
 }

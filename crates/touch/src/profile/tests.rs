@@ -384,6 +384,7 @@ fn lengths_in_another_unit_are_refused_with_the_unit() {
         ("0.025", "30.0", "10.0", "camera.translation_mm"),
         ("25000.0", "30.0", "10.0", "camera.translation_mm"),
         ("25.0", "0.03", "0.01", "gel.size_mm"),
+        ("25.0", "0.03", "10.0", "gel.size_mm"),
         ("25.0", "30000.0", "10000.0", "gel.size_mm"),
         ("25.0", "30.0", "0.01", "gel.thickness_mm"),
     ] {

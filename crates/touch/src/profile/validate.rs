@@ -61,16 +61,18 @@ fn validate_law(law: DepthLaw, has_camera: bool) -> Result<(), ProfileError> {
 }
 
 fn validate_gel(gel: &GelBlock) -> Result<(), ProfileError> {
-    gel.validate().map_err(|BlockError { key, value, allowed }| {
-        ProfileError::impossible(format!("gel.{key}"), format!("{value:?}"), allowed)
-    })?;
-    let ([width, height], thickness) = (gel.size_mm, gel.thickness_mm);
-    let lengths = [("gel.size_mm", [width, height], SIZES_MM), ("gel.thickness_mm", [thickness; 2], THICKNESSES_MM)];
-    for (key, lengths, [least, most]) in lengths {
-        if !lengths.iter().all(|length| (least..=most).contains(length)) {
-            let value = if key == "gel.size_mm" { format!("{lengths:?}") } else { format!("{thickness:?}") };
-            return Err(ProfileError::impossible(key, value, format!("{least} to {most} mm")));
+    // A size in another unit first: compared with it, the thickness would seem to be wrong.
+    let (size, thickness) = (gel.size_mm, gel.thickness_mm);
+    let lengths = [
+        ("size_mm", &size[..], format!("{size:?}"), SIZES_MM),
+        ("thickness_mm", &[thickness], format!("{thickness:?}"), THICKNESSES_MM),
+    ];
+    for (key, lengths, value, [least, most]) in lengths {
+        if lengths.iter().any(|length| *length > 0.0 && !(least..=most).contains(length)) {
+            return Err(ProfileError::impossible(format!("gel.{key}"), value, format!("{least} to {most} mm")));
         }
     }
-    Ok(())
+    gel.validate().map_err(|BlockError { key, value, allowed }| {
+        ProfileError::impossible(format!("gel.{key}"), format!("{value:?}"), allowed)
+    })
 }
