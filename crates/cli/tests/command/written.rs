@@ -88,7 +88,6 @@ fn a_folder_of_images_with_and_without_loss_is_remarked_on() {
 #[test]
 #[cfg(unix)]
 fn a_file_that_may_not_grow_further_is_an_error_that_names_it() {
-    use std::os::unix::process::CommandExt;
     use std::process::Command;
 
     let bench = Workbench::new();
@@ -97,7 +96,7 @@ fn a_file_that_may_not_grow_further_is_an_error_that_names_it() {
     let track = bench.command("track press --out run");
     let mut limited = Command::new("sh");
     limited.args(["-c", "ulimit -f 64; exec \"$@\"", "limited"]).arg(track.get_program()).args(track.get_args());
-    limited.current_dir(bench.path("")).arg0("limited");
+    limited.current_dir(bench.path(""));
     limited.envs(track.get_envs().filter_map(|(name, value)| Some((name, value?))));
     Ended::from(limited.output().unwrap()).expect_failure("run/flow.npy: File too large", "disk");
 }
