@@ -6,6 +6,8 @@ use fingervision_elastic::{BlockOperator, SurfaceGrid};
 use super::coarse::CoarseGrid;
 use super::contact::ContactFinder;
 use super::far_field::FarField;
+use super::fit::Unexplained;
+use super::motion::Motion;
 use super::nearest::Nearest;
 use super::stiffening::Strain;
 use super::surface::{Seen, Surface};
@@ -21,6 +23,8 @@ pub(super) struct HeldGel {
     seen: Vec<Seen>,
     touches: Vec<bool>,
     wanted_mm: Vec<[f32; 3]>,
+    /// Places away from contact, and the motion there that the tractions do not explain.
+    left_mm: Vec<([f64; 2], [f64; 2])>,
     /// The nearest cell in contact for each cell.
     nearest: Nearest,
 }
@@ -36,6 +40,7 @@ impl HeldGel {
             seen: vec![Seen::default(); cells],
             touches: vec![false; cells],
             wanted_mm: vec![[0.0; 3]; cells],
+            left_mm: Vec::with_capacity(cells),
             nearest: Nearest::new((coarse.grid.columns, coarse.grid.rows)),
         }
     }
@@ -80,25 +85,31 @@ impl HeldGel {
     /// Difference between measured motion along the surface and the motion that the tractions predict, away from
     /// contact and beyond the error of the flow: root mean square over `farthest_mm`. Without contact, the whole
     /// surface is compared. None if the motion is too small.
-    pub(super) fn unexplained(&mut self, thickness_mm: f64, farthest_mm: f64, mm_per_px: f64) -> Option<f64> {
+    pub(super) fn unexplained(&mut self, thickness_mm: f64, farthest_mm: f64, mm_per_px: f64) -> Option<Unexplained> {
         let away = THRESHOLDS.away * thickness_mm / self.grid().cell_mm;
         self.nearest.find(&self.touches);
-        let (mut left, mut all, mut error, mut count) = (0.0, 0.0, 0.0, 0.0);
+        self.left_mm.clear();
         let moved = self.tractions.displacement_mm();
-        let cells = (0..self.seen.len()).filter(|&cell| self.nearest.distance(cell) > away);
-        let cells = cells.map(|cell| (&self.seen[cell], moved[cell])).filter(|(seen, _)| seen.is_tracked());
-        for (seen, moved) in cells {
-            for axis in 0..2 {
-                let explained = moved[axis] + seen.slope[axis] * moved[2];
-                left += f64::from(seen.apparent_mm[axis] - explained).powi(2);
-                all += f64::from(seen.apparent_mm[axis]).powi(2);
+        let (mut all, mut error) = (0.0, 0.0);
+        for (cell, at_mm) in self.coarse.grid.centres_mm().enumerate() {
+            let (seen, moved) = (&self.seen[cell], moved[cell]);
+            if self.nearest.distance(cell) <= away || !seen.is_tracked() {
+                continue;
             }
+            let left_mm = [0, 1].map(|axis| seen.apparent_mm[axis] - (moved[axis] + seen.slope[axis] * moved[2]));
+            self.left_mm.push((at_mm, left_mm.map(f64::from)));
+            all += seen.apparent_mm.iter().map(|&moved| f64::from(moved).powi(2)).sum::<f64>();
             error += (THRESHOLDS.flow_deviations * f64::from(seen.deviation_mm)).powi(2);
-            count += 1.0;
         }
-        let (left, all) = ((left - error).max(0.0), all - error);
+        let count = self.left_mm.len() as f64;
         let least_mm = THRESHOLDS.least_motion_px * mm_per_px;
-        (all > count * least_mm * least_mm).then(|| (left / count).sqrt() / farthest_mm.max(least_mm))
+        if all - error <= count * least_mm * least_mm {
+            return None;
+        }
+        let even = Motion::of(self.left_mm.iter().copied())?;
+        let left_mm = (even.whole_mm().powi(2) - error / count).max(0.0).sqrt();
+        let farthest_mm = farthest_mm.max(least_mm);
+        Some(Unexplained { part: left_mm / farthest_mm, even: even.mean_mm() / farthest_mm, farthest_mm })
     }
 
     /// The motion far from contact and what the tractions contribute to it, for a gel of this thickness, mm, and without the

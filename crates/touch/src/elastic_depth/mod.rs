@@ -25,6 +25,7 @@ mod error;
 mod face_search;
 mod far_field;
 mod fields;
+mod fit;
 mod frozen_strain;
 mod held;
 mod motion;
@@ -59,6 +60,7 @@ use fingervision_elastic::{BlockOperator, GelBlock, SurfaceGrid};
 use fingervision_flow::{FlowField, Team};
 use fingervision_image::Image;
 use fingervision_optics::Camera;
+use fit::Fit;
 use held::HeldGel;
 use rays::Rays;
 use std::sync::OnceLock;
@@ -102,7 +104,7 @@ pub struct Cells<'a> {
 /// Owns all scratch memory: no call of [`ElasticDepth::solve`] allocates. The result of a frame depends on previous
 /// frames in four ways only: through the start of the solver, within its tolerance; through the strain of a stuck face,
 /// which is found while it is pressed down; through the shape of contact before it was dragged; and through a misfit, which
-/// remains until the gel fits well or is at rest.
+/// remains until the gel fits well, or as well as before it, or is at rest.
 #[derive(Debug)]
 pub struct ElasticDepth {
     gel: GelBlock,
@@ -116,6 +118,7 @@ pub struct ElasticDepth {
     /// None where the network is not used.
     drag: Option<Drag>,
     held: HeldGel,
+    fit: Fit,
     untracked: Untracked,
     /// What is interpolated from the cells to the pixels.
     cells: Vec<Known>,
@@ -160,6 +163,7 @@ impl ElasticDepth {
             shape: StuckShape::new(surface.grid),
             drag,
             held,
+            fit: Fit::default(),
             untracked,
             cells,
             surface,
@@ -301,6 +305,7 @@ impl ElasticDepth {
             }
             self.contact.rest();
             self.shape.forget();
+            self.fit.rest();
         }
         self.fields.rest(still_mm / (THRESHOLDS.still_px * self.surface.mm_per_px));
     }
@@ -342,11 +347,8 @@ impl ElasticDepth {
         self.fields.is_untracked = self.untracked.is_untracked(&self.surface, &self.contact.touches, touched);
         let farthest_mm = deepest_mm + THRESHOLDS.shear_over_depth * self.drag.as_ref().map_or(0.0, Drag::moved_mm);
         let unexplained = self.held.unexplained(thickness_mm, farthest_mm, self.surface.mm_per_px);
-        self.fields.unexplained = unexplained.map(|part| part as f32);
-        // After a misfit, the gel has to fit well or to come to rest.
-        let was_unexplained = self.fields.is_unexplained;
-        let most = if was_unexplained { 0.5 * MOST_UNEXPLAINED } else { MOST_UNEXPLAINED } as f32;
-        self.fields.is_unexplained = self.fields.unexplained.map_or(was_unexplained, |part| part > most);
+        self.fields.unexplained = unexplained.map(|motion| motion.part as f32);
+        self.fields.is_unexplained = self.fit.is_misfit(unexplained);
         self.fields.is_misfit = self.fields.is_unexplained && !self.fields.is_flow_uncertain;
     }
 
