@@ -58,11 +58,14 @@ pub enum Flag {
     /// The reference shows another pattern than the profile's `pattern.fingerprint`: the values of the profile are those
     /// of another sensor.
     OtherSensor,
+    /// Upper or lower rows of the image are those of an earlier frame, and the gel has moved since then: displacement, depth and
+    /// force mix two moments.
+    TornImage,
 }
 
 impl Flag {
     /// Every flag, in the order of its bit.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::Lost,
         Self::Dropped,
         Self::NoTexture,
@@ -85,6 +88,7 @@ impl Flag {
         Self::Drift,
         Self::GelDamaged,
         Self::OtherSensor,
+        Self::TornImage,
     ];
 
     /// The flag's name in files.
@@ -113,6 +117,7 @@ impl Flag {
             Self::Drift => "drift",
             Self::GelDamaged => "gel-damaged",
             Self::OtherSensor => "other-sensor",
+            Self::TornImage => "torn-image",
         }
     }
 
@@ -181,6 +186,9 @@ impl Flag {
             }
             Self::OtherSensor => {
                 "the pattern is not that of the profile, so depth and force are computed for another sensor: use the profile of this sensor, or write the fingerprint again"
+            }
+            Self::TornImage => {
+                "a part of the image is from an earlier frame, so displacement, depth and force mix two moments: lower the rate or the resolution, or use a camera that delivers whole frames"
             }
         }
     }

@@ -4,6 +4,7 @@ mod damage;
 mod dirt;
 mod rest;
 mod thresholds;
+mod torn;
 
 use damage::Damage;
 use dirt::Dirt;
@@ -11,6 +12,7 @@ use fingervision_flow::{Estimate, Levels};
 use fingervision_image::Image;
 use rest::Rest;
 use thresholds::THRESHOLDS;
+use torn::Torn;
 
 use crate::{Fingerprint, Flag, Flags, Profile};
 
@@ -39,6 +41,7 @@ pub(crate) struct Watch {
     rest: Rest,
     damage: Damage,
     dirt: Dirt,
+    torn: Torn,
     /// The fingerprint in the profile.
     fingerprint: Option<Fingerprint>,
     /// Whether the reference shows another sensor; `None` before it was compared.
@@ -56,6 +59,7 @@ impl Watch {
             rest,
             damage,
             dirt: Dirt::new(size, profile.flow.noise_levels),
+            torn: Torn::new(size),
             fingerprint: profile.fingerprint(),
             is_other: None,
             was_lost: false,
@@ -68,6 +72,7 @@ impl Watch {
         self.rest.restart();
         self.damage.restart();
         self.dirt.restart();
+        self.torn.restart();
         self.was_lost = false;
         self.is_other = None;
     }
@@ -92,6 +97,8 @@ impl Watch {
             // Compared once: from then on the frames match the reference.
             is_other.get_or_insert_with(|| fingerprint.is_some_and(|fingerprint| !fingerprint.matches(seen.grey)));
         }
+        let is_torn = self.torn.watch(seen.grey, seen.estimate);
+        raise_if(Flag::TornImage, is_torn);
         raise_if(Flag::OtherSensor, self.is_other == Some(true));
         raise_if(Flag::Found, std::mem::replace(&mut self.was_lost, seen.is_lost) && !seen.is_lost);
         self.time_s = seen.time_s;
@@ -100,7 +107,7 @@ impl Watch {
         if !seen.is_lost {
             self.damage.watch(&seen.estimate.valid, is_at_rest);
             let has_same_light = (seen.levels.mean - seen.first.mean).abs() <= THRESHOLDS.same_light * seen.first.mean;
-            if !is_at_rest && has_same_light && !seen.estimate.is_motion_blurred {
+            if !is_at_rest && has_same_light && !is_torn && !seen.estimate.is_motion_blurred {
                 self.dirt.watch(seen.grey, seen.estimate);
             }
         }

@@ -70,6 +70,11 @@ pub(super) struct Thresholds {
     pub(super) still_once: usize,
     /// Least motion around a cell for a decision after one comparison, px.
     pub(super) clear_px: f32,
+    /// An image is torn if at least so many of its first or last rows are equal to those of an earlier frame, and the flow beside
+    /// them differs from that frame's by more than so much, px, in at least so many samples.
+    pub(super) least_torn_rows: usize,
+    pub(super) torn_px: f32,
+    pub(super) least_torn_samples: usize,
 }
 
 /// The values in use.
@@ -119,4 +124,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     still_twice: 7,
     still_once: 9,
     clear_px: 1.2,
+    least_torn_rows: 24,
+    torn_px: 0.1,
+    least_torn_samples: 4,
 };

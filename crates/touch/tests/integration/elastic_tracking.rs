@@ -10,14 +10,14 @@ use crate::solved::solve;
 const FIELDS: Fields = Fields { depth: true, traction: true, ..Fields::NONE };
 
 /// A press on the draft mesh, and a tracker with the profile of its gel and camera.
-struct Press {
+pub(crate) struct Press {
     simulation: Simulation,
     profile: Profile,
     sequence: u64,
 }
 
 impl Press {
-    fn new(scene: &str) -> Self {
+    pub(crate) fn new(scene: &str) -> Self {
         let scene = Scene::from_toml(&format!("name = 'press'\n{scene}\n[mesh]\nresolution = 'draft'\n")).unwrap();
         let mut simulation = Simulation::new(&scene).unwrap();
         solve(&mut simulation);
@@ -41,7 +41,7 @@ impl Press {
         )
     }
 
-    fn tracker(&self) -> Tracker {
+    pub(crate) fn tracker(&self) -> Tracker {
         Tracker::new(&self.profile, self.simulation.size(), true, FIELDS).unwrap()
     }
 
@@ -50,7 +50,7 @@ impl Press {
         tracker.track(&self.frame(pose)).unwrap()
     }
 
-    fn frame(&mut self, pose: usize) -> Frame {
+    pub(crate) fn frame(&mut self, pose: usize) -> Frame {
         let pixels: Pixels = self.simulation.frame(pose).unwrap().clone();
         let (sequence, capture_time_s) = (self.sequence, self.sequence as f64 / 90.0);
         self.sequence += 1;

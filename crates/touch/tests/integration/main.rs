@@ -13,4 +13,5 @@ mod press;
 mod properties;
 mod rezero;
 mod solved;
+mod torn;
 mod tracker;
