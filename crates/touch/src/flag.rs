@@ -59,7 +59,7 @@ pub enum Flag {
     /// of another sensor.
     OtherSensor,
     /// Upper or lower rows of the image are those of an earlier frame, and the gel has moved since then: displacement, depth and
-    /// force mix two moments.
+    /// force of this reading, or of the one before, mix two moments.
     TornImage,
 }
 
@@ -188,7 +188,7 @@ impl Flag {
                 "the pattern is not that of the profile, so depth and force are computed for another sensor: use the profile of this sensor, or write the fingerprint again"
             }
             Self::TornImage => {
-                "a part of the image is from an earlier frame, so displacement, depth and force mix two moments: lower the rate or the resolution, or use a camera that delivers whole frames"
+                "this image and an earlier one share a part, so displacement, depth and force of this reading or of the one before mix two moments: lower the rate or the resolution, or use a camera that delivers whole frames"
             }
         }
     }

@@ -124,8 +124,8 @@ impl PressRecorder {
         let number = self.frames as u64;
         self.frames += 1;
         self.was_pressed |= reading.flags.has(Flag::PressedAtStart);
-        let values =
-            if reading.flags.has(Flag::Lost) { None } else { maxima(reading, &mut self.finder, &mut self.perspective) };
+        let is_useless = reading.flags.has(Flag::Lost) || reading.flags.has(Flag::TornImage);
+        let values = if is_useless { None } else { maxima(reading, &mut self.finder, &mut self.perspective) };
         let Some((feature, perspective_mm)) = values else {
             self.lost += 1;
             return Ok(());

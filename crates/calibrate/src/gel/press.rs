@@ -104,7 +104,7 @@ impl GelPressRecorder {
         let number = self.seen;
         self.seen += 1;
         if self.chosen.contains(&number) {
-            if reading.flags.has(Flag::Lost) || reading.flags.has(Flag::NoTexture) {
+            if [Flag::Lost, Flag::NoTexture, Flag::TornImage].iter().any(|&flag| reading.flags.has(flag)) {
                 self.lost += 1;
             } else {
                 self.press.frames.push(PressedFrame {

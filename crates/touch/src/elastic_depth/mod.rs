@@ -119,6 +119,8 @@ pub struct ElasticDepth {
     drag: Option<Drag>,
     held: HeldGel,
     fit: Fit,
+    /// Whether the image of this frame is torn.
+    is_torn: bool,
     untracked: Untracked,
     /// What is interpolated from the cells to the pixels.
     cells: Vec<Known>,
@@ -164,6 +166,7 @@ impl ElasticDepth {
             drag,
             held,
             fit: Fit::default(),
+            is_torn: false,
             untracked,
             cells,
             surface,
@@ -200,13 +203,18 @@ impl ElasticDepth {
         self.write_fields();
         let deepest_mm = self.deepest_mm();
         self.write_figures(deepest_mm);
-        if self.fields.is_unexplained || self.fields.is_flow_uncertain || self.fields.is_untracked {
+        if self.is_torn || self.fields.is_unexplained || self.fields.is_flow_uncertain || self.fields.is_untracked {
             self.contact.discard_strain();
         } else if self.contact.uses_network() {
             self.take_shape();
         }
         self.write_force();
         &self.fields
+    }
+
+    /// Says whether the image of the next frame is torn: what later frames use is not taken from it.
+    pub(crate) fn note_torn(&mut self, is_torn: bool) {
+        self.is_torn = is_torn;
     }
 
     /// Takes note of a frame whose flow is not to be used. The fields remain those of the frame before.
@@ -348,7 +356,7 @@ impl ElasticDepth {
         let farthest_mm = deepest_mm + THRESHOLDS.shear_over_depth * self.drag.as_ref().map_or(0.0, Drag::moved_mm);
         let unexplained = self.held.unexplained(thickness_mm, farthest_mm, self.surface.mm_per_px);
         self.fields.unexplained = unexplained.map(|motion| motion.part as f32);
-        self.fields.is_unexplained = self.fit.is_misfit(unexplained);
+        self.fields.is_unexplained = self.fit.is_misfit(unexplained, !self.is_torn);
         self.fields.is_misfit = self.fields.is_unexplained && !self.fields.is_flow_uncertain;
     }
 

@@ -90,6 +90,8 @@ pub(super) struct Thresholds {
 ///   edge of a part of the housing. Gel that moves away from a point, a wall or a stroke has other motions on its sides; gel may rest
 ///   in a narrow ring beside contact, where few pixels stand still twice. Difference of levels: three times that of two images of the
 ///   same thing.
+/// - Tears: the flow of gel at rest differs by less than 0.1 px from frame to frame, also in videos. Beside the blocks that a video does
+///   not store again, single samples move by more.
 pub(super) const THRESHOLDS: Thresholds = Thresholds {
     more_saturated: 0.05,
     most_saturated: 0.33,
@@ -124,7 +126,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     still_twice: 7,
     still_once: 9,
     clear_px: 1.2,
-    least_torn_rows: 24,
+    least_torn_rows: 32,
     torn_px: 0.1,
     least_torn_samples: 4,
 };

@@ -1,10 +1,10 @@
 //! Finds images that are torn: some of their rows are those of an earlier frame.
 //!
-//! A camera or a driver that overwrites a picture while it is read delivers its upper rows from one moment and its lower rows from
-//! another. Noise differs from frame to frame, so rows that are equal to those of an earlier frame, value by value, were not exposed
-//! again. Parts of a video that do not move may be equal, too, as may images without noise. An image therefore counts as torn only if
-//! the gel beside the border of the equal rows has moved since that frame: motion is continuous, so these rows would have moved
-//! with it.
+//! If a driver reads a picture while a camera overwrites it, its upper rows are from one moment and its lower rows from another. Noise
+//! differs from frame to frame, so rows of the gel that are equal to those of an earlier frame, value by value, were not exposed again.
+//! Two other images have such rows. A video stores blocks that hardly move only once; their border follows the motion, while that of a
+//! tear is straight. Where the image is black or saturated, or without noise, rows are equal in all frames; gel is tracked in rows that
+//! were torn off, and motion is continuous, so that they would have moved with the gel beside them.
 
 use std::ops::Range;
 
@@ -18,17 +18,21 @@ use super::thresholds::THRESHOLDS;
 const KEPT: usize = 4;
 /// Every so many rows one is compared.
 const EVERY: usize = 8;
+/// Number of parts of a row that are compared on their own. The border of a tear is at the same row in all of them, or one row apart.
+const PARTS: usize = 4;
 /// Distance between samples of the flow along both axes, px.
 const STEP: usize = 16;
 /// Samples farther than this from the rows that differ next to the border are not used: motion may change over a longer distance. This
 /// is wide enough for one sample whose patch does not contain the border.
 const FARTHEST: usize = 32;
+/// The flow of equal rows is taken farther than this from their border, px: patches nearer to it see the other rows, too.
+const BESIDE: usize = 16;
 
 /// What is kept of a frame.
 #[derive(Debug)]
 struct Kept {
-    /// A check sum of each compared row.
-    rows: Vec<u32>,
+    /// A check sum of each part of each compared row.
+    rows: Vec<[u32; PARTS]>,
     /// The flow at each [`place`], where it is valid.
     flow: Vec<Option<[f32; 2]>>,
 }
@@ -48,7 +52,7 @@ impl Torn {
     /// For images of this size, px.
     pub(super) fn new((width, height): (usize, usize)) -> Self {
         let samples = (width / STEP, height / STEP);
-        let kept = || Kept { rows: vec![0; height.div_ceil(EVERY)], flow: vec![None; samples.0 * samples.1] };
+        let kept = || Kept { rows: vec![[0; PARTS]; height.div_ceil(EVERY)], flow: vec![None; samples.0 * samples.1] };
         Self { samples, kept: std::array::from_fn(|_| kept()), newest: 0, count: 0 }
     }
 
@@ -62,8 +66,11 @@ impl Torn {
         self.newest = (self.newest + 1) % self.kept.len();
         let columns = self.samples.0;
         let now = &mut self.kept[self.newest];
-        for (sum, row) in now.rows.iter_mut().zip(grey.rows().step_by(EVERY)) {
-            *sum = check_sum(row);
+        let part = grey.width().div_ceil(PARTS).max(1);
+        for (sums, row) in now.rows.iter_mut().zip(grey.rows().step_by(EVERY)) {
+            for (sum, part) in sums.iter_mut().zip(row.chunks(part)) {
+                *sum = check_sum(part);
+            }
         }
         for (index, flow) in now.flow.iter_mut().enumerate() {
             *flow = flow_at(estimate, place(index % columns, index / columns));
@@ -77,23 +84,33 @@ impl Torn {
     fn is_torn(&self, back: usize) -> bool {
         let now = &self.kept[self.newest];
         let then = &self.kept[(self.newest + self.kept.len() - back) % self.kept.len()];
-        let is_same = |(now, then): &(&u32, &u32)| now == then;
+        let height = now.rows.len() * EVERY;
         let pairs = || now.rows.iter().zip(&then.rows);
-        let (upper, lower) =
-            (pairs().take_while(is_same).count() * EVERY, pairs().rev().take_while(is_same).count() * EVERY);
         // The border is above the first row that differs, or below the last one.
-        let below = upper..upper + FARTHEST;
-        let last = (now.rows.len() * EVERY).saturating_sub(lower + EVERY);
-        let above = last.saturating_sub(FARTHEST)..last;
-        (upper >= THRESHOLDS.least_torn_rows && self.moves(now, then, &below))
-            || (lower >= THRESHOLDS.least_torn_rows && self.moves(now, then, &above))
+        if let Some(upper) = equal_rows(pairs()) {
+            let first = upper * EVERY;
+            let (equal, below) = (0..first.saturating_sub(BESIDE), first..first + FARTHEST);
+            if self.is_gel(now, then, &equal) && self.moves(now, then, &below) {
+                return true;
+            }
+        }
+        equal_rows(pairs().rev()).is_some_and(|lower| {
+            let begin = height - lower * EVERY;
+            let last = begin.saturating_sub(EVERY);
+            let above = last.saturating_sub(FARTHEST)..last;
+            self.is_gel(now, then, &(begin + BESIDE..height)) && self.moves(now, then, &above)
+        })
+    }
+
+    /// Whether the gel is tracked in both frames in these rows.
+    fn is_gel(&self, now: &Kept, then: &Kept, within: &Range<usize>) -> bool {
+        let tracked = self.within(within).filter(|&index| now.flow[index].is_some() && then.flow[index].is_some());
+        tracked.count() >= THRESHOLDS.least_torn_samples
     }
 
     /// Whether the gel has moved between two frames in these rows.
     fn moves(&self, now: &Kept, then: &Kept, within: &Range<usize>) -> bool {
-        let (columns, rows) = self.samples;
-        let is_inside = |row: &usize| within.contains(&place(0, *row).1);
-        let moved = (0..rows).filter(is_inside).flat_map(|row| row * columns..(row + 1) * columns).filter(|&index| {
+        let moved = self.within(within).filter(|&index| {
             now.flow[index].zip(then.flow[index]).is_some_and(|(now, then)| {
                 let [x, y] = [now[0] - then[0], now[1] - then[1]];
                 x * x + y * y > THRESHOLDS.torn_px * THRESHOLDS.torn_px
@@ -101,6 +118,30 @@ impl Torn {
         });
         moved.count() >= THRESHOLDS.least_torn_samples
     }
+
+    /// The samples in these rows of the image.
+    fn within(&self, rows: &Range<usize>) -> impl Iterator<Item = usize> + use<'_> {
+        let (columns, count) = self.samples;
+        let rows = rows.clone();
+        let is_inside = move |row: &usize| rows.contains(&place(0, *row).1);
+        (0..count).filter(is_inside).flat_map(move |row| row * columns..(row + 1) * columns)
+    }
+}
+
+/// How many rows, from the first pair on, are equal: in all parts of the row about the same number, but in parts that never
+/// change. None if there are too few, or the border is not straight.
+fn equal_rows<'a>(pairs: impl Iterator<Item = (&'a [u32; PARTS], &'a [u32; PARTS])>) -> Option<usize> {
+    let (mut is_equal, mut rows, mut count) = ([true; PARTS], [0; PARTS], 0);
+    for (now, then) in pairs {
+        for part in 0..PARTS {
+            is_equal[part] &= now[part] == then[part];
+            rows[part] += usize::from(is_equal[part]);
+        }
+        count += 1;
+    }
+    let changing = || rows.into_iter().filter(|&rows| rows < count);
+    let (least, most) = (changing().min()?, changing().max()?);
+    (least * EVERY >= THRESHOLDS.least_torn_rows && most - least <= 1).then_some(least)
 }
 
 /// The pixel of a sample of the flow.
@@ -108,8 +149,8 @@ fn place(column: usize, row: usize) -> (usize, usize) {
     (column * STEP + STEP / 2, row * STEP + STEP / 2)
 }
 
-/// A number that differs, but for one case in billions, where the values of two rows differ: Fletcher's sums, in which each value counts
-/// by its place.
+/// A number that differs, but for one case in billions, where the values of two parts of rows differ: Fletcher's sums, in which each value
+/// counts by its place.
 fn check_sum(row: &[f32]) -> u32 {
     /// Odd, so that no bit is lost: 2³² divided by the golden ratio.
     const FACTOR: u32 = 0x9e37_79b1;

@@ -55,6 +55,7 @@ impl ElasticStage {
             return;
         }
         exchange_planes(self.inverse.fields_mut(), reading);
+        self.inverse.note_torn(reading.flags.has(Flag::TornImage));
         let found = self.inverse.solve(&reading.flow, &reading.deviation, &reading.valid);
         for (flag, holds) in [
             (Flag::BeyondLinear, found.is_beyond_linear),
