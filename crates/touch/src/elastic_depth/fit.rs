@@ -45,8 +45,8 @@ impl Fit {
         *self = Self::default();
     }
 
-    /// Whether a frame is a misfit; one with too little motion to tell is what the frame before was. Later frames are compared with it only
-    /// if its image is to be trusted.
+    /// Whether a frame is a misfit. A frame with too little motion to decide has the result of the frame before. Later frames are compared
+    /// with this one only if its image is to be trusted.
     pub(super) fn is_misfit(&mut self, now: Option<Unexplained>, is_trusted: bool) -> bool {
         let Some(now) = now else { return self.is_misfit };
         let fits = if self.is_misfit { self.fits_again(now) } else { now.part <= THRESHOLDS.most_unexplained };

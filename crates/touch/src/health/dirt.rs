@@ -15,12 +15,13 @@ mod hidden;
 #[cfg(test)]
 mod tests;
 
-use around::{AROUND, Suspicion, difference, length2, suspicion};
+use around::{AROUND, Suspicion, suspicion};
 use fingervision_flow::Estimate;
 use fingervision_image::{Between, Image};
 use hidden::Hidden;
 
 use super::thresholds::THRESHOLDS;
+use super::{difference, length2};
 
 /// Side of a cell, px.
 const CELL: usize = 8;

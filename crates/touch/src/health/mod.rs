@@ -146,6 +146,16 @@ fn is_saturated(now: Levels, first: Levels) -> bool {
     now.saturated > (first.saturated + THRESHOLDS.more_saturated).min(THRESHOLDS.most_saturated)
 }
 
+/// From the second to the first.
+fn difference(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+/// Square of the length.
+fn length2([u, v]: [f32; 2]) -> f32 {
+    u * u + v * v
+}
+
 /// The flow at a place, where it is valid.
 fn flow_at(estimate: &Estimate, (x, y): (usize, usize)) -> Option<[f32; 2]> {
     (estimate.valid.at(x, y) == 1).then(|| [estimate.flow.u.at(x, y), estimate.flow.v.at(x, y)])

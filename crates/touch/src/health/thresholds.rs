@@ -71,7 +71,8 @@ pub(super) struct Thresholds {
     /// Least motion around a cell for a decision after one comparison, px.
     pub(super) clear_px: f32,
     /// An image is torn if at least so many of its first or last rows are equal to those of an earlier frame, and the flow beside
-    /// them differs from that frame's by more than so much, px, in at least so many samples.
+    /// them differs from that frame's by more than so much, px, in at least so many samples; in as many samples within these rows the flow
+    /// is valid.
     pub(super) least_torn_rows: usize,
     pub(super) torn_px: f32,
     pub(super) least_torn_samples: usize,

@@ -11,8 +11,8 @@ use std::ops::Range;
 use fingervision_flow::Estimate;
 use fingervision_image::Image;
 
-use super::flow_at;
 use super::thresholds::THRESHOLDS;
+use super::{difference, flow_at, length2};
 
 /// Number of earlier frames that an image is compared with: as many as drivers have buffers.
 const KEPT: usize = 4;
@@ -42,9 +42,9 @@ struct Kept {
 pub(super) struct Torn {
     /// Columns and rows of samples.
     samples: (usize, usize),
-    /// The newest frame is at `newest`, the one before it at `newest` − 1, and so on around.
+    /// The newest frame first.
     kept: [Kept; KEPT + 1],
-    newest: usize,
+    /// Number of earlier frames that are kept.
     count: usize,
 }
 
@@ -53,7 +53,7 @@ impl Torn {
     pub(super) fn new((width, height): (usize, usize)) -> Self {
         let samples = (width / STEP, height / STEP);
         let kept = || Kept { rows: vec![[0; PARTS]; height.div_ceil(EVERY)], flow: vec![None; samples.0 * samples.1] };
-        Self { samples, kept: std::array::from_fn(|_| kept()), newest: 0, count: 0 }
+        Self { samples, kept: std::array::from_fn(|_| kept()), count: 0 }
     }
 
     /// Begins again with a new reference, to which the flow of the frames before is not relative.
@@ -63,9 +63,10 @@ impl Torn {
 
     /// Takes a frame; returns whether it is torn.
     pub(super) fn watch(&mut self, grey: &Image<f32>, estimate: &Estimate) -> bool {
-        self.newest = (self.newest + 1) % self.kept.len();
+        // The oldest one is overwritten.
+        self.kept.rotate_right(1);
         let columns = self.samples.0;
-        let now = &mut self.kept[self.newest];
+        let now = &mut self.kept[0];
         let part = grey.width().div_ceil(PARTS).max(1);
         for (sums, row) in now.rows.iter_mut().zip(grey.rows().step_by(EVERY)) {
             for (sum, part) in sums.iter_mut().zip(row.chunks(part)) {
@@ -82,8 +83,7 @@ impl Torn {
 
     /// Whether the upper or the lower rows, but not all, are those of the frame so many before, and should have moved.
     fn is_torn(&self, back: usize) -> bool {
-        let now = &self.kept[self.newest];
-        let then = &self.kept[(self.newest + self.kept.len() - back) % self.kept.len()];
+        let (now, then) = (&self.kept[0], &self.kept[back]);
         let height = now.rows.len() * EVERY;
         let pairs = || now.rows.iter().zip(&then.rows);
         // The border is above the first row that differs, or below the last one.
@@ -111,10 +111,8 @@ impl Torn {
     /// Whether the gel has moved between two frames in these rows.
     fn moves(&self, now: &Kept, then: &Kept, within: &Range<usize>) -> bool {
         let moved = self.within(within).filter(|&index| {
-            now.flow[index].zip(then.flow[index]).is_some_and(|(now, then)| {
-                let [x, y] = [now[0] - then[0], now[1] - then[1]];
-                x * x + y * y > THRESHOLDS.torn_px * THRESHOLDS.torn_px
-            })
+            let flows = now.flow[index].zip(then.flow[index]);
+            flows.is_some_and(|(now, then)| length2(difference(now, then)) > THRESHOLDS.torn_px.powi(2))
         });
         moved.count() >= THRESHOLDS.least_torn_samples
     }

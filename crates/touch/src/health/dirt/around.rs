@@ -3,7 +3,7 @@
 use fingervision_flow::{Estimate, FlowField};
 
 use super::CELL;
-use crate::health::{flow_at, thresholds::THRESHOLDS};
+use crate::health::{difference, flow_at, length2, thresholds::THRESHOLDS};
 
 /// Distance along both axes of the places around a cell, in cells.
 pub(super) const AROUND: usize = 2;
@@ -37,16 +37,6 @@ pub(super) fn suspicion(estimate: &Estimate, cell: (usize, usize)) -> Option<Sus
     let stands_still = |place: &&(usize, usize)| length2(any_flow_at(&estimate.flow, **place)) < least_px2;
     let is_valid = samples(cell).iter().filter(stands_still).any(|&place| flow_at(estimate, place).is_some());
     (own_px2 < least_px2).then_some(Suspicion { motion, is_valid })
-}
-
-/// From the second to the first.
-pub(super) fn difference(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
-    [a[0] - b[0], a[1] - b[1]]
-}
-
-/// Square of the length.
-pub(super) fn length2([u, v]: [f32; 2]) -> f32 {
-    u * u + v * v
 }
 
 /// Centre of the cell at an offset from a cell, px.
