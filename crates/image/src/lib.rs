@@ -8,6 +8,7 @@
 
 mod between;
 mod colour;
+mod colour_detail;
 mod error;
 mod frame;
 mod grid;
