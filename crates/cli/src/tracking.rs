@@ -43,6 +43,9 @@ pub(crate) struct Run {
     pub(crate) output: OutputArgs,
 }
 
+/// Said where the tracker finds that colour would harm.
+const COARSE_COLOUR: &str = "the images have no colour, or less detail in it than in brightness, as after most compression: they are matched in grey";
+
 impl Run {
     /// Tracks the source to its end.
     ///
@@ -84,6 +87,7 @@ impl Run {
         let (skips, part, output) = (self.skips_bad_frames, self.part, self.output);
         let count = part.tracked(source.frame_count());
         let reader = Reader { source, skipped: &mut skipped, skips, part, output };
+        let expects_colour = tracker.uses_colour();
         let ended = reader.read(|next_frame| {
             sinks.take(&mut tracker, |tracker, put| self.stream(first, (next_frame, put), count, tracker))
         });
@@ -92,6 +96,9 @@ impl Run {
         {
             self.discard(sinks);
             return Err(failure);
+        }
+        if expects_colour && !tracker.uses_colour() {
+            self.output.note(COARSE_COLOUR);
         }
         Ok(self.finish(sinks, skipped, &tracker, begin, ended))
     }

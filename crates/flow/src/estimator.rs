@@ -1,6 +1,7 @@
 //! The flow estimator: one object per picture size, used for every frame.
 
 use crate::affine::patches::{self, AffinePatches, AffineReference};
+use crate::light::Light;
 use crate::recovery::Recovery;
 use crate::round_trip::{invert_into, round_trip_error_into};
 use crate::search::{self, Frequency, InverseSearch, SearchReference};
@@ -16,6 +17,7 @@ pub struct Reference {
     mean_level: f32,
     sharpness: f32,
     levels: Levels,
+    light: Light,
     /// The picture itself, if the round trip is checked.
     picture: Option<Picture>,
 }
@@ -142,6 +144,12 @@ impl FlowEstimator {
         Ok(estimator)
     }
 
+    /// The parameters.
+    #[must_use]
+    pub fn params(&self) -> &FlowParams {
+        &self.params
+    }
+
     /// An empty picture with the levels and channels that this estimator needs.
     #[must_use]
     pub fn picture(&self) -> Picture {
@@ -155,18 +163,38 @@ impl FlowEstimator {
     pub fn reference(&self) -> Reference {
         let picture = self.params.validity.max_round_trip_px.map(|_| self.picture());
         let (search, affine) = (self.search.reference(), self.affine.reference());
-        Reference { search, affine, mean_level: 0.0, sharpness: 0.0, levels: Levels::default(), picture }
+        let light = Light::new(self.width, self.height, if self.params.colour { 4 } else { 1 });
+        Reference { search, affine, mean_level: 0.0, sharpness: 0.0, levels: Levels::default(), light, picture }
     }
 
-    /// Prepares a reference from a picture.
+    /// Prepares a reference from a picture. A reference for pictures with other channels is made anew.
     pub fn prepare(&self, picture: &Picture, reference: &mut Reference) {
+        if !self.affine.fits(&reference.affine) {
+            *reference = self.reference();
+        }
         self.search.prepare(picture, &mut reference.search);
         self.affine.prepare(picture, &mut reference.affine);
         (reference.mean_level, reference.sharpness) = (picture.mean_level(), picture.sharpness());
         reference.levels = picture.levels();
+        reference.light.copy_from(&picture.light);
         if let Some(kept) = &mut reference.picture {
             kept.copy_from(picture);
         }
+    }
+
+    /// Adapts a reference to the noise of the last frames, which were followed from [`Start::History`]: call it before each of them.
+    /// Hardly any call changes anything. Without it the noise stays as [`FlowEstimator::prepare`] set it: by the contrast of the
+    /// reference, and by the frames until then.
+    pub fn adapt(&self, reference: &mut Reference) {
+        self.affine.adapt(&mut reference.affine);
+    }
+
+    /// Corrects the light of a picture to that of a reference, before it is matched with it: each channel is multiplied by the ratio of the
+    /// mean levels around each place. `history` leads from the reference to the last frame. Without it, a light that differs within
+    /// 16 px, or from colour to colour, is an error of the flow. If light differs by 2 % at most, nothing changes.
+    pub fn correct_light(&self, reference: &Reference, picture: &mut Picture, history: &FlowHistory) {
+        let [u, _, _, v, ..] = &history.last_nodes().planes;
+        picture.correct_light(&reference.light, [u, v]);
     }
 
     /// Shares the work of an estimate among the threads of a team, on one of which it should be called ([`Team::run`]). The flow
@@ -207,6 +235,7 @@ impl FlowEstimator {
                     out.lost_px2 = self.recovery.lost_px2(&self.affine, &reference.affine);
                 }
                 self.affine.write(&reference.affine, current, out);
+                self.affine.note_residual(out);
             }
             (Preset::Affine, Start::Search(guess)) => {
                 self.search_and_refine(reference, current, guess, false, out);

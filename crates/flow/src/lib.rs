@@ -46,6 +46,7 @@ mod field;
 #[cfg(test)]
 mod instruction_sets;
 mod levels;
+mod light;
 mod multiply_add;
 mod params;
 mod picture;
@@ -54,7 +55,7 @@ mod round_trip;
 mod search;
 mod team;
 
-pub use affine::FlowHistory;
+pub use affine::{FlowHistory, STRONG_GRADIENT};
 pub use error::FlowError;
 pub use estimate::Estimate;
 pub use estimator::{FlowEstimator, Reference, Start};

@@ -44,8 +44,9 @@ pub struct FlowParams {
     pub finest_level: Option<usize>,
     /// Whether the full-size patches use red, green and blue where the frames have them.
     pub colour: bool,
-    /// Standard deviation of the image noise, grey levels per channel. It scales the coupling of neighbouring patches and
-    /// the predicted deviation.
+    /// Standard deviation of the image noise, grey levels per channel, on a pattern with strong contrast. It scales the coupling of
+    /// neighbouring patches and the predicted deviation. On a weaker contrast it is reduced in proportion; where frames differ from
+    /// the reference by much more, it is increased ([`FlowEstimator::adapt`](crate::FlowEstimator::adapt)).
     pub noise_levels: f32,
     /// All parameters of the inverse search, missing ones as in the preset medium; absent: those of the preset.
     #[serde(skip_serializing_if = "Option::is_none")]

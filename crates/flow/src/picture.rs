@@ -1,14 +1,24 @@
 //! A picture prepared for matching: its grey pyramid and, if needed, its colours.
 
 use crate::Levels;
+use crate::light::Light;
 use fingervision_image::{Image, ImageError, Pixels, Pyramid, Rect, grey_and_channels_into, grey_into};
 
 /// One image at every pyramid level. Made once per stream and reloaded for every frame.
 #[derive(Debug, Clone)]
 pub struct Picture {
+    /// Grey levels, corrected if the light was.
     pub(crate) grey: Pyramid,
-    /// Red, green and blue at full size.
+    /// Red, green and blue at full size, corrected if the light was.
     pub(crate) colour: Option<[Image<f32>; 3]>,
+    /// Of the grey levels, then of the colours.
+    pub(crate) light: Light,
+    /// Grey levels as they were loaded, if they were corrected.
+    loaded: Image<f32>,
+    is_corrected: bool,
+    levels: Levels,
+    mean_level: f32,
+    sharpness: f32,
 }
 
 impl Picture {
@@ -18,6 +28,13 @@ impl Picture {
         Self {
             grey: Pyramid::new(width, height, coarsest_level),
             colour: colour.then(|| [(); 3].map(|()| Image::filled(width, height, 0.0))),
+            light: Light::new(width, height, if colour { 4 } else { 1 }),
+            // The system provides no memory until the first correction writes to it.
+            loaded: Image::filled(width, height, 0.0),
+            is_corrected: false,
+            levels: Levels::default(),
+            mean_level: 0.0,
+            sharpness: 0.0,
         }
     }
 
@@ -32,13 +49,46 @@ impl Picture {
             Some(colour) => grey_and_channels_into(pixels, region, grey, colour)?,
             None => grey_into(pixels, region, grey)?,
         }
-        self.grey.build();
+        self.complete();
         Ok(())
+    }
+
+    /// Computes what follows from the loaded levels.
+    fn complete(&mut self) {
+        self.grey.build();
+        (self.levels, self.mean_level) = (Levels::of(self.grey.level(0), self.channels()), self.matched_mean());
+        self.sharpness = self.measure_sharpness();
+        self.is_corrected = false;
+        self.light.measure(0, self.grey.level(0));
+        for (channel, image) in self.colour.iter().flatten().enumerate() {
+            self.light.measure(1 + channel, image);
+        }
+    }
+
+    /// Corrects the light to that of a reference, if it differs; `flow` is the last displacement from the reference at the nodes of the
+    /// patches, px.
+    pub(crate) fn correct_light(&mut self, reference: &Light, flow: [&[f32]; 2]) {
+        if self.is_corrected || !self.light.find_change(reference, flow) {
+            return;
+        }
+        self.is_corrected = true;
+        self.loaded.copy_from(self.grey.level(0));
+        self.light.correct(0, self.grey.base_mut());
+        self.grey.build();
+        for (channel, image) in self.colour.iter_mut().flatten().enumerate() {
+            self.light.correct(1 + channel, image);
+        }
     }
 
     /// Copies the pixels of a picture; allocates nothing if size and channels are equal.
     pub fn copy_from(&mut self, other: &Self) {
         self.grey.copy_from(&other.grey);
+        self.light.copy_from(&other.light);
+        (self.levels, self.mean_level, self.sharpness) = (other.levels, other.mean_level, other.sharpness);
+        self.is_corrected = other.is_corrected;
+        if other.is_corrected {
+            self.loaded.copy_from(&other.loaded);
+        }
         match (&mut self.colour, &other.colour) {
             (Some(mine), Some(other)) => mine.iter_mut().zip(other).for_each(|(mine, other)| mine.copy_from(other)),
             (mine, other) => mine.clone_from(other),
@@ -48,31 +98,36 @@ impl Picture {
     /// Loads a grey image of the picture's size. The colours, if any, do not change.
     pub fn load_grey(&mut self, grey: &Image<f32>) {
         self.grey.base_mut().copy_from(grey);
-        self.grey.build();
+        self.complete();
     }
 
-    /// Grey levels at full size.
+    /// Grey levels at full size, as they were loaded.
     #[must_use]
     pub fn grey(&self) -> &Image<f32> {
-        self.grey.level(0)
+        if self.is_corrected { &self.loaded } else { self.grey.level(0) }
     }
 
-    /// All that the picture has at full size: red, green and blue, or the grey levels.
+    /// All that is matched at full size: red, green and blue, or the grey levels.
     pub(crate) fn channels(&self) -> &[Image<f32>] {
-        self.colour.as_ref().map_or_else(|| std::slice::from_ref(self.grey()), |colour| colour.as_slice())
+        self.colour.as_ref().map_or_else(|| std::slice::from_ref(self.grey.level(0)), |colour| colour.as_slice())
     }
 
-    /// Mean grey level.
+    /// Mean grey level, as it was loaded.
     #[must_use]
     pub fn mean_level(&self) -> f32 {
+        self.mean_level
+    }
+
+    /// Mean of the grey levels that are matched.
+    pub(crate) fn matched_mean(&self) -> f32 {
         let coarsest = self.grey.coarsest().values();
         coarsest.iter().sum::<f32>() / coarsest.len() as f32
     }
 
-    /// Mean, contrast and saturation.
+    /// Mean, contrast and saturation, as they were loaded.
     #[must_use]
     pub fn levels(&self) -> Levels {
-        Levels::of(self.grey(), self.channels())
+        self.levels
     }
 
     /// Sharpness of the picture, dimensionless: the mean squared difference between neighbours in a row at full size,
@@ -81,6 +136,10 @@ impl Picture {
     /// picture.
     #[must_use]
     pub fn sharpness(&self) -> f32 {
+        self.sharpness
+    }
+
+    fn measure_sharpness(&self) -> f32 {
         let coarse = roughness(self.grey.level(2.min(self.grey.levels() - 1)), 1);
         if coarse > 0.0 { roughness(self.grey.level(0), 4) / coarse } else { 0.0 }
     }

@@ -1,5 +1,6 @@
 //! Computes readings from frames; the same object is used live and offline.
 
+mod channels;
 mod density_stage;
 mod elastic_stage;
 mod planes;
@@ -25,6 +26,7 @@ use std::time::Instant;
 pub struct Tracker {
     region: Rect,
     frame_size: (usize, usize),
+    flow: FlowParams,
     estimator: FlowEstimator,
     picture: Picture,
     references: References,
@@ -92,6 +94,7 @@ impl Tracker {
         Ok(Self {
             region,
             frame_size,
+            flow,
             picture: estimator.picture(),
             references: References::new(&estimator, (width, height), centre_px, &profile.references)?,
             estimator,
@@ -200,17 +203,20 @@ impl Tracker {
     fn compute(&mut self, frame: &Frame) -> Result<(), TrackError> {
         let mut watch = Stopwatch::start();
         let dropped = self.check_order(frame)?;
+        if self.rezero_after_s.is_some_and(|after_s| self.watch.is_rezero_due(after_s)) {
+            self.rezero();
+        }
+        if self.references.first().is_none() {
+            self.choose_channels(&frame.pixels)?;
+        }
         self.picture
             .load(&frame.pixels, self.region)
             .map_err(|source| TrackError::Image { sequence: frame.sequence, source })?;
         self.previous = Some((frame.sequence, frame.capture_time_s));
         self.times.picture_ms = watch.lap_ms();
 
-        if self.rezero_after_s.is_some_and(|after_s| self.watch.is_rezero_due(after_s)) {
-            self.rezero();
-        }
         self.exchange_planes();
-        let matched = self.references.track(&mut self.estimator, &self.picture, &mut self.estimate);
+        let matched = self.references.track(&mut self.estimator, &mut self.picture, &mut self.estimate);
         self.times.flow_ms = watch.lap_ms();
         let (levels, sharpness) = (self.picture.levels(), self.picture.sharpness());
         let mut flags = self.flags(dropped, sharpness);

@@ -1,6 +1,6 @@
 //! The noise of the flow, predicted for each cell size with a given camera.
 
-use fingervision_flow::Preset;
+use fingervision_flow::{Preset, STRONG_GRADIENT};
 use fingervision_gel::{Coupling, Motif, Pattern, View, trackability};
 use fingervision_optics::{Camera, CameraParams, Distortion};
 use fingervision_touch::Profile;
@@ -129,6 +129,7 @@ fn coupling(profile: &Profile, colour: bool) -> Option<Coupling> {
         stride_px: STRIDE_PX,
         curvature_px: f64::from(affine.curvature_px),
         row_step: if colour { affine.colour_row_step } else { 1 },
+        strong_gradient: f64::from(STRONG_GRADIENT),
     })
 }
 

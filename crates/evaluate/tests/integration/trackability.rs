@@ -1,6 +1,6 @@
 //! The noise that a pattern's trackability predicts, against the noise of the flow that is measured on rendered frames.
 
-use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowParams, Start};
+use fingervision_flow::{Estimate, FlowEstimator, FlowField, FlowParams, STRONG_GRADIENT, Start};
 use fingervision_gel::{Coupling, Light, Motif, Motion, Pattern, Sheet, SheetRenderer, View, trackability};
 use fingervision_image::{Image, Pixels, Rect};
 
@@ -30,7 +30,12 @@ fn predicted(cell_px: f64, colour: bool) -> f64 {
     let pattern = Pattern { motif: Motif::Colour { cell_mm: cell_px }, ..Pattern::default() };
     let affine = params(colour).affine;
     let row_step = if colour { affine.colour_row_step } else { 1 };
-    let coupling = Coupling { stride_px: 8.0, curvature_px: f64::from(affine.curvature_px), row_step };
+    let coupling = Coupling {
+        stride_px: 8.0,
+        curvature_px: f64::from(affine.curvature_px),
+        row_step,
+        strong_gradient: f64::from(STRONG_GRADIENT),
+    };
     let [u, v] = coupling.deviation_px(&trackability(&pattern, &view).unwrap()).unwrap();
     (0.5 * (u * u + v * v)).sqrt()
 }

@@ -89,7 +89,7 @@ impl Refinement {
     /// contrast: `(Σ r² − l·D⁻¹l) / γ² − 2 b·δ + δ·Aδ`, where `b` is already divided by γ. Exact for the linear model.
     #[simd]
     fn predict_energy<S: Simd>(&mut self, simd: S, template: &Template) {
-        let unscale = 1.0 / self.scale();
+        let unscale = 1.0 / self.scale(template);
         for start in (0..self.energy.len()).step_by(LANES) {
             let load = |plane: &[f32]| f32x16::from_slice(simd, &plane[start..][..LANES]);
             let [gain, offset] = self.light.each_ref().map(|plane| load(plane));
@@ -133,7 +133,7 @@ impl Refinement {
     pub(crate) fn judge(&mut self, template: &Template, field: &NodeField, rules: &ValidityParams) {
         let level = self.level;
         dispatch!(level, simd => self.predict_energy(simd, template));
-        let floor = rules.noise_floor.powi(2) * self.noise_variance;
+        let floor = rules.noise_floor.powi(2) * template.noise.residual_variance();
         let n = self.grid.nodes();
         field.mark_inside(&mut self.is_inside[..n]);
         for &node in &self.partial {
@@ -152,7 +152,7 @@ impl Refinement {
 
     /// Square of the error of a patch that blur causes, px²; 0 if it failed.
     pub(crate) fn blur_error(&self, template: &Template, node: usize) -> f32 {
-        let (noise, variance) = (self.noise_variance, template.variance[node]);
+        let (noise, variance) = (template.noise.variance(), template.variance[node]);
         self.trust[node] * blur_error(self.contrast[node], self.mean_energy[node] - noise, variance.max(noise))
     }
 
@@ -161,14 +161,15 @@ impl Refinement {
     /// to node; `smooth_step` is that in a smooth field. Patches with an own variance above `textured` have no texture.
     pub(crate) fn scale_variance(
         &self,
-        (own, textured): (&[f32], f32),
+        (template, textured): (&Template, f32),
         smooth_step: f32,
         variance: &mut [f32],
         steps: &mut [f32],
     ) {
+        let own = &template.own_variance;
         for node in 0..self.grid.nodes() {
             let rough = self.coupling.roughness(node) * smooth_step;
-            let excess = (self.mean_energy[node] / self.noise_variance).max(1.0);
+            let excess = (self.mean_energy[node] / template.noise.variance()).max(1.0);
             steps[node] = smooth_step + ROUGH_STEP * rough;
             if own[node] > textured {
                 let lies_between = is_enclosed(self.grid, node, |node| own[node] <= textured && self.trust[node] > 0.0);

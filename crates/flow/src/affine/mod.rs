@@ -11,6 +11,7 @@ mod judge;
 pub(crate) mod measurement;
 pub(crate) mod moments;
 pub(crate) mod nodes;
+mod noise;
 mod own_variance;
 pub(crate) mod patches;
 mod places;
@@ -22,3 +23,4 @@ pub(crate) mod template;
 mod visible;
 
 pub use self::history::FlowHistory;
+pub use self::noise::STRONG_GRADIENT;

@@ -10,11 +10,12 @@ use super::bonds::Stiffness;
 use super::fine::{FinePatches, FineTemplate};
 use super::grid::PatchGrid;
 use super::nodes::NodeField;
+use super::noise::{self, Noise, Residuals};
 use super::products::Current;
 use super::refinement::Refinement;
 use super::template::Template;
 use crate::search::local::CellMotion;
-use crate::{FlowField, FlowParams, Picture, Team, ValidityParams};
+use crate::{Estimate, FlowField, FlowParams, Picture, Team, ValidityParams};
 use fearless_simd::Level;
 use std::slice::from_ref;
 
@@ -31,13 +32,17 @@ pub(crate) struct AffineReference {
     pub(crate) textured: f32,
     /// Mean grey level.
     mean_level: f32,
+    /// Standard deviation of the noise that fits the texture, grey levels.
+    texture_noise: f32,
+    /// The noise that all templates are prepared for.
+    noise: Noise,
 }
 
 impl AffineReference {
     /// The gain that makes the mean of a picture equal to the reference's. The patches eliminate any other change of
     /// light, but their steps have the full length only if the gains are equal.
     fn gain(&self, current: &Picture) -> f32 {
-        (self.mean_level.max(1.0) / current.mean_level().max(1.0)).clamp(0.1, 10.0)
+        (self.mean_level.max(1.0) / current.matched_mean().max(1.0)).clamp(0.1, 10.0)
     }
 }
 
@@ -51,6 +56,7 @@ pub(crate) struct AffinePatches {
     blur: MotionBlur,
     /// Whether areas of this picture were searched.
     is_searched: bool,
+    residuals: Residuals,
     variance: Vec<f32>,
     steps: Vec<f32>,
     rings: Vec<usize>,
@@ -78,7 +84,7 @@ impl LevelState {
         let count = (steps, params.affine.iterations);
         match &current.colour {
             Some(channels) => self.take_steps(&params.validity, template, Current::colour(channels, gain), count),
-            None => self.take_steps(&params.validity, template, Current::grey(current.grey(), gain), count),
+            None => self.take_steps(&params.validity, template, Current::grey(current.grey.level(0), gain), count),
         }
     }
 
@@ -112,6 +118,9 @@ const QUICK_ITERATIONS: usize = 3;
 /// such patches by some px in every step, and in every frame anew.
 const FARTHEST_FAILED_PX: f32 = 2.0;
 
+/// The residual of a frame counts as noise if at least this part of the patches match.
+const LEAST_MATCHED: f32 = 0.9;
+
 /// Least width and height of a level that holds patches, px.
 const LEAST_SIZE: usize = 16;
 
@@ -126,7 +135,7 @@ impl AffinePatches {
         let level = |level: usize| {
             let grid = PatchGrid::over(width >> level, height >> level);
             LevelState {
-                refinement: Refinement::new(grid, simd, params.noise_levels, stiffness),
+                refinement: Refinement::new(grid, simd, stiffness),
                 field: NodeField::zero(grid),
                 before: NodeField::zero(grid),
                 change: NodeField::zero(grid),
@@ -134,13 +143,15 @@ impl AffinePatches {
         };
         let levels: Vec<_> = (0..=coarsest_level(width, height, params)).map(level).collect();
         let nodes = levels[0].field.grid.plane_len();
-        let blur = MotionBlur::new(full_template(levels[0].field.grid, params), &levels[0].refinement);
+        let empty = full_template(levels[0].field.grid, params);
+        let blur = MotionBlur::new(empty, &levels[0].refinement, Noise::of(params.noise_levels));
         Self {
             blur,
             is_searched: false,
+            residuals: Residuals::default(),
             params: *params,
             levels,
-            fine: FinePatches::new(width, height, simd, params.noise_levels, stiffness),
+            fine: FinePatches::new(width, height, simd, stiffness),
             variance: vec![0.0; nodes],
             steps: vec![0.0; nodes],
             rings: vec![0; nodes],
@@ -163,28 +174,64 @@ impl AffinePatches {
             fine: FineTemplate::new(self.levels[0].field.grid.width, self.levels[0].field.grid.height),
             textured: 0.0,
             mean_level: 0.0,
+            texture_noise: self.params.noise_levels,
+            noise: Noise::of(self.params.noise_levels),
         }
+    }
+
+    /// Whether a reference is for pictures with the same channels.
+    pub(crate) fn fits(&self, reference: &AffineReference) -> bool {
+        reference.full.channels() == if self.params.colour { 3 } else { 1 }
     }
 
     /// Prepares a new reference.
     pub(crate) fn prepare(&self, picture: &Picture, reference: &mut AffineReference) {
-        reference.mean_level = picture.mean_level();
-        for (level, (state, template)) in self.levels.iter().zip(&mut reference.grey).enumerate().skip(1) {
-            state.refinement.prepare(from_ref(picture.grey.level(level)), template);
+        reference.mean_level = picture.matched_mean();
+        for (level, template) in reference.grey.iter_mut().enumerate().skip(1) {
+            template.prepare(self.simd, from_ref(picture.grey.level(level)));
         }
-        let (refinement, first, grey) = (&self.levels[0].refinement, &mut reference.grey[0], from_ref(picture.grey()));
+        let first = &mut reference.grey[0];
         let shares_pixels = !self.params.colour;
         if shares_pixels {
             first.release();
         }
         let channels = picture.channels();
-        refinement.prepare(channels, &mut reference.full);
+        reference.full.prepare(self.simd, channels);
         if shares_pixels {
-            refinement.prepare_from(&reference.full, first);
+            first.prepare_from(self.simd, &reference.full);
         } else {
-            refinement.prepare(grey, first);
+            first.prepare(self.simd, from_ref(picture.grey.level(0)));
         }
         self.fine.prepare(&reference.full, channels.len(), &mut reference.fine);
+        let levels = self.params.noise_levels;
+        reference.texture_noise = noise::for_texture(levels, reference.full.squared_gradients(levels));
+        self.complete(reference, self.residuals.noise(reference.texture_noise));
+    }
+
+    /// Adapts a reference to the noise that the last frames showed, if it is prepared for another one.
+    pub(crate) fn adapt(&self, reference: &mut AffineReference) {
+        let levels = self.residuals.noise(reference.texture_noise);
+        if noise::is_different(reference.noise.coupling, levels) {
+            self.complete(reference, levels);
+        }
+    }
+
+    /// Takes note of how well a frame matched its reference.
+    pub(crate) fn note_residual(&mut self, matched: &Estimate) {
+        if matched.matched >= LEAST_MATCHED && !matched.is_motion_blurred {
+            self.residuals.push(matched.residual_levels);
+        }
+    }
+
+    /// Computes what follows from the normal equations of a reference and from the noise that its coupling is for.
+    fn complete(&self, reference: &mut AffineReference, coupling: f32) {
+        let noise = Noise { coupling, ..reference.noise };
+        reference.noise = noise;
+        for (state, template) in self.levels.iter().zip(&mut reference.grey) {
+            state.refinement.complete(template, noise);
+        }
+        self.levels[0].refinement.complete(&mut reference.full, noise);
+        self.fine.complete(&mut reference.fine, noise);
         let nodes = &reference.full.own_variance[..self.levels[0].field.grid.nodes()];
         let limit = self.params.validity.max_deviation_px.powi(2);
         let textured = nodes.iter().filter(|&&variance| variance <= limit).count();
@@ -233,7 +280,7 @@ impl AffinePatches {
     /// The first step at full size.
     fn approach(&mut self, reference: &AffineReference, current: &Picture) {
         self.levels[0].refinement.trust_all();
-        let picture = Current::grey(current.grey(), reference.gain(current));
+        let picture = Current::grey(current.grey.level(0), reference.gain(current));
         self.levels[0].take_steps(&self.params.validity, &reference.grey[0], picture, (1, QUICK_ITERATIONS));
         self.fill_failed();
     }
@@ -317,7 +364,7 @@ impl AffinePatches {
         let (gain, iterations) = (reference.gain(current), self.params.affine.iterations);
         match &current.colour {
             Some(channels) => refinement.inspect(template, Current::colour(channels, gain), field, iterations),
-            None => refinement.inspect(template, Current::grey(current.grey(), gain), field, iterations),
+            None => refinement.inspect(template, Current::grey(current.grey.level(0), gain), field, iterations),
         }
         refinement.judge(template, field, &self.params.validity);
     }
@@ -329,6 +376,7 @@ impl AffinePatches {
 
     /// Forgets the previous frames.
     pub(crate) fn restart(&mut self) {
+        self.residuals.restart();
         self.blur.restart();
     }
 }

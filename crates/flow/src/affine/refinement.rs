@@ -11,13 +11,13 @@ use super::grid::{PatchGrid, STRIDE};
 use super::measurement::{Measurement, Strip, Sums};
 use super::moments::Window;
 use super::nodes::{NodeField, UNKNOWNS};
+use super::noise::Noise;
 use super::own_variance::{noise_gradient, own_variance, signal};
 use super::products::Current;
 use super::template::{BlurredTemplate, Template};
 use super::visible::{LEAST_VISIBLE, VisiblePart};
 use crate::{FlowField, Team};
 use fearless_simd::{Level, Simd, dispatch};
-use fingervision_image::Image;
 
 /// A patch's step is divided by its contrast, limited to this range. If the contrast is much lower, the patch has a
 /// wrong position and its step is unreliable.
@@ -43,7 +43,6 @@ pub(crate) struct Refinement {
     pub(super) grid: PatchGrid,
     pub(super) level: Level,
     window: Window,
-    pub(super) noise_variance: f32,
     expander: Expander,
     pub(super) coupling: Coupling,
     /// Memory for the upper and the lower half of the picture.
@@ -72,14 +71,12 @@ pub(crate) struct Refinement {
 }
 
 impl Refinement {
-    pub(crate) fn new(grid: PatchGrid, level: Level, noise: f32, stiffness: Stiffness) -> Self {
+    pub(crate) fn new(grid: PatchGrid, level: Level, stiffness: Stiffness) -> Self {
         let plane = || vec![0.0; grid.plane_len()];
         Self {
             grid,
             level,
             window: Window::new(),
-            // Both pictures have noise.
-            noise_variance: 2.0 * noise * noise,
             expander: Expander::new(grid),
             coupling: Coupling::new(grid, stiffness),
             strips: std::array::from_fn(|_| Strip::new(grid)),
@@ -101,28 +98,17 @@ impl Refinement {
     }
 
     /// Factor on the normal equations: one over the noise variance and the overlap of the patches.
-    pub(super) fn scale(&self) -> f32 {
-        1.0 / (self.noise_variance * self.window.overlap())
+    pub(super) fn scale(&self, template: &Template) -> f32 {
+        1.0 / (template.noise.variance() * self.window.overlap())
     }
 
-    /// Prepares a new reference.
-    pub(crate) fn prepare(&self, channels: &[Image<f32>], template: &mut Template) {
-        template.prepare(self.level, channels);
-        self.complete(template);
-    }
-
-    /// Prepares the reference that `other` was prepared for; its pixels are shared.
-    pub(crate) fn prepare_from(&self, other: &Template, template: &mut Template) {
-        template.prepare_from(self.level, other);
-        self.complete(template);
-    }
-
-    /// Computes what follows from the normal equations of a template.
-    pub(super) fn complete(&self, template: &mut Template) {
-        let scale = self.scale();
+    /// Computes what follows from the normal equations of a template and from the noise of both pictures.
+    pub(crate) fn complete(&self, template: &mut Template, noise: Noise) {
+        template.noise = noise;
+        let scale = self.scale(template);
         let slope_stiffness = self.coupling.stiffness().curvature;
         for node in 0..self.grid.nodes() {
-            let noise = noise_gradient(template.samples[node], 0.5 * self.noise_variance);
+            let noise = noise_gradient(template.samples[node], noise.pixels.powi(2));
             let normal = |entry: usize| template.normal[entry][node];
             template.own_variance[node] = own_variance(normal, noise, scale, slope_stiffness);
             template.signal[node] = signal(normal, noise);
@@ -139,7 +125,7 @@ impl Refinement {
         out: &mut BlurredTemplate,
     ) {
         out.set(self.level, sharp, motion, part);
-        self.complete(&mut out.template);
+        self.complete(&mut out.template, sharp.noise);
     }
 
     /// One Gauss–Newton step from `field`.
@@ -225,7 +211,7 @@ impl Refinement {
         let system = System {
             normal: &template.normal,
             coarse: &template.coarse,
-            scale: self.scale(),
+            scale: self.scale(template),
             trust: &self.weight,
             right: &self.gradient,
         };
@@ -291,7 +277,7 @@ impl Refinement {
     /// patch is wrong by δ, γ is the autocorrelation of the texture at δ, and the division corrects the step for the
     /// curvature of the texture.
     fn form_right(&mut self, template: &Template) {
-        let scale = self.scale();
+        let scale = self.scale(template);
         let [gain, offset] = &self.light;
         let [d00, d01, _] = &template.light_inverse;
         for (node, contrast) in self.contrast.iter_mut().enumerate() {

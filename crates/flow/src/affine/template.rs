@@ -8,6 +8,8 @@ use super::coarse_grids::CoarseBlocks;
 use super::grid::{LANES, MARGIN, PatchGrid, STRIDE};
 use super::moments::{Band, Window, sum_columns, sum_rows};
 use super::nodes::UNKNOWNS;
+use super::noise::Noise;
+use super::own_variance::noise_gradient;
 use super::products::{MID_LEVEL, TemplateBlock};
 use super::symmetric::{PACKED, packed};
 use fearless_simd::{Level, Simd, dispatch};
@@ -45,6 +47,8 @@ pub(crate) struct Template {
     pub(crate) signal: Vec<f32>,
     /// Variance of the displacement from the node's own patch, px²; see [`super::judge`].
     pub(crate) own_variance: Vec<f32>,
+    /// The noise that the two above and the blocks are computed for.
+    pub(crate) noise: Noise,
 }
 
 impl Template {
@@ -81,7 +85,23 @@ impl Template {
             variance: plane(),
             signal: plane(),
             own_variance: plane(),
+            noise: Noise::of(1.0),
         }
+    }
+
+    /// Squared gradient in each patch that has more of it than noise, mean of both axes, grey levels² per px².
+    pub(crate) fn squared_gradients(&self, noise_levels: f32) -> impl Iterator<Item = f32> {
+        let square = |node: usize| 0.5 * (self.normal[packed(0, 0)][node] + self.normal[packed(3, 3)][node]);
+        let noise = move |node: usize| noise_gradient(self.samples[node], noise_levels.powi(2));
+        (0..self.grid.nodes())
+            .map(move |node| (square(node), noise(node)))
+            .filter(|(square, noise)| square > noise)
+            .map(|(square, _)| square)
+    }
+
+    /// Number of channels.
+    pub(crate) fn channels(&self) -> usize {
+        self.channels
     }
 
     /// Sixteen pixels of a channel in padded row `row` from padded column `column` on.

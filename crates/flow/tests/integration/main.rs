@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod blur;
+mod light;
+mod noise;
 mod recovery;
 mod team;
 mod validity;

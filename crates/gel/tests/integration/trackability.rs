@@ -136,14 +136,14 @@ fn sparse_dots_leave_patches_without_structure() {
     let dots = Pattern { motif: Motif::Dots { count: [7, 7], diameter_mm: 0.6 }, ..Pattern::default() };
     let speckle = Pattern { motif: Motif::Speckle { diameter_mm: 0.25, coverage: 0.5 }, ..Pattern::default() };
     assert!(score(&dots).poor > 0.3, "{:?}", score(&dots));
-    let coupling = Coupling { stride_px: 8.0, curvature_px: 0.012, row_step: 1 };
+    let coupling = Coupling { stride_px: 8.0, curvature_px: 0.012, row_step: 1, strong_gradient: 29.0 };
     assert_eq!(coupling.deviation_px(&score(&dots)), None, "a texture with gaps is not even");
     assert!(score(&speckle).poor < 0.02, "{:?}", score(&speckle));
 }
 
 #[test]
 fn a_coupled_tracker_profits_where_texture_is_poor() {
-    let coupling = Coupling { stride_px: 8.0, curvature_px: 0.012, row_step: 1 };
+    let coupling = Coupling { stride_px: 8.0, curvature_px: 0.012, row_step: 1, strong_gradient: 29.0 };
     let gain = |cell_mm: f64| {
         let score = score(&colour(cell_mm));
         score.deviation_px[0] / coupling.deviation_px(&score).unwrap()[0]

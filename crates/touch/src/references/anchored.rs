@@ -120,11 +120,18 @@ impl Anchored {
     }
 
     /// Matches a frame and writes its flow from the first reference.
-    pub(crate) fn track(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Matched {
+    pub(crate) fn track(
+        &mut self,
+        estimator: &mut FlowEstimator,
+        current: &mut Picture,
+        out: &mut Estimate,
+    ) -> Matched {
         if !self.has_first {
             estimator.prepare(current, &mut self.first);
             self.has_first = true;
         }
+        estimator.correct_light(&self.first, current, &self.history);
+        estimator.adapt(&mut self.first);
         estimator.estimate(&self.first, current, Start::History(&self.history), out);
         let zero_id = self.first_id;
         let mut reference_id = zero_id;

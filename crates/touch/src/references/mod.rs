@@ -77,7 +77,12 @@ impl References {
     }
 
     /// Matches a frame and writes its flow from the first reference.
-    pub(crate) fn track(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Matched {
+    pub(crate) fn track(
+        &mut self,
+        estimator: &mut FlowEstimator,
+        current: &mut Picture,
+        out: &mut Estimate,
+    ) -> Matched {
         match self {
             Self::Anchored(references) => references.track(estimator, current, out),
             Self::Stack(references) => references.track(estimator, current, out),
@@ -124,11 +129,13 @@ impl Single {
         self.history.restart();
     }
 
-    fn track(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Matched {
+    fn track(&mut self, estimator: &mut FlowEstimator, current: &mut Picture, out: &mut Estimate) -> Matched {
         if !self.is_prepared {
             estimator.prepare(current, &mut self.reference);
             self.is_prepared = true;
         }
+        estimator.correct_light(&self.reference, current, &self.history);
+        estimator.adapt(&mut self.reference);
         estimator.estimate(&self.reference, current, Start::History(&self.history), out);
         self.history.push(&out.flow);
         Matched { reference_id: self.id, zero_id: self.id, reference_count: 1, photometric_error: out.residual_levels }

@@ -70,14 +70,22 @@ impl Stack {
     }
 
     /// Matches a frame and writes its flow from the first reference.
-    pub(crate) fn track(&mut self, estimator: &mut FlowEstimator, current: &Picture, out: &mut Estimate) -> Matched {
+    pub(crate) fn track(
+        &mut self,
+        estimator: &mut FlowEstimator,
+        current: &mut Picture,
+        out: &mut Estimate,
+    ) -> Matched {
         average_into(current.grey(), &mut self.coarse_current);
         self.coarse_picture.load_grey(&self.coarse_current);
         if self.layers.is_empty() {
             self.push(estimator, current, Estimate::new(current.size().0, current.size().1));
         }
         let error = self.close_loop();
-        let top = &self.layers[self.layers.len() - 1];
+        let last = self.layers.len() - 1;
+        estimator.adapt(&mut self.layers[last].reference);
+        let top = &self.layers[last];
+        estimator.correct_light(&top.reference, current, &self.history);
         estimator.estimate(&top.reference, current, Start::History(&self.history), &mut self.from_top);
         if self.from_top.matched < self.params.min_matched {
             estimator.estimate(&top.reference, current, Start::SearchHistory(&self.history), &mut self.from_top);

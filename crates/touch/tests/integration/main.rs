@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+mod coarse_colour;
 mod dragged;
 mod elastic;
 mod elastic_depth;

@@ -26,6 +26,7 @@ use self::relax::{Blocks, NONE, Relaxation};
 use super::bonds::Stiffness;
 use super::grid::PatchGrid;
 use super::judge::FLOOR_VARIANCE;
+use super::noise::Noise;
 use super::products::Current;
 use super::template::Template;
 use crate::{Estimate, FlowField, ValidityParams};
@@ -81,11 +82,8 @@ pub(crate) struct FinePatches {
     grid: FineGrid,
     coarse: PatchGrid,
     level: Level,
-    noise_variance: f32,
     stiffness: Stiffness,
     weights: Box<CornerWeights<6>>,
-    /// Factor on the patches' equations: one over the noise variance and their overlap.
-    scale: f32,
     field: FineField,
     /// The coarse patches that may be refined, with their indices.
     rough: Vec<(Rough, usize)>,
@@ -104,9 +102,8 @@ fn most_refined(coarse: PatchGrid) -> usize {
 }
 
 impl FinePatches {
-    pub(crate) fn new(width: usize, height: usize, level: Level, noise: f32, stiffness: Stiffness) -> Self {
+    pub(crate) fn new(width: usize, height: usize, level: Level, stiffness: Stiffness) -> Self {
         let grid = FineGrid::over(width, height);
-        let noise_variance = 2.0 * noise * noise;
         let coarse = PatchGrid::over(width, height);
         // A coarse patch contains four fine nodes.
         let most = 4 * most_refined(coarse);
@@ -114,10 +111,8 @@ impl FinePatches {
             grid,
             coarse,
             level,
-            noise_variance,
             stiffness,
             weights: Box::new(grid::window_weights()),
-            scale: 1.0 / (noise_variance * grid::overlap()),
             field: FineField::new(grid),
             rough: Vec::with_capacity(coarse.nodes()),
             index: vec![NONE; grid.nodes()],
@@ -130,8 +125,12 @@ impl FinePatches {
 
     /// Prepares a new reference, whose pixels are in `template`.
     pub(crate) fn prepare(&self, template: &Template, channels: usize, fine: &mut FineTemplate) {
-        let noise_variance = 0.5 * self.noise_variance;
-        fine.prepare(self.level, template, channels, noise_variance, self.scale, self.stiffness.curvature);
+        fine.prepare(self.level, template, channels);
+    }
+
+    /// Computes what follows from the normal equations and from the noise of both pictures.
+    pub(crate) fn complete(&self, fine: &mut FineTemplate, noise: Noise) {
+        fine.complete(noise, self.stiffness.curvature);
     }
 
     /// Refines the flow in `out` at the coarse patches for which `rough` returns a value.
@@ -228,9 +227,9 @@ impl FinePatches {
     ) {
         let level = self.level;
         for _ in 0..PROPAGATIONS {
-            let Self { grid, noise_variance, weights, field, index, nodes, .. } = self;
-            let (grid, noise_variance, templates) = (*grid, *noise_variance, (template, fine));
-            let propagation = Propagation { grid, weights, templates, current, rules, noise_variance, coarse, index };
+            let Self { grid, weights, field, index, nodes, .. } = self;
+            let (grid, templates) = (*grid, (template, fine));
+            let propagation = Propagation { grid, weights, templates, current, rules, coarse, index };
             if !dispatch!(level, simd => propagation.run(simd, field, nodes)) {
                 break;
             }
@@ -243,21 +242,22 @@ impl FinePatches {
     #[simd]
     fn step<S: Simd>(&mut self, simd: S, fine: &FineTemplate, rules: &ValidityParams) {
         let _ = simd;
-        let Self { grid, stiffness, scale, noise_variance, field, index, nodes, blocks, .. } = self;
+        let Self { grid, stiffness, field, index, nodes, blocks, .. } = self;
+        let FineTemplate { scale, noise_variance, .. } = *fine;
         for node in nodes.iter_mut() {
-            node.form_right(&fine.equations[node.place], *scale);
+            node.form_right(&fine.equations[node.place], scale);
         }
         let relaxation = Relaxation {
             equations: &fine.equations,
             grid: *grid,
             stiffness: *stiffness,
-            scale: *scale,
+            scale,
             field: field.motions(),
             index,
         };
         relaxation.run(nodes, blocks, SWEEPS);
         for node in nodes.iter_mut() {
-            node.judge(&fine.equations[node.place], *scale, *noise_variance, rules);
+            node.judge(&fine.equations[node.place], scale, noise_variance, rules);
         }
         field.compose(nodes);
     }
@@ -281,10 +281,10 @@ impl FinePatches {
         let (right, bottom) = ((self.grid.width - 1) as f32, (self.grid.height - 1) as f32);
         for node in &self.nodes {
             let [u, _, _, v, ..] = node.step;
-            let excess = (node.mean_energy / self.noise_variance).max(LEAST_NOISE);
+            let excess = (node.mean_energy / fine.noise_variance).max(LEAST_NOISE);
             let rough = ROUGH_PATCH * expected * node.roughness;
             let template_variance = fine.equations[node.place].variance;
-            let blur = node.blur_error(template_variance, self.noise_variance, blur_likelihood);
+            let blur = node.blur_error(template_variance, fine.noise_variance, blur_likelihood);
             let other = rough + blur + REMAINING_ERROR * (u * u + v * v) + FLOOR_VARIANCE;
             let bond = self.stiffness.tolerance / (self.stiffness.tolerance + node.roughness);
             let variance = fine.own_variance(node.place, bond) * excess + other;

@@ -113,7 +113,6 @@ pub(super) struct Propagation<'a, const CHANNELS: usize> {
     pub(super) templates: (&'a Template, &'a FineTemplate),
     pub(super) current: Current<'a, CHANNELS>,
     pub(super) rules: &'a ValidityParams,
-    pub(super) noise_variance: f32,
     pub(super) coarse: CoarseMotions<'a>,
     /// For every node of the grid, its index in the list of nodes.
     pub(super) index: &'a [u32],
@@ -188,7 +187,7 @@ impl<const CHANNELS: usize> Propagation<'_, CHANNELS> {
                 *sum += found;
             }
         }
-        node.unexplained(&fine.equations[place], self.noise_variance, self.rules)
+        node.unexplained(&fine.equations[place], fine.noise_variance, self.rules)
     }
 
     /// The displacement of a cell's pixels by the motion of a node.

@@ -1,7 +1,8 @@
 //! The equations of the fine patches of a reference.
 
 use super::cell::template_moments;
-use super::grid::{CornerWeights, FineGrid, window_weights};
+use super::grid::{CornerWeights, FineGrid, overlap, window_weights};
+use crate::affine::noise::Noise;
 use crate::affine::own_variance::{noise_gradient, own_variance};
 use crate::affine::template::{MOMENTS, PatchEquations, Template};
 use fearless_simd::{Level, Simd, dispatch};
@@ -14,6 +15,10 @@ pub(crate) struct FineTemplate {
     pub(super) equations: Vec<PatchEquations>,
     /// Variance of the displacement from the patch alone, px².
     own_variance: Vec<OwnVariance>,
+    /// Variance of the noise of two pictures together, grey levels².
+    pub(super) noise_variance: f32,
+    /// Factor on the patches' equations: one over the noise variance and their overlap.
+    pub(super) scale: f32,
 }
 
 /// Variances of a patch's displacement from its own pixels, px²: with slopes that the prior limits, and with slopes that it hardly limits,
@@ -41,27 +46,31 @@ impl FineTemplate {
     /// An empty template for pictures of this size. Nothing is written to its memory until a reference is prepared.
     pub(crate) fn new(width: usize, height: usize) -> Self {
         let grid = FineGrid::over(width, height);
-        Self { grid, equations: Vec::with_capacity(grid.nodes()), own_variance: Vec::with_capacity(grid.nodes()) }
+        Self {
+            grid,
+            equations: Vec::with_capacity(grid.nodes()),
+            own_variance: Vec::with_capacity(grid.nodes()),
+            noise_variance: 1.0,
+            scale: 1.0,
+        }
     }
 
-    /// Prepares a new reference, whose pixels are in `template`. `noise_variance` is that of one image, `scale` is one
-    /// over the noise variance of two and the overlap, `slope_stiffness` the curvature stiffness of a pair with bond 1.
-    pub(crate) fn prepare(
-        &mut self,
-        level: Level,
-        template: &Template,
-        channels: usize,
-        noise_variance: f32,
-        scale: f32,
-        slope_stiffness: f32,
-    ) {
+    /// Sets the equations of a new reference, whose pixels are in `template`.
+    pub(crate) fn prepare(&mut self, level: Level, template: &Template, channels: usize) {
         let weights = window_weights();
         let mut sums = vec![[0.0_f32; MOMENTS]; self.grid.nodes()];
         dispatch!(level, simd => self.sum(simd, template, channels, &weights, &mut sums));
         self.equations.clear();
         self.equations.extend(sums.iter().map(|sums| PatchEquations::new(|moment| sums[moment])));
+    }
+
+    /// Computes what follows from the equations and from the noise of both pictures; `slope_stiffness` is the curvature stiffness of a pair with bond 1.
+    pub(crate) fn complete(&mut self, noise: Noise, slope_stiffness: f32) {
+        self.noise_variance = noise.variance();
+        self.scale = 1.0 / (self.noise_variance * overlap());
+        let (pixel_variance, scale) = (noise.pixels.powi(2), self.scale);
         let variance = |equations: &PatchEquations| {
-            let noise = noise_gradient(equations.samples, noise_variance);
+            let noise = noise_gradient(equations.samples, pixel_variance);
             let with_stiffness = |stiffness| own_variance(|entry| equations.normal[entry], noise, scale, stiffness);
             OwnVariance { bound: with_stiffness(slope_stiffness), loose: with_stiffness(LEAST_BOND * slope_stiffness) }
         };
@@ -102,7 +111,7 @@ mod tests {
     use fingervision_image::Image;
 
     const SIZE: usize = 48;
-    const NOISE_VARIANCE: f32 = 4.0;
+    const NOISE_LEVELS: f32 = 2.0;
     const STIFFNESS: f32 = 8000.0;
 
     /// How much the variance of the patch in the middle grows from full bonds to hardly any.
@@ -111,8 +120,8 @@ mod tests {
         let mut template = Template::new(PatchGrid::over(SIZE, SIZE), 1, 1);
         template.prepare(Level::new(), std::slice::from_ref(&image));
         let mut fine = FineTemplate::new(SIZE, SIZE);
-        let scale = 1.0 / (2.0 * NOISE_VARIANCE);
-        fine.prepare(Level::new(), &template, 1, NOISE_VARIANCE, scale, STIFFNESS);
+        fine.prepare(Level::new(), &template, 1);
+        fine.complete(Noise::of(NOISE_LEVELS), STIFFNESS);
         let place = fine.grid.nodes() / 2 + fine.grid.columns / 2;
         let [bound, half, loose] = [1.0, HALF_BOND, 0.0].map(|bond| fine.own_variance(place, bond));
         assert!(bound > 0.0 && bound <= half && half <= loose && loose < 1.0, "{bound}, {half}, {loose} px²");

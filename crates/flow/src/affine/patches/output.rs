@@ -48,7 +48,7 @@ impl AffinePatches {
         let effort = Effort { steps: params.affine.fine_steps, coarse, blur_likelihood: likelihood };
         match &current.colour {
             Some(channels) => fine.refine(templates, Current::colour(channels, gain), rules, effort, rough, out),
-            None => fine.refine(templates, Current::grey(current.grey(), gain), rules, effort, rough, out),
+            None => fine.refine(templates, Current::grey(current.grey.level(0), gain), rules, effort, rough, out),
         }
     }
 
@@ -59,7 +59,7 @@ impl AffinePatches {
         let LevelState { refinement, field, .. } = &mut levels[0];
         let limit = params.validity.max_deviation_px;
         let step_variance = params.affine.continuity_px.powi(2) + params.affine.curvature_px.powi(2);
-        refinement.scale_variance((&template.own_variance, limit.powi(2)), step_variance, variance, steps);
+        refinement.scale_variance((template, limit.powi(2)), step_variance, variance, steps);
         spread_variance(field.grid, steps, variance);
         refinement.add_own_errors(template, blur.likelihood(), |node| blur.path_error(node), variance);
         let found = refinement.summarise(template, limit.powi(2), ranks);

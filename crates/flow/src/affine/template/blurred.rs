@@ -137,7 +137,9 @@ impl Template {
             variance,
             signal,
             own_variance,
+            noise,
         } = self;
+        *noise = other.noise;
         Arc::make_mut(lines).copy_from_slice(&other.lines);
         coarse.clone_from(&other.coarse);
         let light_gain = light_gain.as_flattened_mut().iter_mut().zip(other.light_gain.as_flattened());

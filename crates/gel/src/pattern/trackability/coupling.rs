@@ -24,6 +24,10 @@ const MOST_POOR: f64 = 0.05;
 /// images are sampled with cubic B-splines, which average a row with its neighbours by ⅙, ⅔, ⅙, so that on smooth texture
 /// the variance grows by 10/9 for r = 2 and by r/2 beyond.
 ///
+/// Where the gradient of the texture is `g` times the one that the tracker considers strong, and g < 1, the tracker couples the nodes
+/// for a noise that is g times as large as in the parameters. It then believes that a node alone has the variance `g² n²`, holds it
+/// less, and the noise in the flow is 1/g times that of the equation above with `g n`.
+///
 /// This is regularised correlation (Hild and Roux 2012) on an even texture; nothing in it is fitted. It does not include
 /// that the coupling of nodes weakens where the flow is rough, and errors of a tracker that are not caused by noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +38,9 @@ pub struct Coupling {
     pub curvature_px: f64,
     /// Only one in this many rows is matched.
     pub row_step: usize,
+    /// Root mean square of the gradient, over all channels together and all rows that are matched, of a texture that the tracker
+    /// considers strong, grey levels per px.
+    pub strong_gradient: f64,
 }
 
 impl Coupling {
@@ -48,7 +55,8 @@ impl Coupling {
         let rows = self.row_step as f64;
         let loss = [1.0, 1.0, 10.0 / 9.0].get(self.row_step).copied().unwrap_or(0.5 * rows);
         let believed = PATCH_PX as f64 / self.stride_px * rows.sqrt();
-        let of_own = |own| (loss / rows).sqrt() * smoothed(believed * own, self.curvature_px);
+        let strength = (score.gradient_levels_per_px / (rows.sqrt() * self.strong_gradient)).min(1.0);
+        let of_own = |own| (loss / rows).sqrt() * smoothed(believed * strength * own, self.curvature_px) / strength;
         Some(score.pooled_deviation_px.map(of_own))
     }
 }

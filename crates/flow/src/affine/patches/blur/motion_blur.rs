@@ -2,6 +2,7 @@
 
 use super::exposures::Trial;
 use crate::affine::nodes::NodeField;
+use crate::affine::noise::Noise;
 use crate::affine::refinement::Refinement;
 use crate::affine::template::{BlurredTemplate, Template};
 
@@ -68,12 +69,12 @@ pub(in crate::affine::patches) struct MotionBlur {
 
 impl MotionBlur {
     /// For references like this empty one.
-    pub(in crate::affine::patches) fn new(empty: Template, refinement: &Refinement) -> Self {
+    pub(in crate::affine::patches) fn new(empty: Template, refinement: &Refinement, noise: Noise) -> Self {
         let grid = empty.grid;
         let nodes = grid.nodes();
         let mut reference = BlurredTemplate::new(empty);
         // Allocates what depends on the refinement.
-        refinement.complete(&mut reference.template);
+        refinement.complete(&mut reference.template, noise);
         Self {
             reference,
             is_used: false,
