@@ -1,7 +1,7 @@
 //! How much detail the colours of an image have.
 //!
 //! Many cameras and file formats keep colour at half the resolution of the brightness, and convert it back when the image is read.
-//! Nothing in the pixels' format tells so, but neighbouring pixels then differ less in colour than in brightness.
+//! The format of the pixels does not say so. But neighbouring pixels then differ less in colour than in brightness.
 
 use crate::colour::LUMA_WEIGHTS;
 use crate::{Image, Pixels, Rect};

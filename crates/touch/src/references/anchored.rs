@@ -10,6 +10,7 @@
 //! becomes the reference, unless the elastic model explains this frame as an indentation.
 
 use super::compose::compose_into;
+use super::follow::follow;
 use super::start_up::StartUp;
 use super::thresholds::THRESHOLDS;
 use super::{Matched, ReferenceParams};
@@ -130,9 +131,7 @@ impl Anchored {
             estimator.prepare(current, &mut self.first);
             self.has_first = true;
         }
-        estimator.correct_light(&self.first, current, &self.history);
-        estimator.adapt(&mut self.first);
-        estimator.estimate(&self.first, current, Start::History(&self.history), out);
+        follow(estimator, &mut self.first, current, &self.history, out);
         let zero_id = self.first_id;
         let mut reference_id = zero_id;
         if out.matched < self.params.min_matched {

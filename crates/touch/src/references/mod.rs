@@ -5,13 +5,15 @@ mod compose;
 #[cfg(test)]
 mod compose_properties;
 mod first_motion;
+mod follow;
 mod params;
 mod stack;
 mod start_up;
 mod thresholds;
 
 use anchored::Anchored;
-use fingervision_flow::{Estimate, FlowError, FlowEstimator, FlowHistory, Picture, Reference, Start};
+use fingervision_flow::{Estimate, FlowError, FlowEstimator, FlowHistory, Picture, Reference};
+use follow::follow;
 use stack::Stack;
 
 pub use params::{Policy, ReferenceParams};
@@ -134,9 +136,7 @@ impl Single {
             estimator.prepare(current, &mut self.reference);
             self.is_prepared = true;
         }
-        estimator.correct_light(&self.reference, current, &self.history);
-        estimator.adapt(&mut self.reference);
-        estimator.estimate(&self.reference, current, Start::History(&self.history), out);
+        follow(estimator, &mut self.reference, current, &self.history, out);
         self.history.push(&out.flow);
         Matched { reference_id: self.id, zero_id: self.id, reference_count: 1, photometric_error: out.residual_levels }
     }

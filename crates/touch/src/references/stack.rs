@@ -11,6 +11,7 @@
 //! The paper adds flows; here they are composed, because the sum is wrong by several per cent for a strong press.
 
 use super::compose::compose_into;
+use super::follow::follow;
 use super::{Matched, ReferenceParams};
 use fingervision_flow::{
     Estimate, FlowError, FlowEstimator, FlowField, FlowHistory, FlowParams, Picture, Preset, Reference, Start,
@@ -83,10 +84,9 @@ impl Stack {
         }
         let error = self.close_loop();
         let last = self.layers.len() - 1;
-        estimator.adapt(&mut self.layers[last].reference);
+        let top = &mut self.layers[last];
+        follow(estimator, &mut top.reference, current, &self.history, &mut self.from_top);
         let top = &self.layers[last];
-        estimator.correct_light(&top.reference, current, &self.history);
-        estimator.estimate(&top.reference, current, Start::History(&self.history), &mut self.from_top);
         if self.from_top.matched < self.params.min_matched {
             estimator.estimate(&top.reference, current, Start::SearchHistory(&self.history), &mut self.from_top);
         }
