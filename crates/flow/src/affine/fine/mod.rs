@@ -243,7 +243,7 @@ impl FinePatches {
     fn step<S: Simd>(&mut self, simd: S, fine: &FineTemplate, rules: &ValidityParams) {
         let _ = simd;
         let Self { grid, stiffness, field, index, nodes, blocks, .. } = self;
-        let FineTemplate { scale, noise_variance, .. } = *fine;
+        let scale = fine.scale;
         for node in nodes.iter_mut() {
             node.form_right(&fine.equations[node.place], scale);
         }
@@ -257,7 +257,7 @@ impl FinePatches {
         };
         relaxation.run(nodes, blocks, SWEEPS);
         for node in nodes.iter_mut() {
-            node.judge(&fine.equations[node.place], scale, noise_variance, rules);
+            node.judge(&fine.equations[node.place], scale, fine.noise, rules);
         }
         field.compose(nodes);
     }
@@ -281,10 +281,10 @@ impl FinePatches {
         let (right, bottom) = ((self.grid.width - 1) as f32, (self.grid.height - 1) as f32);
         for node in &self.nodes {
             let [u, _, _, v, ..] = node.step;
-            let excess = (node.mean_energy / fine.noise_variance).max(LEAST_NOISE);
+            let excess = (node.mean_energy / fine.noise.variance()).max(LEAST_NOISE);
             let rough = ROUGH_PATCH * expected * node.roughness;
             let template_variance = fine.equations[node.place].variance;
-            let blur = node.blur_error(template_variance, fine.noise_variance, blur_likelihood);
+            let blur = node.blur_error(template_variance, fine.noise.variance(), blur_likelihood);
             let other = rough + blur + REMAINING_ERROR * (u * u + v * v) + FLOOR_VARIANCE;
             let bond = self.stiffness.tolerance / (self.stiffness.tolerance + node.roughness);
             let variance = fine.own_variance(node.place, bond) * excess + other;

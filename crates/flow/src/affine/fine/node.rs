@@ -4,6 +4,7 @@ use super::cell::RESIDUALS;
 use crate::ValidityParams;
 use crate::affine::judge::{LEAST_CONTRAST, blur_error};
 use crate::affine::nodes::UNKNOWNS;
+use crate::affine::noise::Noise;
 use crate::affine::refinement::CONTRASTS;
 use crate::affine::symmetric::{PACKED, packed};
 use crate::affine::template::PatchEquations;
@@ -67,32 +68,26 @@ impl FineNode {
     }
 
     /// Decides from the residual after its step whether the patch failed.
-    pub(super) fn judge(
-        &mut self,
-        equations: &PatchEquations,
-        scale: f32,
-        noise_variance: f32,
-        rules: &ValidityParams,
-    ) {
+    pub(super) fn judge(&mut self, equations: &PatchEquations, scale: f32, noise: Noise, rules: &ValidityParams) {
         let PatchEquations { normal, samples, variance, .. } = equations;
         let mut left = self.energy_beside_light(equations) / self.contrast.max(LEAST_CONTRAST).powi(2);
         for ((step, image), right) in self.step.iter().zip(multiply(normal, &self.step)).zip(&self.right) {
             left += step * (image - 2.0 / scale * right);
         }
         let left = left.max(0.0);
-        let is_explained = left <= allowed(*variance, noise_variance, rules) * samples;
+        let is_explained = left <= allowed(*variance, noise, rules) * samples;
         self.is_trusted = is_explained && self.contrast >= LEAST_CONTRAST;
         self.mean_energy = left / samples.max(1.0);
     }
 
     /// The residual without a step, relative to the largest of a valid patch; infinite if the contrast is too low.
-    pub(super) fn unexplained(&self, equations: &PatchEquations, noise_variance: f32, rules: &ValidityParams) -> f32 {
+    pub(super) fn unexplained(&self, equations: &PatchEquations, noise: Noise, rules: &ValidityParams) -> f32 {
         let contrast = self.measured_contrast(equations);
         if contrast < LEAST_CONTRAST {
             return f32::INFINITY;
         }
         let left = self.energy_beside_light(equations).max(0.0) / contrast.powi(2);
-        left / (allowed(equations.variance, noise_variance, rules) * equations.samples.max(1.0))
+        left / (allowed(equations.variance, noise, rules) * equations.samples.max(1.0))
     }
 
     /// Square of the error that blur causes, px²; `variance` is that of the template. `likelihood` is that of blur; the coarse
@@ -104,8 +99,8 @@ impl FineNode {
 }
 
 /// The largest residual per sample of a valid patch, grey levels², from the variance of its template.
-fn allowed(variance: f32, noise_variance: f32, rules: &ValidityParams) -> f32 {
-    (rules.noise_floor.powi(2) * noise_variance).max(rules.max_unexplained * variance)
+fn allowed(variance: f32, noise: Noise, rules: &ValidityParams) -> f32 {
+    (rules.noise_floor.powi(2) * noise.residual_variance()).max(rules.max_unexplained * variance)
 }
 
 /// `M x` with a packed symmetric matrix.

@@ -187,7 +187,7 @@ impl<const CHANNELS: usize> Propagation<'_, CHANNELS> {
                 *sum += found;
             }
         }
-        node.unexplained(&fine.equations[place], fine.noise_variance, self.rules)
+        node.unexplained(&fine.equations[place], fine.noise, self.rules)
     }
 
     /// The displacement of a cell's pixels by the motion of a node.

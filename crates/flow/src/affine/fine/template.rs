@@ -15,8 +15,8 @@ pub(crate) struct FineTemplate {
     pub(super) equations: Vec<PatchEquations>,
     /// Variance of the displacement from the patch alone, px².
     own_variance: Vec<OwnVariance>,
-    /// Variance of the noise of two pictures together, grey levels².
-    pub(super) noise_variance: f32,
+    /// The noise that the patches are coupled for, and that of the pixels.
+    pub(super) noise: Noise,
     /// Factor on the patches' equations: one over the noise variance and their overlap.
     pub(super) scale: f32,
 }
@@ -50,7 +50,7 @@ impl FineTemplate {
             grid,
             equations: Vec::with_capacity(grid.nodes()),
             own_variance: Vec::with_capacity(grid.nodes()),
-            noise_variance: 1.0,
+            noise: Noise::of(1.0),
             scale: 1.0,
         }
     }
@@ -66,8 +66,8 @@ impl FineTemplate {
 
     /// Computes what follows from the equations and from the noise of both pictures; `slope_stiffness` is the curvature stiffness of a pair with bond 1.
     pub(crate) fn complete(&mut self, noise: Noise, slope_stiffness: f32) {
-        self.noise_variance = noise.variance();
-        self.scale = 1.0 / (self.noise_variance * overlap());
+        self.noise = noise;
+        self.scale = 1.0 / (noise.variance() * overlap());
         let (pixel_variance, scale) = (noise.pixels.powi(2), self.scale);
         let variance = |equations: &PatchEquations| {
             let noise = noise_gradient(equations.samples, pixel_variance);
