@@ -6,7 +6,7 @@
 //!
 //! The brightness of a picture is its mean over some 40 px around the middle of each block of 8 px, in each channel. That of the reference is
 //! read where the gel was, by the flow of the last frame: around the same piece of gel the pattern has the same mean, and what differs
-//! is the light.
+//! is the light. Only places around which it differs are corrected.
 
 use fearless_simd::{Level, Simd, dispatch};
 use fearless_simd_macros::simd;
@@ -16,8 +16,13 @@ use fingervision_image::Image;
 pub(crate) const BLOCK: usize = 8;
 /// Blocks of each of the two boxes whose convolution weights those around a node along one axis.
 const BOX: usize = 5;
-/// A light that differs by less than this part everywhere is not corrected: the patches eliminate it.
+/// A light that differs by less than this part is not corrected: the patches eliminate it.
 const LEAST_CHANGE: f32 = 0.02;
+/// Around a changed node the correction is whole where the weight of its brightness is at least this, and fades out beyond: up to two
+/// nodes away along an axis.
+const WHOLE: f32 = 15.0;
+/// Every second row of pixels is enough for the brightness.
+const ROW_STEP: usize = 2;
 /// Largest factor on the levels, and one over the smallest.
 const MOST_CHANGE: f32 = 4.0;
 /// Least brightness that counts, grey levels.
@@ -39,6 +44,8 @@ pub(crate) struct Light {
     /// The same over a row of nodes, with room for half a box at either end.
     row: Vec<f32>,
     column_sums: Vec<f32>,
+    /// First and last node of each row whose factors differ from 1, if any do.
+    spans: Vec<Option<(usize, usize)>>,
     /// Factors along a row of pixels.
     line: Vec<f32>,
 }
@@ -57,11 +64,13 @@ impl Light {
             sums: std::array::from_fn(|_| vec![0.0; nodes]),
             row: vec![0.0; columns + BOX - 1],
             column_sums: vec![0.0; width],
+            spans: vec![None; rows],
             line: vec![1.0; columns],
         };
-        let pixels = |place: usize, length: usize| BLOCK.min(length - BLOCK * place) as f32;
+        let pixels = |place: usize, length: usize| BLOCK.min(length - BLOCK * place);
         for node in 0..nodes {
-            light.sums[0][node] = pixels(node % columns, width) * pixels(node / columns, height);
+            let summed = pixels(node % columns, width) * pixels(node / columns, height).div_ceil(ROW_STEP);
+            light.sums[0][node] = summed as f32;
         }
         dispatch!(Level::new(), simd => light.smooth(simd));
         for (per_weight, weight) in light.per_weight.iter_mut().zip(&light.sums[0]) {
@@ -125,7 +134,7 @@ impl Light {
         }
     }
 
-    /// Sums the pixels of each block; those at the right and at the bottom may be smaller.
+    /// Sums the pixels of each block, in some of its rows; blocks at the right and at the bottom may be smaller.
     #[simd]
     fn sum_blocks<S: Simd>(&mut self, simd: S, image: &Image<f32>) {
         let _ = simd;
@@ -135,52 +144,75 @@ impl Light {
             let (top, bottom) = (row * BLOCK, ((row + 1) * BLOCK).min(height));
             let sums = &mut self.column_sums[..width];
             sums.copy_from_slice(&pixels[top * width..][..width]);
-            for y in top + 1..bottom {
+            for y in (top + ROW_STEP..bottom).step_by(ROW_STEP) {
                 let line = &pixels[y * width..][..width];
                 for x in 0..width {
                     sums[x] += line[x];
                 }
             }
-            for (block, sums) in blocks.iter_mut().zip(sums.chunks(BLOCK)) {
-                *block = sums.iter().sum();
+            let (whole, rest) = sums.as_chunks::<BLOCK>();
+            for (block, [a, b, c, d, e, f, g, h]) in blocks.iter_mut().zip(whole) {
+                *block = ((a + e) + (c + g)) + ((b + f) + (d + h));
+            }
+            if !rest.is_empty() {
+                blocks[whole.len()] = rest.iter().sum();
             }
         }
     }
 
-    /// Sets the factors that give a picture the light of a reference; `u` and `v` are the last displacement from the reference in the
-    /// middle of each block, px. Returns whether they change anything.
-    pub(crate) fn find_change(&mut self, reference: &Self, [u, v]: [&[f32]; 2]) -> bool {
-        let mut most = 0.0_f32;
-        for row in 0..self.rows {
-            for column in 0..self.columns {
-                let node = row * self.columns + column;
-                // In nodes.
-                let place = [column as f32 - u[node] / BLOCK as f32, row as f32 - v[node] / BLOCK as f32];
-                for (channel, factors) in self.factors.iter_mut().enumerate() {
-                    let (then, now) = (reference.at(channel, place), self.brightness[channel][node]);
-                    let factor = (then.max(DARK) / now.max(DARK)).clamp(1.0 / MOST_CHANGE, MOST_CHANGE);
-                    most = most.max((factor - 1.0).abs());
-                    factors[node] = factor;
+    /// Sets the factors that give a picture the light of a reference where it differs; `u` and `v` are the last displacement from the
+    /// reference in the middle of each block, px. Returns whether they change anything.
+    pub(crate) fn find_change(&mut self, reference: &Self, flow: [&[f32]; 2]) -> bool {
+        dispatch!(Level::new(), simd => self.compare(simd, reference, flow));
+        let differs = |node: usize| self.factors.iter().any(|plane| (plane[node] - 1.0).abs() > LEAST_CHANGE);
+        let mut is_changed = false;
+        for node in 0..self.columns * self.rows {
+            let differs = differs(node);
+            is_changed |= differs;
+            self.sums[0][node] = if differs { 1.0 / WHOLE } else { 0.0 };
+        }
+        if is_changed {
+            dispatch!(Level::new(), simd => self.smooth(simd));
+            for factors in &mut self.factors {
+                for (factor, weight) in factors.iter_mut().zip(&self.sums[0]) {
+                    *factor = 1.0 + weight.min(1.0) * (*factor - 1.0);
+                }
+            }
+            for (span, weights) in self.spans.iter_mut().zip(self.sums[0].chunks_exact(self.columns)) {
+                let changed = |weight: &f32| *weight > 0.0;
+                let (first, last) = (weights.iter().position(changed), weights.iter().rposition(changed));
+                *span = first.zip(last);
+            }
+        }
+        is_changed
+    }
+
+    /// The light of the reference over that of the picture.
+    #[simd]
+    fn compare<S: Simd>(&mut self, simd: S, reference: &Self, [u, v]: [&[f32]; 2]) {
+        let _ = simd;
+        let (columns, rows) = (self.columns, self.rows);
+        for row in 0..rows {
+            for column in 0..columns {
+                let node = row * columns + column;
+                // In nodes; beyond the outermost ones the brightness is theirs.
+                let x = (column as f32 - u[node] / BLOCK as f32).clamp(0.0, (columns - 1) as f32);
+                let y = (row as f32 - v[node] / BLOCK as f32).clamp(0.0, (rows - 1) as f32);
+                let (left, upper) = (x as usize, y as usize);
+                let (dx, dy) = (x - left as f32, y - upper as f32);
+                let (right, down) = (usize::from(left + 1 < columns), if upper + 1 < rows { columns } else { 0 });
+                let first = upper * columns + left;
+                for (factors, (then, now)) in
+                    self.factors.iter_mut().zip(reference.brightness.iter().zip(&self.brightness))
+                {
+                    let [a, b, c, d] =
+                        [then[first], then[first + right], then[first + down], then[first + down + right]];
+                    let (upper, lower) = (a + dx * (b - a), c + dx * (d - c));
+                    let then = upper + dy * (lower - upper);
+                    factors[node] = (then.max(DARK) / now[node].max(DARK)).clamp(1.0 / MOST_CHANGE, MOST_CHANGE);
                 }
             }
         }
-        most > LEAST_CHANGE
-    }
-
-    /// The brightness between the nodes; beyond the outermost ones it is theirs.
-    fn at(&self, channel: usize, [x, y]: [f32; 2]) -> f32 {
-        let plane = &self.brightness[channel];
-        let split = |place: f32, count: usize| {
-            let place = place.clamp(0.0, (count - 1) as f32);
-            let whole = (place as usize).min(count.saturating_sub(2));
-            (whole, (whole + 1).min(count - 1), place - whole as f32)
-        };
-        let ((left, right, dx), (upper, lower, dy)) = (split(x, self.columns), split(y, self.rows));
-        let along = |row: usize| {
-            let row = &plane[row * self.columns..][..self.columns];
-            row[left] + dx * (row[right] - row[left])
-        };
-        along(upper) + dy * (along(lower) - along(upper))
     }
 
     /// Corrects a channel by the factors that were found.
@@ -202,26 +234,37 @@ impl Light {
             let place = ((y as f32 + 0.5) / BLOCK as f32 - 0.5).clamp(0.0, (rows - 1) as f32);
             let upper = place as usize;
             let (lower, down) = ((upper + 1).min(rows - 1), place - upper as f32);
+            let (first, last) = match (self.spans[upper], self.spans[lower]) {
+                (Some((a, b)), Some((c, d))) => (a.min(c), b.max(d)),
+                (Some(span), None) | (None, Some(span)) => span,
+                (None, None) => continue,
+            };
+            // Between the middle of the node before the first and that of the node after the last.
+            let (first, last) = (first.saturating_sub(1), (last + 1).min(columns - 1));
             let (upper, lower) = (&factors[upper * columns..][..columns], &factors[lower * columns..][..columns]);
             let line = &mut self.line[..columns];
-            for i in 0..columns {
+            for i in first..=last {
                 line[i] = upper[i] + down * (lower[i] - upper[i]);
             }
-            let (first, inner) = pixels.split_at_mut(BLOCK / 2);
-            for pixel in first {
-                *pixel *= line[0];
+            if first == 0 {
+                for pixel in &mut pixels[..BLOCK / 2] {
+                    *pixel *= line[0];
+                }
             }
+            let inner = &mut pixels[first * BLOCK + BLOCK / 2..];
             let (cells, rest) = inner.as_chunks_mut::<BLOCK>();
-            let last = cells.len();
-            for (cell, factors) in cells.iter_mut().zip(line.windows(2)) {
+            for (cell, factors) in cells.iter_mut().zip(line[first..=last].windows(2)) {
                 let (left, change) = (factors[0], factors[1] - factors[0]);
                 for k in 0..BLOCK {
                     cell[k] *= left + weights[k] * change;
                 }
             }
-            let (left, right) = (line[last], line[(last + 1).min(columns - 1)]);
-            for (pixel, weight) in rest.iter_mut().zip(weights) {
-                *pixel *= left + weight * (right - left);
+            if last == columns - 1 {
+                let last = first + cells.len();
+                let (left, right) = (line[last], line[(last + 1).min(columns - 1)]);
+                for (pixel, weight) in rest.iter_mut().zip(weights) {
+                    *pixel *= left + weight * (right - left);
+                }
             }
         }
     }
@@ -284,6 +327,17 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn light_that_changes_at_one_place_is_corrected_only_around_it() {
+        let size = (200, 64);
+        let reference = picture(size, 0, |_, _| 1.0);
+        let current = picture(size, 0, |x, _| if x < 8.0 { 0.7 } else { 1.0 });
+        let found = corrected(&reference, &current, 0.0).unwrap();
+        let changed = |x: usize| (0..size.1).any(|y| found.at(x, y).to_bits() != current.at(x, y).to_bits());
+        assert!((0..16).all(changed), "around the change");
+        assert!(!(96..size.0).any(changed), "far from it");
     }
 
     #[test]
