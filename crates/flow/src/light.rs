@@ -16,11 +16,12 @@ use fingervision_image::Image;
 pub(crate) const BLOCK: usize = 8;
 /// Blocks of each of the two boxes whose convolution weights those around a node along one axis.
 const BOX: usize = 5;
-/// A light that differs by less than this part is not corrected: the patches eliminate it.
-const LEAST_CHANGE: f32 = 0.02;
-/// Around a changed node the correction is whole where the weight of its brightness is at least this, and fades out beyond: up to two
-/// nodes away along an axis.
-const WHOLE: f32 = 15.0;
+/// A light that differs by less than the first part is not corrected, because the patches eliminate it; from the second part on it is
+/// corrected wholly.
+const CHANGE: [f32; 2] = [0.015, 0.025];
+/// Around a changed node the correction is whole where the weight of its brightness is at least this, up to three nodes away along an axis, and
+/// fades out beyond. A node in a corner of the image has this weight itself.
+const WHOLE: f32 = 9.0;
 /// Every second row of pixels is enough for the brightness.
 const ROW_STEP: usize = 2;
 /// Largest factor on the levels, and one over the smallest.
@@ -164,12 +165,12 @@ impl Light {
     /// reference in the middle of each block, px. Returns whether they change anything.
     pub(crate) fn find_change(&mut self, reference: &Self, flow: [&[f32]; 2]) -> bool {
         dispatch!(Level::new(), simd => self.compare(simd, reference, flow));
-        let differs = |node: usize| self.factors.iter().any(|plane| (plane[node] - 1.0).abs() > LEAST_CHANGE);
+        let [least, most] = CHANGE;
         let mut is_changed = false;
         for node in 0..self.columns * self.rows {
-            let differs = differs(node);
-            is_changed |= differs;
-            self.sums[0][node] = if differs { 1.0 / WHOLE } else { 0.0 };
+            let change = self.factors.iter().fold(0.0_f32, |change, plane| change.max((plane[node] - 1.0).abs()));
+            is_changed |= change > least;
+            self.sums[0][node] = ((change - least) / (most - least)).clamp(0.0, 1.0) / WHOLE;
         }
         if is_changed {
             dispatch!(Level::new(), simd => self.smooth(simd));
