@@ -44,7 +44,7 @@ pub(crate) struct Run {
 }
 
 /// Said where the tracker finds that colour would harm.
-const COARSE_COLOUR: &str = "the images have no colour, or less detail in it than in brightness, as after most compression: they are matched in grey";
+const COARSE_COLOUR: &str = "the images have no colour, or less detail in it than in brightness, as of a Bayer sensor or after most compression: they are matched in grey";
 
 impl Run {
     /// Tracks the source to its end.

@@ -2,6 +2,9 @@
 //!
 //! Many cameras and file formats keep colour at half the resolution of the brightness, and convert it back when the image is read.
 //! The format of the pixels does not say so. But neighbouring pixels then differ less in colour than in brightness.
+//!
+//! A Bayer sensor has one colour in each pixel, green in every second one, as the black squares of a chess board. The others are interpolated
+//! from their neighbours, so green differs less from the mean of its neighbours in every second pixel.
 
 use crate::colour::LUMA_WEIGHTS;
 use crate::{Image, Pixels, Rect};
@@ -14,8 +17,9 @@ const LEAST_COLOUR: f64 = 0.1;
 
 impl Pixels {
     /// Detail of the colours in a region relative to that of the brightness, dimensionless: 1 if both have the same, as where a sensor
-    /// has all colours in each pixel; 0.3 and less if colour is stored at half the resolution along an axis. 0 if the image is
-    /// grey, if its colours vary by less than a tenth of its brightness, or if the region is smaller than 8 px.
+    /// has all colours in each pixel; 0.3 and less if colour is stored at half the resolution along an axis, or interpolated from that of a
+    /// Bayer sensor, unless the image was changed or compressed after it. 0 if the image is grey, if its colours vary by less than a tenth of
+    /// its brightness, or if the region is smaller than 8 px.
     ///
     /// # Panics
     ///
@@ -40,8 +44,24 @@ impl Pixels {
             axis(0).min(axis(1))
         };
         let least = colours.iter().filter(is_coloured).map(relative).fold(f64::INFINITY, f64::min);
-        if least.is_finite() { least as f32 } else { 0.0 }
+        let green = plane(&|levels| levels[1]);
+        if least.is_finite() { least.min(chess_detail(&green)) as f32 } else { 0.0 }
     }
+}
+
+/// How much every second pixel of an image differs from the mean of its four neighbours, relative to the pixels between them: the mean squares,
+/// the smaller over the larger. 1 if no pixel differs.
+fn chess_detail(image: &Image<f32>) -> f64 {
+    let (width, height) = image.size();
+    let mut squares = [0.0; 2];
+    for y in 1..height - 1 {
+        for x in 1..width - 1 {
+            let beside = image.at(x - 1, y) + image.at(x + 1, y) + image.at(x, y - 1) + image.at(x, y + 1);
+            squares[(x + y) % 2] += f64::from(image.at(x, y) - 0.25 * beside).powi(2);
+        }
+    }
+    let [even, odd] = squares;
+    if even.max(odd) > 0.0 { even.min(odd) / even.max(odd) } else { 1.0 }
 }
 
 /// Mean squared differences between pixels, along rows and along columns.
@@ -128,6 +148,30 @@ mod tests {
             let found = detail(block, 1.0);
             assert!(found < 0.1, "{found} with blocks of {block:?} pixels");
         }
+    }
+
+    #[test]
+    fn colour_of_a_bayer_sensor_has_less() {
+        // Red in every second pixel of every second row, blue diagonally beside it, green elsewhere.
+        let has = |x: usize, y: usize, channel: usize| match channel {
+            0 => x % 2 == 0 && y % 2 == 0,
+            1 => (x + y) % 2 == 1,
+            _ => x % 2 == 1 && y % 2 == 1,
+        };
+        let image = Image::from_fn(SIZE.0, SIZE.1, |x, y| {
+            [0, 1, 2].map(|channel| {
+                let near =
+                    (x.saturating_sub(1)..=x + 1).flat_map(|x| (y.saturating_sub(1)..=y + 1).map(move |y| (x, y)));
+                let known: Vec<f32> = if has(x, y, channel) {
+                    vec![pattern(x, y)[channel]]
+                } else {
+                    near.filter(|&(x, y)| has(x, y, channel)).map(|(x, y)| pattern(x, y)[channel]).collect()
+                };
+                (known.iter().sum::<f32>() / known.len() as f32).round() as u8
+            })
+        });
+        let found = Pixels::Rgb8(image).colour_detail(Rect { x: 3, y: 2, width: SIZE.0 - 5, height: SIZE.1 - 4 });
+        assert!(found < 0.3, "{found}");
     }
 
     #[test]

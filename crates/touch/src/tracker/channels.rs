@@ -6,7 +6,8 @@ use fingervision_flow::{FlowEstimator, FlowParams};
 use fingervision_image::Pixels;
 
 /// Least detail of the colours relative to that of the brightness with which the flow uses colour. Colour at half the resolution has 0.3
-/// and less, or 0.9 where cells of the pattern are so large that this hardly matters.
+/// and less, or 0.9 where cells of the pattern are so large that this hardly matters; colour of a Bayer sensor 0.3 and less, or 0.9 if it was
+/// compressed after a soft lens, where colour is as good as brightness alone.
 const LEAST_DETAIL: f32 = 0.7;
 
 impl Tracker {
