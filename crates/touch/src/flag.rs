@@ -179,7 +179,7 @@ impl Flag {
             }
             Self::Found => "the image matches the reference again: the motion while it was lost was not measured",
             Self::Drift => {
-                "the untouched gel differs from the reference, so small forces are wrong: let go of the gel and re-zero"
+                "the untouched gel differs from the reference, so small forces may be wrong: let go of the gel and re-zero"
             }
             Self::GelDamaged => {
                 "a part of the gel cannot be tracked or is hidden by dirt, so its motion is only interpolated: clean the optics, look for tears and worn pattern"

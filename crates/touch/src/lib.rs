@@ -27,6 +27,7 @@ mod reading_numbers;
 mod references;
 mod stage_times;
 mod tracker;
+mod whole_motion;
 
 pub use columns::{
     CONTACT_AREA_COLUMN, DEPTH_COLUMN, FORCE_COLUMNS, FRAME_COLUMN, MAX_DEPTH_COLUMN, SEQUENCE_COLUMN, TORQUE_COLUMN,

@@ -245,7 +245,7 @@ impl Tracker {
         // The elastic inverse uses the validity of the flow alone, so it runs before gaps of the density are marked as
         // not valid.
         if let Some(stage) = &mut self.elastic {
-            stage.run(&mut self.reading);
+            stage.run(&mut self.reading, self.watch.untouched_motion());
             let is_touched = self.reading.contact_area_mm2.is_some_and(|area| area > 0.0);
             self.references.note_press(is_touched);
             if is_touched {

@@ -70,6 +70,8 @@ use thresholds::THRESHOLDS;
 use to_pixels::{Known, Planes};
 use untracked::Untracked;
 
+use crate::whole_motion::WholeMotion;
+
 /// Cells along the gel's longer side.
 const CELLS: usize = 120;
 /// Largest difference between motion away from contact and elasticity, root mean square, relative to the largest depth plus
@@ -212,9 +214,10 @@ impl ElasticDepth {
         &self.fields
     }
 
-    /// Says whether the image of the next frame is torn: what later frames use is not taken from it.
-    pub(crate) fn note_torn(&mut self, is_torn: bool) {
-        self.is_torn = is_torn;
+    /// Says what is known of the next frame: whether its image is torn, so that later frames use nothing of it, and how the whole image has
+    /// moved on the untouched gel, which is undone. Without a note no image is torn and none has moved.
+    pub(crate) fn note(&mut self, is_torn: bool, untouched_motion: WholeMotion) {
+        (self.is_torn, self.surface.untouched_motion) = (is_torn, untouched_motion);
     }
 
     /// Takes note of a frame whose flow is not to be used. The fields remain those of the frame before.
@@ -285,7 +288,8 @@ impl ElasticDepth {
     pub fn displacement_into(&self, flow: &FlowField, displacement_mm: &mut [Image<f32>; 3]) {
         let [x_mm, y_mm, z_mm] = displacement_mm;
         z_mm.copy_from(&self.fields.depth_mm);
-        self.rays().lateral_into(flow, z_mm, |pixel| self.surface.shows(pixel), [x_mm, y_mm]);
+        let (moved, shows) = (&self.surface.untouched_motion, |pixel| self.surface.shows(pixel));
+        self.rays().lateral_into(flow, moved, z_mm, shows, [x_mm, y_mm]);
     }
 
     /// Makes the rays of the pixels, which only the displacement needs. Otherwise its first call does, which takes as long as
@@ -300,6 +304,7 @@ impl ElasticDepth {
 
     /// Forgets the previous frames: the next results are those of a new object, bit for bit. Allocates nothing.
     pub fn restart(&mut self) {
+        self.surface.untouched_motion = WholeMotion::NONE;
         self.rest(THRESHOLDS.still_px * self.surface.mm_per_px);
     }
 

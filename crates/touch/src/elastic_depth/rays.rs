@@ -6,6 +6,8 @@ use fingervision_flow::FlowField;
 use fingervision_image::Image;
 use fingervision_optics::Camera;
 
+use crate::whole_motion::WholeMotion;
+
 /// The slope of the ray of every pixel. Between pixels slopes are interpolated, because they hardly bend over one pixel: with a focal
 /// length of 120 px and a strongly distorting lens points are wrong by up to 0.2 µm at 25 mm.
 #[derive(Debug, Clone)]
@@ -24,29 +26,35 @@ impl Rays {
         Self { level: Level::new(), camera: camera.clone(), size, slopes: pixels.map(|px| slope(camera, px)).collect() }
     }
 
-    /// The displacement along x and y, mm, of every pixel's point that `shows` selects, from its flow, px, and its depth, mm:
-    /// at rest the point lies on the surface and on the ray of the pixel, now on the ray of the pixel where it is seen. Zero at
-    /// all other pixels and where a ray does not reach the gel's plane.
+    /// The displacement along x and y, mm, of every pixel's point that `shows` selects, from its flow, px, and its depth, mm: at rest the
+    /// point lies on the surface and on the ray of the pixel, now on the ray of the place where it is seen, before the whole image `moved`.
+    /// Zero at all other pixels and where a ray does not reach the gel's plane.
     pub(super) fn lateral_into(
         &self,
         flow: &FlowField,
+        moved: &WholeMotion,
         depth_mm: &Image<f32>,
         shows: impl Fn(usize) -> bool,
         lateral_mm: [&mut Image<f32>; 2],
     ) {
-        dispatch!(self.level, simd => self.fill(simd, flow, depth_mm, shows, lateral_mm));
+        dispatch!(self.level, simd => self.fill(simd, (flow, moved), depth_mm, shows, lateral_mm));
     }
 
     #[simd]
     fn fill<S: Simd>(
         &self,
         simd: S,
-        flow: &FlowField,
+        (flow, whole): (&FlowField, &WholeMotion),
         depth_mm: &Image<f32>,
         shows: impl Fn(usize) -> bool,
         [x_mm, y_mm]: [&mut Image<f32>; 2],
     ) {
         let height_mm = self.camera.position_mm()[2] as f32;
+        // Linear in the place: where the origin was before the motion, and how that changes along x and y.
+        let [origin, right, down] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|px| whole.undo(px));
+        let [origin_x, origin_y] = origin.map(|px| px as f32);
+        let [x_along, y_along] = [0, 1].map(|axis| (right[axis] - origin[axis]) as f32);
+        let [x_down, y_down] = [0, 1].map(|axis| (down[axis] - origin[axis]) as f32);
         for y in 0..self.size.1 {
             let moved = flow.u.row(y).iter().zip(flow.v.row(y)).zip(depth_mm.row(y));
             let targets = x_mm.row_mut(y).iter_mut().zip(y_mm.row_mut(y));
@@ -54,7 +62,10 @@ impl Rays {
             let rest = self.slopes[first..first + self.size.0].iter().enumerate();
             for ((x_mm, y_mm), (((&u, &v), &depth), (x, rest))) in targets.zip(moved.zip(rest)) {
                 // An integer of 32 bits is converted in one instruction.
-                let now = self.at(simd, x as u32 as f32 + u, y as u32 as f32 + v);
+                let (seen_x, seen_y) = (x as u32 as f32 + u, y as u32 as f32 + v);
+                let then_x = origin_x + x_along * seen_x + x_down * seen_y;
+                let then_y = origin_y + y_along * seen_x + y_down * seen_y;
+                let now = self.at(simd, then_x, then_y);
                 let lateral_x = height_mm * (now[0] - rest[0]) - depth * now[0];
                 let lateral_y = height_mm * (now[1] - rest[1]) - depth * now[1];
                 let is_known = shows(first + x) && lateral_x.is_finite() && lateral_y.is_finite();
@@ -115,12 +126,15 @@ mod tests {
             v: Image::from_fn(width, height, |x, y| wave(x, y, 1.0)),
         };
         let depth = Image::from_fn(width, height, |x, y| 0.5 + 0.1 * wave(x, y, 2.0));
+        let camera_moves = [([0.0, 0.0], [0.3, -0.2]), ([60.0, 0.0], [0.5, -0.1]), ([0.0, 40.0], [0.2, 0.1])];
+        let moved = WholeMotion::fit(camera_moves.into_iter()).unwrap().motion;
         let mut found = [Image::filled(width, height, 9.0), Image::filled(width, height, 9.0)];
         let [x_mm, y_mm] = &mut found;
-        Rays::new(&camera, SIZE).lateral_into(&flow, &depth, |pixel| pixel != 7, [x_mm, y_mm]);
+        Rays::new(&camera, SIZE).lateral_into(&flow, &moved, &depth, |pixel| pixel != 7, [x_mm, y_mm]);
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             let px = [x as f64, y as f64];
-            let now_px = [px[0] + f64::from(flow.u.at(x, y)), px[1] + f64::from(flow.v.at(x, y))];
+            let seen_px = [px[0] + f64::from(flow.u.at(x, y)), px[1] + f64::from(flow.v.at(x, y))];
+            let now_px = moved.undo(seen_px);
             let rest = camera.surface_point(px, 0.0).unwrap();
             let now = camera.surface_point(now_px, f64::from(depth.at(x, y))).unwrap();
             for (axis, found) in found.iter().enumerate() {

@@ -8,6 +8,8 @@
 //! U + a d = b
 //! ```
 //!
+//! If the whole image has moved on the untouched gel, the place `x + u` is that before this motion.
+//!
 //! There are three unknowns for each point: the equations do not determine the depth d. Elasticity has to determine it.
 
 use fearless_simd::Level;
@@ -20,6 +22,7 @@ use super::nearest::Nearest;
 use super::pixel_sums::{CellPixels, NOWHERE, Pixels, Sum};
 use super::rays::Rays;
 use super::to_pixels::{Known, Planes, ToPixels};
+use crate::whole_motion::WholeMotion;
 
 /// If an invalid flow leads to a point nearer to the image's border than this, px, the gel there has left the field of
 /// view.
@@ -49,6 +52,8 @@ pub(super) struct Surface {
     team: Team,
     /// Size of a pixel on the undeformed surface, mm: the square root of the mean area that a pixel on the gel sees.
     pub(super) mm_per_px: f64,
+    /// The motion of the whole image on the untouched gel, which is subtracted from the flow.
+    pub(super) untouched_motion: WholeMotion,
     /// The measurements of the last frame, one for each cell.
     pub(super) seen: Vec<Seen>,
 }
@@ -143,6 +148,7 @@ impl Surface {
             sums: vec![Sum::default(); grid.len()],
             team: Team::default(),
             mm_per_px: cell_mm * (cells_seen as f64 / pixels as f64).sqrt(),
+            untouched_motion: WholeMotion::NONE,
             seen: vec![Seen::default(); grid.len()],
             rest,
         })
@@ -223,7 +229,7 @@ impl Surface {
             let Some(rest) = rest else { continue };
             let flow = sum.flow.map(|total| f64::from(total / sum.count.max(1.0)));
             let px = [rest.px[0] + flow[0], rest.px[1] + flow[1]];
-            let now = self.camera.surface_point(px, 0.0);
+            let now = self.camera.surface_point(self.untouched_motion.undo(px), 0.0);
             let [x, y] = now.unwrap_or(rest.gel_mm);
             *seen = Seen {
                 apparent_mm: [(x - rest.gel_mm[0]) as f32, (y - rest.gel_mm[1]) as f32],

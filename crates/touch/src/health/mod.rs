@@ -5,6 +5,7 @@ mod dirt;
 mod rest;
 mod thresholds;
 mod torn;
+mod untouched_motion;
 
 use damage::Damage;
 use dirt::Dirt;
@@ -14,6 +15,7 @@ use rest::Rest;
 use thresholds::THRESHOLDS;
 use torn::Torn;
 
+use crate::whole_motion::WholeMotion;
 use crate::{Fingerprint, Flag, Flags, Profile};
 
 /// The inputs of the checks for one frame.
@@ -127,6 +129,11 @@ impl Watch {
     /// Notes that the last frame shows contact.
     pub(crate) fn note_contact(&mut self) {
         self.rest.disturb();
+    }
+
+    /// The motion of the whole image since the reference on the untouched gel, as far as it is sure.
+    pub(crate) fn untouched_motion(&self) -> WholeMotion {
+        self.rest.untouched_motion()
     }
 
     /// Whether the reference has drifted and nothing has touched the gel for this time, s.

@@ -11,14 +11,20 @@
 //! gel, and the reference has drifted.
 //!
 //! A press that grows as slowly as such a change counts as drift.
+//!
+//! The part of the stored flow that is a motion of the whole image is measured, too ([`UntouchedMotion`]).
 
 use fingervision_flow::Estimate;
 
 use super::flow_at;
 use super::thresholds::THRESHOLDS;
+use super::untouched_motion::UntouchedMotion;
+use crate::whole_motion::{FittedMotion, WholeMotion};
 
 /// Distance between samples along both axes, px.
 const STEP: usize = 16;
+/// Any flow of fewer samples may be that of a motion of the whole image, which has four numbers.
+const LEAST_SAMPLES: f32 = 8.0;
 
 /// The untouched gel.
 #[derive(Debug)]
@@ -27,6 +33,7 @@ pub(super) struct Rest {
     size: (usize, usize),
     /// Flow of the untouched gel at the samples, row by row, px.
     untouched: Vec<[f32; 2]>,
+    motion: UntouchedMotion,
     /// Start of the current interval at rest, after which the stored flow is replaced, s.
     slow_since_s: Option<f64>,
     /// Sum and number of the residuals in this interval.
@@ -48,6 +55,7 @@ impl Rest {
         Self {
             size,
             untouched: vec![[0.0; 2]; places(size).count()],
+            motion: UntouchedMotion::NONE,
             slow_since_s: None,
             residuals: (0.0, 0.0),
             first_residual: None,
@@ -62,6 +70,7 @@ impl Rest {
     /// Begins again with a new reference.
     pub(super) fn restart(&mut self) {
         self.untouched.fill([0.0; 2]);
+        self.motion = UntouchedMotion::NONE;
         self.disturb();
         self.first_residual = None;
         (self.has_moved, self.has_aged) = (false, false);
@@ -72,6 +81,11 @@ impl Rest {
         self.has_moved || self.has_aged
     }
 
+    /// The motion of the whole image since the reference on the untouched gel.
+    pub(super) fn untouched_motion(&self) -> WholeMotion {
+        self.motion.known()
+    }
+
     /// Time since which the gel has been at rest, s of the frames' clock.
     pub(super) fn since_s(&self) -> Option<f64> {
         self.since_s
@@ -80,6 +94,7 @@ impl Rest {
     /// Ends the rest, because something touches the gel, whatever its flow.
     pub(super) fn disturb(&mut self) {
         (self.slow_since_s, self.since_s, self.moved_since_s) = (None, None, None);
+        self.motion.disturb();
     }
 
     /// Takes a frame; returns whether the gel is at rest.
@@ -93,12 +108,13 @@ impl Rest {
             (self.slow_since_s, self.since_s) = (None, None);
             return self.has_moved_as_a_whole(time_s, estimate);
         }
-        self.moved_since_s = None;
         self.since_s.get_or_insert(time_s);
         if off_px < THRESHOLDS.slow_px {
+            self.moved_since_s = None;
             self.follow(time_s, estimate);
         } else {
             self.slow_since_s = None;
+            self.has_moved_as_a_whole(time_s, estimate);
         }
         true
     }
@@ -118,6 +134,7 @@ impl Rest {
             return;
         }
         self.slow_since_s = None;
+        self.motion.take(whole_motion(self.size, estimate, None));
         self.take_untouched(estimate);
         let (sum, count) = self.residuals;
         if count > 0.0 {
@@ -135,19 +152,28 @@ impl Rest {
         self.has_moved = drift_px > THRESHOLDS.drift_px;
     }
 
-    /// Whether the whole image has moved, and has stayed there long enough to be that of the untouched gel; its flow is then stored.
+    /// Whether the whole image has moved from where the gel was untouched, and has stayed there long enough to be that of the untouched gel;
+    /// its flow is then stored.
     fn has_moved_as_a_whole(&mut self, time_s: f64, estimate: &Estimate) -> bool {
         let stays = |_: &f64| off_px(self.size, estimate, &self.moved) < THRESHOLDS.slow_px;
-        let Some(since_s) = self.moved_since_s.filter(stays) else {
-            self.moved_since_s = moves_as_a_whole(self.size, estimate).then_some(time_s);
+        let since_s = self.moved_since_s.filter(stays);
+        if since_s.is_some_and(|since_s| time_s - since_s < THRESHOLDS.slow_s) {
+            return false;
+        }
+        let step = whole_motion(self.size, estimate, Some(&self.untouched));
+        let Some(since_s) = since_s else {
+            let is_even = step.is_some_and(|step| step.left_px <= THRESHOLDS.most_bent * step.flow_px);
+            self.moved_since_s = is_even.then_some(time_s);
             store(self.size, estimate, &mut self.moved);
             return false;
         };
-        if time_s - since_s < THRESHOLDS.slow_s {
-            return false;
-        }
         self.take_untouched(estimate);
-        (self.since_s, self.moved_since_s) = (Some(since_s), None);
+        if step.is_some_and(|step| step.flow_px <= f64::from(THRESHOLDS.rest_px)) {
+            self.motion.take(whole_motion(self.size, estimate, None));
+        } else {
+            self.motion.jump(self.has_moved);
+        }
+        (self.since_s, self.moved_since_s) = (self.since_s.or(Some(since_s)), None);
         true
     }
 }
@@ -173,35 +199,16 @@ fn off_px(size: (usize, usize), estimate: &Estimate, stored: &[[f32; 2]]) -> f32
     (squares / count).sqrt()
 }
 
-/// Whether a shift, a rotation and a magnification explain nearly all of the flow, and the image shows enough of it: the least-squares
-/// fit leaves little of its square.
-fn moves_as_a_whole(size: (usize, usize), estimate: &Estimate) -> bool {
-    let middle = [size.0, size.1].map(|length| 0.5 * length as f32);
-    // Sums over the samples: 1, place, flow; squares of both; flow along and across the place.
-    let (mut count, mut all) = (0.0_f32, 0.0_f32);
-    let (mut place_sum, mut flow_sum) = ([0.0_f32; 2], [0.0_f32; 2]);
-    let (mut place_squares, mut flow_squares, mut along, mut across) = (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
-    for place in places(size) {
-        all += 1.0;
-        let Some([u, v]) = flow_at(estimate, place) else { continue };
-        let [x, y] = [place.0 as f32 - middle[0], place.1 as f32 - middle[1]];
-        count += 1.0;
-        place_sum = [place_sum[0] + x, place_sum[1] + y];
-        flow_sum = [flow_sum[0] + u, flow_sum[1] + v];
-        place_squares += x * x + y * y;
-        flow_squares += u * u + v * v;
-        along += x * u + y * v;
-        across += x * v - y * u;
-    }
-    if count < THRESHOLDS.least_seen * all {
-        return false;
-    }
-    let [[x, y], [u, v]] = [place_sum, flow_sum];
-    let spread = place_squares - (x * x + y * y) / count;
-    let along = along - (x * u + y * v) / count;
-    let across = across - (x * v - y * u) / count;
-    let explained = (u * u + v * v) / count + (along * along + across * across) / spread.max(1.0);
-    flow_squares - explained <= THRESHOLDS.most_bent.powi(2) * flow_squares
+/// The shift, the rotation and the magnification that fit the flow best, or its difference from a stored one, if the image shows enough of
+/// it.
+fn whole_motion(size: (usize, usize), estimate: &Estimate, from: Option<&[[f32; 2]]>) -> Option<FittedMotion> {
+    let flows = places(size).enumerate().filter_map(|(sample, place)| {
+        let [u, v] = flow_at(estimate, place)?;
+        let [from_u, from_v] = from.map_or([0.0; 2], |stored| stored[sample]);
+        Some(([place.0 as f64, place.1 as f64], [f64::from(u - from_u), f64::from(v - from_v)]))
+    });
+    let least = (THRESHOLDS.least_seen * places(size).count() as f32).max(LEAST_SAMPLES);
+    WholeMotion::fit(flows).filter(|fit| fit.count as f32 >= least)
 }
 
 /// The samples, row by row, px.
@@ -284,5 +291,62 @@ mod tests {
             !has_aged(&[[0.0, 0.01, 0.0, 2.0, 0.0].as_slice(), &[2.0; 20]].concat()),
             "mostly the reference at first"
         );
+    }
+
+    /// The displacement of the middle of the image that is undone after ten frames a second with these flows; `touched` at the end of a frame.
+    fn undone(frames: usize, flow: impl Fn(f32, f32, f32) -> [f32; 2], touched: impl Fn(f32) -> bool) -> [f64; 2] {
+        let mut rest = Rest::new(SIZE);
+        let mut estimate = Estimate::new(SIZE.0, SIZE.1);
+        estimate.valid.values_mut().fill(1);
+        for frame in 0..frames {
+            let time_s = 0.1 * frame as f32;
+            for y in 0..SIZE.1 {
+                for x in 0..SIZE.0 {
+                    let [u, v] = flow(x as f32 - 31.5, y as f32 - 23.5, time_s);
+                    (estimate.flow.u.row_mut(y)[x], estimate.flow.v.row_mut(y)[x]) = (u, v);
+                }
+            }
+            rest.watch(f64::from(time_s), &estimate, false);
+            if touched(time_s) {
+                rest.disturb();
+            }
+        }
+        let corner = rest.untouched_motion().undo([0.0, 0.0]);
+        corner.map(|px| -px)
+    }
+
+    #[test]
+    fn a_slow_motion_of_the_whole_image_is_measured() {
+        let slow = |x: f32, y: f32, time_s: f32| {
+            let part = (time_s / 8.0).min(1.0);
+            [part * (0.2 + 0.003 * x), part * (0.003 * y - 0.1)]
+        };
+        let [u, v] = undone(150, slow, |_| false);
+        assert!((u - 0.1055).abs() < 2e-3 && (v + 0.1705).abs() < 2e-3, "{u} {v} px");
+        let [u, v] = undone(150, slow, |time_s| time_s > 3.0);
+        assert!(u.hypot(v) < 0.05, "what comes with a touch is not measured: {u} {v} px");
+    }
+
+    #[test]
+    fn a_light_touch_that_is_held_is_not_taken_for_a_motion_of_the_whole_image() {
+        let touch = |x: f32, y: f32, time_s: f32| {
+            let part = 0.02 * (time_s / 4.0).min(1.0) * (-(x * x + y * y) / 200.0).exp();
+            [part * x, part * y]
+        };
+        assert_eq!(undone(120, touch, |_| false).map(f64::to_bits), [-0.0_f64; 2].map(f64::to_bits));
+    }
+
+    #[test]
+    fn a_jump_is_not_undone_and_forgotten_when_the_camera_is_back() {
+        let jump = |_: f32, _: f32, time_s: f32| if (1.0..6.0).contains(&time_s) { [10.0, -4.0] } else { [0.0, 0.0] };
+        for seconds in [5.5, 7.0, 20.0] {
+            let [u, v] = undone((10.0 * seconds) as usize, jump, |_| false);
+            assert!(u.abs() < 1e-6 && v.abs() < 1e-6, "{u} {v} px after {seconds} s");
+        }
+        let again = |x: f32, _: f32, time_s: f32| {
+            if time_s < 8.0 { jump(x, 0.0, time_s) } else { [0.02 * (time_s - 8.0).min(8.0), 0.0] }
+        };
+        let [u, _] = undone(250, again, |_| false);
+        assert!((u - 0.16).abs() < 0.01, "a slow motion after it is: {u} px");
     }
 }

@@ -25,7 +25,9 @@ pub(super) struct Thresholds {
     /// An image has moved as a whole if at least the first part of it is valid, and a shift, a rotation and a magnification leave at
     /// most the second part of its flow (root mean square).
     pub(super) least_seen: f32,
-    pub(super) most_bent: f32,
+    pub(super) most_bent: f64,
+    /// The flow of the untouched gel is a motion of the whole image, too, if such a motion leaves less than this of it, px: the error of the flow.
+    pub(super) even_px: f64,
     /// Flow of the untouched gel above which the reference has drifted, px (root mean square).
     pub(super) drift_px: f32,
     /// The reference has aged if the residual of the untouched gel grows by more than this factor.
@@ -105,6 +107,7 @@ pub(super) const THRESHOLDS: Thresholds = Thresholds {
     slow_s: 2.0,
     least_seen: 0.25,
     most_bent: 0.3,
+    even_px: 0.01,
     drift_px: 0.25,
     aged: 1.6,
     repeated_levels: 0.05,

@@ -4,6 +4,7 @@ use fingervision_flow::Team;
 use fingervision_image::Image;
 
 use super::planes::largest_valid;
+use crate::whole_motion::WholeMotion;
 use crate::{ElasticDepth, ElasticFields, Fields, Flag, Profile, Reading, TrackError};
 
 /// Fills the fields of a reading that follow from elasticity.
@@ -47,15 +48,16 @@ impl ElasticStage {
         self.inverse.restart();
     }
 
-    /// Fills the fields from the reading's flow. They are empty for a frame that is lost or does not fit the gel.
-    pub(super) fn run(&mut self, reading: &mut Reading) {
+    /// Fills the fields from the reading's flow without a motion of the whole image, that of the untouched gel. They are empty for a frame
+    /// that is lost or does not fit the gel.
+    pub(super) fn run(&mut self, reading: &mut Reading, untouched_motion: WholeMotion) {
         if reading.flags.has(Flag::Lost) || reading.flags.has(Flag::NoTexture) {
             self.inverse.skip();
             clear(reading);
             return;
         }
         exchange_planes(self.inverse.fields_mut(), reading);
-        self.inverse.note_torn(reading.flags.has(Flag::TornImage));
+        self.inverse.note(reading.flags.has(Flag::TornImage), untouched_motion);
         let found = self.inverse.solve(&reading.flow, &reading.deviation, &reading.valid);
         for (flag, holds) in [
             (Flag::BeyondLinear, found.is_beyond_linear),

@@ -10,6 +10,7 @@ mod elastic_tracking;
 mod focus;
 mod fuzz;
 mod health;
+mod moved_camera;
 mod press;
 mod properties;
 mod rezero;
