@@ -163,7 +163,7 @@ impl FlowEstimator {
     pub fn reference(&self) -> Reference {
         let picture = self.params.validity.max_round_trip_px.map(|_| self.picture());
         let (search, affine) = (self.search.reference(), self.affine.reference());
-        let light = Light::new(self.width, self.height, if self.params.colour { 4 } else { 1 });
+        let light = Light::new(self.width, self.height, self.params.colour);
         Reference { search, affine, mean_level: 0.0, sharpness: 0.0, levels: Levels::default(), light, picture }
     }
 

@@ -52,8 +52,9 @@ pub(crate) struct Light {
 }
 
 impl Light {
-    /// For pictures of this size with so many channels.
-    pub(crate) fn new(width: usize, height: usize, channels: usize) -> Self {
+    /// For pictures of this size, with grey levels alone or also with colours.
+    pub(crate) fn new(width: usize, height: usize, colour: bool) -> Self {
+        let channels = if colour { 4 } else { 1 };
         let (columns, rows) = (width.div_ceil(BLOCK), height.div_ceil(BLOCK));
         let nodes = columns * rows;
         let mut light = Self {
@@ -290,7 +291,7 @@ mod tests {
     fn corrected(reference: &Image<f32>, current: &Image<f32>, right: f32) -> Option<Image<f32>> {
         let (width, height) = reference.size();
         let [then, mut now] = [reference, current].map(|image| {
-            let mut light = Light::new(width, height, 1);
+            let mut light = Light::new(width, height, false);
             light.measure(0, image);
             light
         });

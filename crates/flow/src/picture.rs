@@ -16,6 +16,12 @@ pub struct Picture {
     /// Grey levels as they were loaded, if they were corrected.
     loaded: Image<f32>,
     is_corrected: bool,
+    measured: Measured,
+}
+
+/// What is measured of the levels as they were loaded.
+#[derive(Debug, Clone, Copy, Default)]
+struct Measured {
     levels: Levels,
     mean_level: f32,
     sharpness: f32,
@@ -28,13 +34,11 @@ impl Picture {
         Self {
             grey: Pyramid::new(width, height, coarsest_level),
             colour: colour.then(|| [(); 3].map(|()| Image::filled(width, height, 0.0))),
-            light: Light::new(width, height, if colour { 4 } else { 1 }),
+            light: Light::new(width, height, colour),
             // The system provides no memory until the first correction writes to it.
             loaded: Image::filled(width, height, 0.0),
             is_corrected: false,
-            levels: Levels::default(),
-            mean_level: 0.0,
-            sharpness: 0.0,
+            measured: Measured::default(),
         }
     }
 
@@ -56,8 +60,11 @@ impl Picture {
     /// Computes what follows from the loaded levels.
     fn complete(&mut self) {
         self.grey.build();
-        (self.levels, self.mean_level) = (Levels::of(self.grey.level(0), self.channels()), self.matched_mean());
-        self.sharpness = self.measure_sharpness();
+        self.measured = Measured {
+            levels: Levels::of(self.grey.level(0), self.channels()),
+            mean_level: self.matched_mean(),
+            sharpness: self.measure_sharpness(),
+        };
         self.is_corrected = false;
         self.light.measure(0, self.grey.level(0));
         for (channel, image) in self.colour.iter().flatten().enumerate() {
@@ -84,8 +91,7 @@ impl Picture {
     pub fn copy_from(&mut self, other: &Self) {
         self.grey.copy_from(&other.grey);
         self.light.copy_from(&other.light);
-        (self.levels, self.mean_level, self.sharpness) = (other.levels, other.mean_level, other.sharpness);
-        self.is_corrected = other.is_corrected;
+        (self.measured, self.is_corrected) = (other.measured, other.is_corrected);
         if other.is_corrected {
             self.loaded.copy_from(&other.loaded);
         }
@@ -115,7 +121,7 @@ impl Picture {
     /// Mean grey level, as it was loaded.
     #[must_use]
     pub fn mean_level(&self) -> f32 {
-        self.mean_level
+        self.measured.mean_level
     }
 
     /// Mean of the grey levels that are matched.
@@ -127,7 +133,7 @@ impl Picture {
     /// Mean, contrast and saturation, as they were loaded.
     #[must_use]
     pub fn levels(&self) -> Levels {
-        self.levels
+        self.measured.levels
     }
 
     /// Sharpness of the picture, dimensionless: the mean squared difference between neighbours in a row at full size,
@@ -136,7 +142,7 @@ impl Picture {
     /// picture.
     #[must_use]
     pub fn sharpness(&self) -> f32 {
-        self.sharpness
+        self.measured.sharpness
     }
 
     fn measure_sharpness(&self) -> f32 {
