@@ -53,12 +53,18 @@ impl Pixels {
 /// the smaller over the larger. 1 if no pixel differs.
 fn chess_detail(image: &Image<f32>) -> f64 {
     let (width, height) = image.size();
-    let mut squares = [0.0; 2];
+    let mut squares = [0.0_f64; 2];
     for y in 1..height - 1 {
-        for x in 1..width - 1 {
-            let beside = image.at(x - 1, y) + image.at(x + 1, y) + image.at(x, y - 1) + image.at(x, y + 1);
-            squares[(x + y) % 2] += f64::from(image.at(x, y) - 0.25 * beside).powi(2);
+        let [above, here, below] = [y - 1, y, y + 1].map(|y| &image.row(y)[..width]);
+        let mut sums = [0.0_f32; 2];
+        for first in [1, 2] {
+            let near = here[first - 1..].windows(3).zip(above[first..].iter().zip(&below[first..])).step_by(2);
+            sums[first - 1] = near
+                .map(|(beside, (above, below))| (beside[1] - 0.25 * (beside[0] + beside[2] + above + below)).powi(2))
+                .sum();
         }
+        squares[y % 2] += f64::from(sums[0]);
+        squares[(y + 1) % 2] += f64::from(sums[1]);
     }
     let [even, odd] = squares;
     if even.max(odd) > 0.0 { even.min(odd) / even.max(odd) } else { 1.0 }

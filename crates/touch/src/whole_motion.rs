@@ -1,15 +1,12 @@
 //! The motion of the whole image: a shift, a rotation and a magnification, as of a camera that moves.
 
-/// A small motion of the whole image, first order in the rotation and the magnification.
+/// A motion of the whole image, as what undoes it: from where a point is seen to where it was,
+/// `x' = x₀ + a x + b y`, `y' = y₀ + a y − b x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct WholeMotion {
-    centre_px: [f64; 2],
-    /// Displacement of the centre, px.
-    shift_px: [f64; 2],
-    /// How much larger the image is, relative to its size.
-    growth: f64,
-    /// From the x axis towards the y axis, rad.
-    turn: f64,
+    origin_px: [f64; 2],
+    along: f64,
+    across: f64,
 }
 
 /// A motion that was fitted to a flow.
@@ -25,7 +22,7 @@ pub(crate) struct FittedMotion {
 
 impl WholeMotion {
     /// No motion.
-    pub(crate) const NONE: Self = Self { centre_px: [0.0; 2], shift_px: [0.0; 2], growth: 0.0, turn: 0.0 };
+    pub(crate) const NONE: Self = Self { origin_px: [0.0; 2], along: 1.0, across: 0.0 };
 
     /// Least-squares fit to samples of a flow: places and displacements, px. None without samples.
     pub(crate) fn fit(samples: impl Iterator<Item = ([f64; 2], [f64; 2])>) -> Option<FittedMotion> {
@@ -49,23 +46,25 @@ impl WholeMotion {
         let along = along - (x * u + y * v) / number;
         let across = across - (x * v - y * u) / number;
         let explained = (u * u + v * v) / number + (along * along + across * across) / spread;
-        let motion = Self {
-            centre_px: [x / number, y / number],
-            shift_px: [u / number, v / number],
-            growth: along / spread,
-            turn: across / spread,
-        };
+        // The magnification and the sine of the rotation; where the mean place is seen.
+        let (grown, turned) = (1.0 + along / spread, across / spread);
+        let seen_px = [(x + u) / number, (y + v) / number];
+        let square = grown * grown + turned * turned;
+        let (along, across) = (grown / square, turned / square);
+        let origin_px = [
+            x / number - along * seen_px[0] - across * seen_px[1],
+            y / number - along * seen_px[1] + across * seen_px[0],
+        ];
+        let motion = Self { origin_px, along, across };
         let [flow_px, left_px] = [flow_squares, (flow_squares - explained).max(0.0)].map(|sum| (sum / number).sqrt());
         Some(FittedMotion { motion, count, flow_px, left_px })
     }
 
     /// Where the point that is seen at a place, px, was before the motion.
-    pub(crate) fn undo(&self, px: [f64; 2]) -> [f64; 2] {
-        let [x, y] = [0, 1].map(|axis| px[axis] - self.centre_px[axis] - self.shift_px[axis]);
-        let (along, across) = (1.0 + self.growth, self.turn);
-        let square = along * along + across * across;
-        let before = [(along * x + across * y) / square, (along * y - across * x) / square];
-        [0, 1].map(|axis| self.centre_px[axis] + before[axis])
+    #[inline]
+    pub(crate) fn undo(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [origin_x, origin_y] = self.origin_px;
+        [origin_x + self.along * x + self.across * y, origin_y + self.along * y - self.across * x]
     }
 }
 
