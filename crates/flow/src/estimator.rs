@@ -191,7 +191,7 @@ impl FlowEstimator {
 
     /// Corrects the light of a picture to that of a reference, before it is matched with it: each channel is multiplied by the ratio of the
     /// mean levels around each place. `history` leads from the reference to the last frame. Without it, a light that differs within
-    /// 16 px, or from colour to colour, is an error of the flow. Places far from any change by more than 1.5 % stay as they are.
+    /// 16 px, or from colour to colour, is an error of the flow. Places far from any change by more than 2 % stay as they are.
     pub fn correct_light(&self, reference: &Reference, picture: &mut Picture, history: &FlowHistory) {
         let [u, _, _, v, ..] = &history.last_nodes().planes;
         picture.correct_light(&reference.light, [u, v]);

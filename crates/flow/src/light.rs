@@ -18,10 +18,10 @@ pub(crate) const BLOCK: usize = 8;
 const BOX: usize = 5;
 /// A light that differs by less than the first part is not corrected, because the patches eliminate it; from the second part on it is
 /// corrected wholly.
-const CHANGE: [f32; 2] = [0.015, 0.025];
-/// Around a changed node the correction is whole where the weight of its brightness is at least this, up to three nodes away along an axis, and
-/// fades out beyond. A node in a corner of the image has this weight itself.
-const WHOLE: f32 = 9.0;
+const CHANGE: [f32; 2] = [0.02, 0.03];
+/// Around a changed node the correction is whole where the weight of its brightness is at least this, up to two nodes away along an axis, and
+/// fades out beyond. At a corner of the image two changed nodes have this weight.
+const WHOLE: f32 = 15.0;
 /// Every second row of pixels is enough for the brightness.
 const ROW_STEP: usize = 2;
 /// Largest factor on the levels, and one over the smallest.
