@@ -20,6 +20,12 @@ MOST_BYTES = 300_000
 DEPTH = "Number(document.querySelector('.numbers dd').textContent.split(' ')[0])"
 # Resolves when the page has been drawn twice: the first drawing may have begun already.
 DRAWN = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+# The numbers that do not fit into their boxes when they are long.
+TOO_WIDE = (
+    "[...document.querySelectorAll('.numbers dd')].filter("
+    "dd => { dd.firstChild.textContent = '1122 / 1813 '; return dd.scrollWidth > dd.clientWidth; })"
+    ".map(dd => dd.textContent)"
+)
 PICTURE = "selector => document.querySelector(selector).toDataURL()"
 
 
@@ -147,6 +153,7 @@ def test_everything_fits_on_the_screen(
     page.wait_for_function(f"{DEPTH} > 1", timeout=60_000)
     page.screenshot(path=SCREENSHOTS / f"{name}-{scheme}.png", full_page=True)
     assert page.evaluate("document.documentElement.scrollWidth") <= size[0]
+    assert page.evaluate(TOO_WIDE) == []
     page.context.close()
 
 
