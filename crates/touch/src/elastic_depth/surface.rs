@@ -52,7 +52,7 @@ pub(super) struct Surface {
     team: Team,
     /// Size of a pixel on the undeformed surface, mm: the square root of the mean area that a pixel on the gel sees.
     pub(super) mm_per_px: f64,
-    /// The motion of the whole image on the untouched gel, which is subtracted from the flow.
+    /// The motion of the whole image on the untouched gel, which is undone before anything is measured.
     pub(super) untouched_motion: WholeMotion,
     /// The measurements of the last frame, one for each cell.
     pub(super) seen: Vec<Seen>,

@@ -293,7 +293,7 @@ mod tests {
         );
     }
 
-    /// The displacement of the middle of the image that is undone after ten frames a second with these flows; `touched` at the end of a frame.
+    /// The displacement of the upper left corner of the image that is undone after ten frames a second with these flows; `touched` at the end of a frame.
     fn undone(frames: usize, flow: impl Fn(f32, f32, f32) -> [f32; 2], touched: impl Fn(f32) -> bool) -> [f64; 2] {
         let mut rest = Rest::new(SIZE);
         let mut estimate = Estimate::new(SIZE.0, SIZE.1);

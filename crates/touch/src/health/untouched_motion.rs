@@ -1,7 +1,8 @@
 //! The motion of the whole image on the untouched gel, as of a camera that gets warm.
 //!
-//! It is no motion of the gel, so elastic depth is computed without it. A light touch that is not detected must not be taken for it: the
-//! flow has to be a shift, a rotation and a magnification, has to have come slowly, and for one more interval nothing may touch the gel.
+//! The gel itself does not move, so elastic depth is computed without this motion. A light touch that is not detected also moves the image a
+//! little. A flow therefore counts only if a shift, a rotation and a magnification explain it, if it came slowly, and if nothing touches the
+//! gel in the interval after it.
 
 use super::thresholds::THRESHOLDS;
 use crate::whole_motion::{FittedMotion, WholeMotion};
@@ -12,7 +13,7 @@ pub(super) struct UntouchedMotion {
     accepted: WholeMotion,
     /// The motion at the end of the last interval; accepted at the end of the next one.
     candidate: Option<WholeMotion>,
-    /// Whether the image jumped since the reference: then it cannot be told from an object that drags the whole gel.
+    /// Whether the image has jumped since the reference. An object that drags the whole gel looks the same, so a jump is not undone.
     has_jumped: bool,
 }
 
