@@ -152,7 +152,7 @@ impl Refinement {
 
     /// Square of the error of a patch that blur causes, px²; 0 if it failed.
     pub(crate) fn blur_error(&self, template: &Template, node: usize) -> f32 {
-        let (noise, variance) = (template.noise.variance(), template.variance[node]);
+        let (noise, variance) = (template.noise.residual_variance(), template.variance[node]);
         self.trust[node] * blur_error(self.contrast[node], self.mean_energy[node] - noise, variance.max(noise))
     }
 
