@@ -70,9 +70,10 @@ impl Rest {
     /// Begins again with a new reference.
     pub(super) fn restart(&mut self) {
         self.untouched.fill([0.0; 2]);
+        self.moved.fill([0.0; 2]);
         self.motion = UntouchedMotion::NONE;
         self.disturb();
-        self.first_residual = None;
+        (self.residuals, self.first_residual) = ((0.0, 0.0), None);
         (self.has_moved, self.has_aged) = (false, false);
     }
 
@@ -272,6 +273,21 @@ mod tests {
         assert_eq!(after_bump(3.0, turn, false), (true, true));
         assert_eq!(after_bump(1.5, shift, false), (false, false), "too short");
         assert_eq!(after_bump(3.0, shift, true), (false, false), "something touches the gel");
+    }
+
+    #[test]
+    fn after_a_restart_nothing_is_left_of_the_frames_before() {
+        let mut rest = Rest::new(SIZE);
+        let mut estimate = Estimate::new(SIZE.0, SIZE.1);
+        estimate.valid.values_mut().fill(1);
+        estimate.residual_levels = 2.0;
+        for frame in 0..200 {
+            estimate.flow.u.values_mut().fill(if frame < 100 { 0.001 * frame as f32 } else { 7.0 });
+            rest.watch(0.1 * f64::from(frame), &estimate, false);
+        }
+        assert!(rest.is_drifted());
+        rest.restart();
+        assert_eq!(format!("{rest:?}"), format!("{:?}", Rest::new(SIZE)));
     }
 
     #[test]
