@@ -50,11 +50,12 @@ impl FirstMotion {
 
     /// The state of the gel in the first image according to a flow; none if little moves or the motion does not decide.
     pub(super) fn judge(&mut self, estimate: &Estimate) -> Option<FirstImage> {
-        self.take(estimate);
-        let moving = || self.samples.iter().filter(|sample| sample.length() > THRESHOLDS.motion_px);
-        if moving().count() < THRESHOLDS.least_moving {
+        // Most gels are at rest for many frames before anything moves.
+        if count_moving(estimate) < THRESHOLDS.least_moving {
             return None;
         }
+        self.take(estimate);
+        let moving = || self.samples.iter().filter(|sample| sample.length() > THRESHOLDS.motion_px);
         let weight: f32 = moving().map(Sample::length).sum();
         let middle = [0, 1].map(|axis| moving().map(|sample| sample.length() * sample.at[axis]).sum::<f32>() / weight);
         let largest = moving().map(Sample::length).fold(0.0, f32::max);
@@ -130,6 +131,17 @@ impl Sample {
 
 fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
     a[0] * b[0] + a[1] * b[1]
+}
+
+/// The number of samples that move.
+fn count_moving(Estimate { flow, valid, .. }: &Estimate) -> usize {
+    let mut count = 0;
+    for y in (0..flow.size().1).step_by(STEP) {
+        let row = flow.u.row(y).iter().zip(flow.v.row(y)).zip(valid.row(y)).step_by(STEP);
+        count +=
+            row.filter(|((u, v), valid)| **valid == 1 && **u * **u + **v * **v > THRESHOLDS.motion_px.powi(2)).count();
+    }
+    count
 }
 
 /// Mean motion away from a point, px, over the farther half of the samples.
