@@ -9,7 +9,7 @@ use fingervision_source::{CameraCoding, CameraFrameDecoder, CameraLayout};
 use fingervision_touch::{DepthLine, DepthSection, ElasticMode, Fields, Profile, Reading, Tracker};
 use serde::{Deserialize, Serialize};
 
-use super::film::{Film, PRESSED, PRESSED_START, REST, REST_START, SIZE};
+use super::film::{Film, NEW_REFERENCE, PRESSED, PRESSED_START, REST, REST_START, SIZE};
 
 /// Marks the begin and the end of what is counted: valgrind starts a new part where it is entered, and knows it by name.
 pub(super) const MARK: &str = "mark_of_counted_frames";
@@ -111,7 +111,7 @@ impl Run {
         match self {
             Self::Exact => &[(Stage::RestExact, &REST), (Stage::Exact, &PRESSED)],
             Self::Live => &[(Stage::RestLive, &REST), (Stage::Live, &PRESSED)],
-            Self::Flow => &[(Stage::Rest, &REST), (Stage::Flow, &PRESSED), (Stage::Reference, &REST)],
+            Self::Flow => &[(Stage::Rest, &REST), (Stage::Flow, &PRESSED), (Stage::Reference, &NEW_REFERENCE)],
             Self::Density => &[(Stage::Density, &PRESSED)],
             Self::FlowGrey => &[(Stage::FlowGrey, &PRESSED)],
             Self::Jpeg => &[(Stage::Jpeg, &PRESSED)],
