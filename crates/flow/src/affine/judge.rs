@@ -151,8 +151,11 @@ impl Refinement {
     }
 
     /// Square of the error of a patch that blur causes, px²; 0 if it failed.
+    ///
+    /// The noise is that of the coupling, which is proportional to the contrast: if it were that of the pixels, blur of a weak pattern would
+    /// look like noise.
     pub(crate) fn blur_error(&self, template: &Template, node: usize) -> f32 {
-        let (noise, variance) = (template.noise.residual_variance(), template.variance[node]);
+        let (noise, variance) = (template.noise.variance(), template.variance[node]);
         self.trust[node] * blur_error(self.contrast[node], self.mean_energy[node] - noise, variance.max(noise))
     }
 

@@ -284,7 +284,7 @@ impl FinePatches {
             let excess = (node.mean_energy / fine.noise.variance()).max(LEAST_NOISE);
             let rough = ROUGH_PATCH * expected * node.roughness;
             let template_variance = fine.equations[node.place].variance;
-            let blur = node.blur_error(template_variance, fine.noise.residual_variance(), blur_likelihood);
+            let blur = node.blur_error(template_variance, fine.noise.variance(), blur_likelihood);
             let other = rough + blur + REMAINING_ERROR * (u * u + v * v) + FLOOR_VARIANCE;
             let bond = self.stiffness.tolerance / (self.stiffness.tolerance + node.roughness);
             let variance = fine.own_variance(node.place, bond) * excess + other;
