@@ -55,7 +55,7 @@ impl FirstMotion {
             return None;
         }
         self.take(estimate);
-        let moving = || self.samples.iter().filter(|sample| sample.length() > THRESHOLDS.motion_px);
+        let moving = || self.samples.iter().filter(|sample| moves(sample.flow));
         let weight: f32 = moving().map(Sample::length).sum();
         let middle = [0, 1].map(|axis| moving().map(|sample| sample.length() * sample.at[axis]).sum::<f32>() / weight);
         let largest = moving().map(Sample::length).fold(0.0, f32::max);
@@ -85,7 +85,7 @@ impl FirstMotion {
 
     /// `Σ f·(x − p) / Σ |f| |x − p|` over the moving samples, about the centre of perspective `p`.
     fn outwards(&self) -> f32 {
-        let moving = self.samples.iter().filter(|sample| sample.length() > THRESHOLDS.motion_px);
+        let moving = self.samples.iter().filter(|sample| moves(sample.flow));
         let (along, all) = moving.fold((0.0, 0.0), |(along, all), sample| {
             let [x, y] = sample.from(self.centre_px);
             (along + sample.flow[0] * x + sample.flow[1] * y, all + sample.length() * x.hypot(y))
@@ -133,13 +133,17 @@ fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
     a[0] * b[0] + a[1] * b[1]
 }
 
+/// Whether a flow, px, counts as motion.
+fn moves([u, v]: [f32; 2]) -> bool {
+    u * u + v * v > THRESHOLDS.motion_px.powi(2)
+}
+
 /// The number of samples that move.
 fn count_moving(Estimate { flow, valid, .. }: &Estimate) -> usize {
     let mut count = 0;
     for y in (0..flow.size().1).step_by(STEP) {
         let row = flow.u.row(y).iter().zip(flow.v.row(y)).zip(valid.row(y)).step_by(STEP);
-        count +=
-            row.filter(|((u, v), valid)| **valid == 1 && **u * **u + **v * **v > THRESHOLDS.motion_px.powi(2)).count();
+        count += row.filter(|((u, v), valid)| **valid == 1 && moves([**u, **v])).count();
     }
     count
 }
