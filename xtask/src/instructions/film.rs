@@ -24,11 +24,12 @@ const JPEG_QUALITY: u8 = 85;
 /// Frames at rest after the reference, frame 0: first those that are not counted.
 pub(super) const REST_START: [usize; 1] = [1];
 pub(super) const REST: [usize; 2] = [2, 3];
-/// A frame that becomes the reference after those; one, because it takes as long as many others.
+/// The frame at rest that becomes the new reference after the pressed frames. Only one is counted: it takes as many instructions as ten
+/// pressed frames.
 pub(super) const NEW_REFERENCE: [usize; 1] = [2];
 /// Pressed frames: first those that are not counted. From the third on, the ball moves by .1 mm a frame.
 pub(super) const PRESSED_START: [usize; 4] = [4, 5, 6, 7];
-pub(super) const PRESSED: [usize; 2] = [8, 9];
+pub(super) const PRESSED: [usize; 4] = [8, 9, 8, 7];
 const FRAMES: usize = 10;
 /// Depth of the ball, mm, after so many frames; in between it moves evenly.
 const COURSE: [(f64, f64); 3] = [(3.0, 0.0), (5.0, 1.2), (9.0, 1.6)];

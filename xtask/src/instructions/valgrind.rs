@@ -174,10 +174,10 @@ mod tests {
     #[test]
     fn only_parts_between_marks_are_counted() {
         let part = |instructions| Counts { instructions, ..Counts::default() };
-        // The start, then two frames at rest and two pressed ones, each followed by what is not counted.
-        let parts = [9000, 10, 700, 20, 700, 100, 700, 200, 700].map(part);
+        // The start, then two frames at rest and four pressed ones, each followed by what is not counted.
+        let parts = [9000, 10, 700, 20, 700, 100, 700, 200, 700, 300, 700, 400, 700].map(part);
         let counted = of_stages(Run::Live, &parts).unwrap();
-        assert_eq!(counted, [(Stage::RestLive, part(15)), (Stage::Live, part(150))]);
-        assert!(of_stages(Run::Live, &parts[..8]).is_err());
+        assert_eq!(counted, [(Stage::RestLive, part(15)), (Stage::Live, part(250))]);
+        assert!(of_stages(Run::Live, &parts[..12]).is_err());
     }
 }
