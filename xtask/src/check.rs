@@ -14,7 +14,8 @@ pub(crate) fn run(out: &mut impl Write) -> Result<()> {
     // Without the features that are on by default.
     let core = ["clippy", "--package", "fingervision", "--no-default-features", "--locked", "--quiet"];
     cargo(&[&core[..], &["--", "-D", "warnings"]].concat(), out)?;
-    cargo(&["doc", "--workspace", "--no-deps", "--locked", "--quiet"], out)
+    // With the features of the first, so that no dependency is checked again.
+    cargo(&["doc", "--workspace", FEATURES, "--no-deps", "--locked", "--quiet"], out)
 }
 
 fn cargo(arguments: &[&str], out: &mut impl Write) -> Result<()> {

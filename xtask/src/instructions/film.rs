@@ -7,18 +7,16 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use fingervision_gel::{Keyframe, PressCache, Scene, Simulation, Truth};
+use fingervision_gel::{Keyframe, Motif, PressCache, Scene, Simulation, Truth};
 use fingervision_image::{Image, Pixels};
 use fingervision_simulation::simulated_profile;
 use fingervision_touch::Profile;
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 
-const WIDTH: usize = 640;
-const HEIGHT: usize = 480;
-/// Columns and rows of the frames, px.
-pub(super) const SIZE: (usize, usize) = (WIDTH, HEIGHT);
-/// The gel then fills the width of the image.
-const FOCAL_LENGTH_PX: f64 = 533.0;
+/// Focal length by the width of the image: the gel then fills it.
+const FOCAL_LENGTH: f64 = 533.0 / 640.0;
+/// Width of a cell of the pattern, mm, times the width of the image.
+const CELL_MM_PX: f64 = 0.1 * 640.0;
 const JPEG_QUALITY: u8 = 85;
 
 /// Frames at rest after the reference, frame 0: first those that are not counted.
@@ -36,15 +34,19 @@ const COURSE: [(f64, f64); 3] = [(3.0, 0.0), (5.0, 1.2), (9.0, 1.6)];
 
 /// The frames, all in memory.
 pub(super) struct Film {
+    /// Columns and rows, px.
+    size: (usize, usize),
     frames: Vec<Image<[u8; 3]>>,
 }
 
-/// The press.
-fn scene() -> Result<Scene> {
+/// The press, with cells of the pattern that are 2 px wide.
+fn scene(size: (usize, usize)) -> Result<Scene> {
     let mut scene = Scene::find("sphere")?;
     scene.make_draft();
-    (scene.render.width, scene.render.height) = (WIDTH, HEIGHT);
-    scene.camera.focal_length_px = [FOCAL_LENGTH_PX; 2];
+    (scene.render.width, scene.render.height) = size;
+    let width = size.0 as f64;
+    scene.camera.focal_length_px = [FOCAL_LENGTH * width; 2];
+    scene.pattern.motif = Motif::Colour { cell_mm: CELL_MM_PX / width };
     scene.motion.frames = FRAMES;
     scene.motion.keyframes =
         COURSE.map(|(at, depth_mm)| Keyframe { at, depth_mm: Some(depth_mm), ..Keyframe::default() }).into();
@@ -53,8 +55,8 @@ fn scene() -> Result<Scene> {
 
 impl Film {
     /// Solves the press and renders it; returns the truth of every frame, too.
-    pub(super) fn make() -> Result<(Self, Vec<Truth>)> {
-        let mut simulation = Simulation::new(&scene()?)?;
+    pub(super) fn make(size: (usize, usize)) -> Result<(Self, Vec<Truth>)> {
+        let mut simulation = Simulation::new(&scene(size)?)?;
         let solved = simulation.solve(&PressCache::OFF, &mut |_| ControlFlow::Continue(()))?.states.len();
         ensure!(solved == FRAMES, "the press has {solved} frames, and {FRAMES} are needed");
         let (mut frames, mut truths) = (Vec::new(), Vec::new());
@@ -65,7 +67,7 @@ impl Film {
             frames.push(image);
             truths.push(simulation.truth(number)?.clone());
         }
-        Ok((Self { frames }, truths))
+        Ok((Self { size, frames }, truths))
     }
 
     pub(super) fn write(&self, path: &Path) -> Result<()> {
@@ -73,16 +75,21 @@ impl Film {
         fs::write(path, bytes).with_context(|| format!("{} cannot be written", path.display()))
     }
 
-    pub(super) fn read(path: &Path) -> Result<Self> {
+    pub(super) fn read(path: &Path, size: (usize, usize)) -> Result<Self> {
+        let (width, height) = size;
         let bytes = fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
         let (pixels, rest) = bytes.as_chunks::<3>();
         ensure!(
-            rest.is_empty() && pixels.len() == FRAMES * WIDTH * HEIGHT,
+            rest.is_empty() && pixels.len() == FRAMES * width * height,
             "{} does not contain {FRAMES} frames",
             path.display()
         );
-        let frames = pixels.chunks_exact(WIDTH * HEIGHT).map(|frame| Image::from_vec(WIDTH, HEIGHT, frame.to_vec()));
-        Ok(Self { frames: frames.collect::<Result<_, _>>()? })
+        let frames = pixels.chunks_exact(width * height).map(|frame| Image::from_vec(width, height, frame.to_vec()));
+        Ok(Self { size, frames: frames.collect::<Result<_, _>>()? })
+    }
+
+    pub(super) fn size(&self) -> (usize, usize) {
+        self.size
     }
 
     pub(super) fn frame(&self, number: usize) -> &Image<[u8; 3]> {
@@ -90,8 +97,8 @@ impl Film {
     }
 
     /// The sensor that the film shows.
-    pub(super) fn profile() -> Result<Profile> {
-        Ok(simulated_profile(&scene()?))
+    pub(super) fn profile(&self) -> Result<Profile> {
+        Ok(simulated_profile(&scene(self.size)?))
     }
 
     /// A frame as JPEG with chroma halved across, as USB cameras send it.
@@ -100,7 +107,7 @@ impl Film {
         let mut encoder = Encoder::new(&mut bytes, JPEG_QUALITY);
         encoder.set_sampling_factor(SamplingFactor::F_2_1);
         let values = self.frame(number).values().as_flattened();
-        encoder.encode(values, WIDTH as u16, HEIGHT as u16, ColorType::Rgb)?;
+        encoder.encode(values, self.size.0 as u16, self.size.1 as u16, ColorType::Rgb)?;
         Ok(bytes)
     }
 }

@@ -24,7 +24,7 @@ use fingervision_gel::Truth;
 use fingervision_image::{Image, Pixels, Rect, grey_into};
 use fingervision_touch::Reading;
 
-use film::{Film, SIZE};
+use film::Film;
 pub(crate) use record::{Entry, Record, millions};
 pub(crate) use stage::Stage;
 use stage::{Output, Run};
@@ -53,8 +53,9 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
+    let build = Build::of(&std::env::current_exe()?);
     if let (Some(run), Some(film)) = (args.count, &args.film) {
-        return run.play(&Film::read(film)?, |_, _, _| {});
+        return run.play(&Film::read(film, build.size())?, |_, _, _| {});
     }
     let valgrind = match valgrind::version() {
         Ok(version) => version,
@@ -64,18 +65,17 @@ pub(crate) fn run(args: &Args, out: &mut impl Write) -> Result<()> {
         }
         Err(why) => return Err(why),
     };
-    let build = Build::of(&std::env::current_exe()?);
     let (path, rustc) = (record_of(build), rustc()?);
     let record = if args.update { None } else { read_record(build, &rustc, args.required, out)? };
     if record.is_none() && !args.update {
         return Ok(());
     }
     let start = Instant::now();
-    let stages = measure(args.caches)?;
+    let stages = measure(build.size(), args.caches)?;
     let seconds = start.elapsed().as_secs_f64();
     let Some(record) = record else {
         let instruction_set = instruction_set();
-        let (processor, size) = (processor(), SIZE.into());
+        let (processor, size) = (processor(), build.size().into());
         for entry in &stages {
             writeln!(out, "{entry}")?;
         }
@@ -115,8 +115,8 @@ fn read_record(build: Build, rustc: &str, is_required: bool, out: &mut impl Writ
 }
 
 /// Renders the film, then counts and evaluates every stage.
-fn measure(with_caches: bool) -> Result<Vec<Entry>> {
-    let (film, truths) = Film::make()?;
+fn measure(size: (usize, usize), with_caches: bool) -> Result<Vec<Entry>> {
+    let (film, truths) = Film::make(size)?;
     let folder = crate::target_folder().join("instructions");
     fs::create_dir_all(&folder)?;
     let path = folder.join(format!("{}.rgb", std::process::id()));
@@ -158,6 +158,7 @@ fn unit(stage: Stage) -> &'static str {
 
 /// Mean error of a frame: of depth in contact, at rest everywhere; of the flow; of the decoded pixels.
 fn error(stage: Stage, output: Output, frame: &Image<[u8; 3]>, truth: &Truth) -> f64 {
+    let (width, height) = (frame.width(), frame.height());
     match output {
         Output::Reading(Reading { depth: Some(depth), .. }) if unit(stage) == "mm" => {
             let touched = truth.contact.values();
@@ -167,14 +168,14 @@ fn error(stage: Stage, output: Output, frame: &Image<[u8; 3]>, truth: &Truth) ->
             mean(counted.map(|(_, (is_mm, true_mm))| (is_mm - true_mm).abs()).filter(|error| error.is_finite()))
         }
         Output::Reading(reading) => {
-            let [u, v] = [0, 1].map(|part| Image::from_fn(SIZE.0, SIZE.1, |x, y| truth.flow.at(x, y)[part]));
-            let (truth, region) = (FlowField { u, v }, without_border(SIZE, BORDER_PX));
+            let [u, v] = [0, 1].map(|part| Image::from_fn(width, height, |x, y| truth.flow.at(x, y)[part]));
+            let (truth, region) = (FlowField { u, v }, without_border((width, height), BORDER_PX));
             mean(end_point_errors(&reading.flow, &truth, region).filter(|error| error.is_finite()))
         }
         Output::Picture(decoded) => {
             let [is, was] = [decoded, &Pixels::Rgb8(frame.clone())].map(|pixels| {
-                let mut grey = Image::from_fn(SIZE.0, SIZE.1, |_, _| f32::NAN);
-                grey_into(pixels, Rect::whole(SIZE.0, SIZE.1), &mut grey).map(|()| grey)
+                let mut grey = Image::from_fn(width, height, |_, _| f32::NAN);
+                grey_into(pixels, Rect::whole(width, height), &mut grey).map(|()| grey)
             });
             match (is, was) {
                 (Ok(is), Ok(was)) => mean(is.values().iter().zip(was.values()).map(|(is, was)| (is - was).abs())),
@@ -212,6 +213,14 @@ impl Build {
     fn of(program: &Path) -> Self {
         let folder = program.parent().and_then(Path::file_name);
         if folder.is_some_and(|folder| folder == "debug") { Self::Tests } else { Self::Optimised }
+    }
+
+    /// Columns and rows of the frames, px. Those of the tests' build have a quarter of the pixels, because every change is counted.
+    fn size(self) -> (usize, usize) {
+        match self {
+            Self::Optimised => (640, 480),
+            Self::Tests => (320, 240),
+        }
     }
 
     /// The command that writes its record.

@@ -9,7 +9,7 @@ use fingervision_source::{CameraCoding, CameraFrameDecoder, CameraLayout};
 use fingervision_touch::{DepthLine, DepthSection, ElasticMode, Fields, Profile, Reading, Tracker};
 use serde::{Deserialize, Serialize};
 
-use super::film::{Film, NEW_REFERENCE, PRESSED, PRESSED_START, REST, REST_START, SIZE};
+use super::film::{Film, NEW_REFERENCE, PRESSED, PRESSED_START, REST, REST_START};
 
 /// Marks the begin and the end of what is counted: valgrind starts a new part where it is entered, and knows it by name.
 pub(super) const MARK: &str = "mark_of_counted_frames";
@@ -84,15 +84,28 @@ impl Stage {
     }
 }
 
-/// One run of the counted program. It prepares a tracker once and then counts one stage after the other.
+/// One run of the counted program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Run {
-    Exact,
-    Live,
+    /// Both modes in one run: what they share takes longer to prepare than all frames together.
+    Elastic,
     Flow,
     Density,
     FlowGrey,
     Jpeg,
+}
+
+/// The counted stages of one tracker, in order, and the frames of each.
+type Stages = &'static [(Stage, &'static [usize])];
+
+/// How a tracker is set up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sensor {
+    Exact,
+    Live,
+    Flow,
+    FlowGrey,
+    Density,
 }
 
 /// What a frame gives.
@@ -104,17 +117,29 @@ pub(super) enum Output<'a> {
 
 impl Run {
     /// The longest first.
-    pub(super) const ALL: [Self; 6] = [Self::Exact, Self::Live, Self::Flow, Self::Density, Self::FlowGrey, Self::Jpeg];
+    pub(super) const ALL: [Self; 5] = [Self::Elastic, Self::Flow, Self::Density, Self::FlowGrey, Self::Jpeg];
 
-    /// The stages that it counts, in order, and the frames of each.
-    pub(super) fn stages(self) -> &'static [(Stage, &'static [usize])] {
+    /// The stages that it counts, in order.
+    pub(super) fn stages(self) -> Vec<(Stage, &'static [usize])> {
+        if self == Self::Jpeg {
+            return vec![(Stage::Jpeg, &PRESSED)];
+        }
+        self.trackers().iter().flat_map(|(_, stages)| *stages).copied().collect()
+    }
+
+    /// Its trackers, one after the other.
+    fn trackers(self) -> &'static [(Sensor, Stages)] {
         match self {
-            Self::Exact => &[(Stage::RestExact, &REST), (Stage::Exact, &PRESSED)],
-            Self::Live => &[(Stage::RestLive, &REST), (Stage::Live, &PRESSED)],
-            Self::Flow => &[(Stage::Rest, &REST), (Stage::Flow, &PRESSED), (Stage::Reference, &NEW_REFERENCE)],
-            Self::Density => &[(Stage::Density, &PRESSED)],
-            Self::FlowGrey => &[(Stage::FlowGrey, &PRESSED)],
-            Self::Jpeg => &[(Stage::Jpeg, &PRESSED)],
+            Self::Elastic => &[
+                (Sensor::Exact, &[(Stage::RestExact, &REST), (Stage::Exact, &PRESSED)]),
+                (Sensor::Live, &[(Stage::RestLive, &REST), (Stage::Live, &PRESSED)]),
+            ],
+            Self::Flow => {
+                &[(Sensor::Flow, &[(Stage::Rest, &REST), (Stage::Flow, &PRESSED), (Stage::Reference, &NEW_REFERENCE)])]
+            }
+            Self::Density => &[(Sensor::Density, &[(Stage::Density, &PRESSED)])],
+            Self::FlowGrey => &[(Sensor::FlowGrey, &[(Stage::FlowGrey, &PRESSED)])],
+            Self::Jpeg => &[],
         }
     }
 
@@ -127,59 +152,78 @@ impl Run {
         if self == Self::Jpeg {
             return decode(film, each);
         }
-        let (profile, fields) = self.sensor()?;
-        let mut tracker = Tracker::new(&profile, SIZE, self != Self::FlowGrey, fields)?;
-        let mut sequence = 0;
-        let mut frame_of = |number: usize| {
-            let pixels = Pixels::Rgb8(film.frame(number).clone());
-            sequence += 1;
-            Frame { sequence, capture_time_s: sequence as f64 / 90.0, pixels }
-        };
-        tracker.track(&frame_of(0))?;
-        for &(stage, counted) in self.stages() {
-            let start: &[usize] = match stage {
-                Stage::Rest | Stage::RestLive | Stage::RestExact => &REST_START,
-                Stage::Reference => &[],
-                _ => &PRESSED_START,
-            };
-            for &number in start {
-                tracker.track(&frame_of(number))?;
-            }
-            for &number in counted {
-                let frame = frame_of(number);
-                mark_of_counted_frames();
-                if stage == Stage::Reference {
-                    tracker.rezero();
-                }
-                let reading = tracker.track(&frame)?;
-                mark_of_counted_frames();
-                each(stage, number, Output::Reading(reading));
-            }
+        // All are kept to the end, so that the next one shares with them what it can.
+        let mut trackers = Vec::new();
+        for &(sensor, stages) in self.trackers() {
+            let mut tracker = sensor.tracker(film)?;
+            follow(&mut tracker, film, stages, &mut each)?;
+            trackers.push(tracker);
         }
         Ok(())
     }
+}
 
-    fn sensor(self) -> Result<(Profile, Fields)> {
-        let mut profile = Film::profile()?;
+impl Sensor {
+    fn tracker(self, film: &Film) -> Result<Tracker> {
+        let mut profile = film.profile()?;
         let depth = Fields { depth: true, ..Fields::NONE };
-        match self {
-            Self::Live => profile.elastic.mode = ElasticMode::Live,
-            Self::Exact => profile.elastic.mode = ElasticMode::Exact,
+        let fields = match self {
+            Self::Live | Self::Exact => {
+                profile.elastic.mode = if self == Self::Live { ElasticMode::Live } else { ElasticMode::Exact };
+                depth
+            }
             Self::Density => {
                 let line = DepthLine { slope_mm: 15.2, intercept_mm: 0.0 };
                 let section = DepthSection { density: Some(line.into()), ..DepthSection::default() };
                 profile = Profile { image: profile.image, depth: section, ..Profile::default() };
-                return Ok((profile, Fields { density: true, ..depth }));
+                Fields { density: true, ..depth }
             }
-            Self::Flow | Self::FlowGrey | Self::Jpeg => return Ok((profile, Fields::NONE)),
-        }
-        Ok((profile, depth))
+            Self::Flow | Self::FlowGrey => Fields::NONE,
+        };
+        Ok(Tracker::new(&profile, film.size(), self != Self::FlowGrey, fields)?)
     }
+}
+
+/// Takes frame 0 as the reference, then counts one stage after the other.
+fn follow(
+    tracker: &mut Tracker,
+    film: &Film,
+    stages: Stages,
+    each: &mut impl FnMut(Stage, usize, Output),
+) -> Result<()> {
+    let mut sequence = 0;
+    let mut frame_of = |number: usize| {
+        let pixels = Pixels::Rgb8(film.frame(number).clone());
+        sequence += 1;
+        Frame { sequence, capture_time_s: sequence as f64 / 90.0, pixels }
+    };
+    tracker.track(&frame_of(0))?;
+    for &(stage, counted) in stages {
+        let start: &[usize] = match stage {
+            Stage::Rest | Stage::RestLive | Stage::RestExact => &REST_START,
+            Stage::Reference => &[],
+            _ => &PRESSED_START,
+        };
+        for &number in start {
+            tracker.track(&frame_of(number))?;
+        }
+        for &number in counted {
+            let frame = frame_of(number);
+            mark_of_counted_frames();
+            if stage == Stage::Reference {
+                tracker.rezero();
+            }
+            let reading = tracker.track(&frame)?;
+            mark_of_counted_frames();
+            each(stage, number, Output::Reading(reading));
+        }
+    }
+    Ok(())
 }
 
 /// Decodes the pressed frames. The first decoded frame, which allocates, is not counted.
 fn decode(film: &Film, mut each: impl FnMut(Stage, usize, Output)) -> Result<()> {
-    let (width, height) = SIZE;
+    let (width, height) = film.size();
     let layout = CameraLayout { coding: CameraCoding::MotionJpeg, width, height, row_bytes: 0 };
     let mut decoder = CameraFrameDecoder::for_tracking(layout);
     let mut pixels = decoder.decode(&film.coded(0)?).map_err(|error| anyhow!("frame 0: {error}"))?;
@@ -206,7 +250,7 @@ mod tests {
 
     #[test]
     fn every_stage_is_counted_once() {
-        let counted: Vec<Stage> = Run::ALL.iter().flat_map(|run| run.stages()).map(|&(stage, _)| stage).collect();
+        let counted: Vec<Stage> = Run::ALL.iter().flat_map(|run| run.stages()).map(|(stage, _)| stage).collect();
         for stage in Stage::ALL {
             assert_eq!(counted.iter().filter(|&&other| other == stage).count(), 1, "{stage}");
         }

@@ -175,9 +175,12 @@ mod tests {
     fn only_parts_between_marks_are_counted() {
         let part = |instructions| Counts { instructions, ..Counts::default() };
         // The start, then two frames at rest and four pressed ones, each followed by what is not counted.
-        let parts = [9000, 10, 700, 20, 700, 100, 700, 200, 700, 300, 700, 400, 700].map(part);
-        let counted = of_stages(Run::Live, &parts).unwrap();
-        assert_eq!(counted, [(Stage::RestLive, part(15)), (Stage::Live, part(250))]);
-        assert!(of_stages(Run::Live, &parts[..12]).is_err());
+        let tracker = [10, 700, 20, 700, 100, 700, 200, 700, 300, 700, 400, 700];
+        let parts: Vec<Counts> =
+            [9000].into_iter().chain(tracker).chain(tracker.map(|count| 2 * count)).map(part).collect();
+        let counted = of_stages(Run::Elastic, &parts).unwrap();
+        let exact = [(Stage::RestExact, part(15)), (Stage::Exact, part(250))];
+        assert_eq!(counted, [exact, [(Stage::RestLive, part(30)), (Stage::Live, part(500))]].concat());
+        assert!(of_stages(Run::Elastic, &parts[..24]).is_err());
     }
 }
