@@ -34,8 +34,6 @@ const COURSE: [(f64, f64); 3] = [(3.0, 0.0), (5.0, 1.2), (9.0, 1.6)];
 
 /// The frames, all in memory.
 pub(super) struct Film {
-    /// Columns and rows, px.
-    size: (usize, usize),
     frames: Vec<Image<[u8; 3]>>,
 }
 
@@ -67,7 +65,7 @@ impl Film {
             frames.push(image);
             truths.push(simulation.truth(number)?.clone());
         }
-        Ok((Self { size, frames }, truths))
+        Ok((Self { frames }, truths))
     }
 
     pub(super) fn write(&self, path: &Path) -> Result<()> {
@@ -85,11 +83,12 @@ impl Film {
             path.display()
         );
         let frames = pixels.chunks_exact(width * height).map(|frame| Image::from_vec(width, height, frame.to_vec()));
-        Ok(Self { size, frames: frames.collect::<Result<_, _>>()? })
+        Ok(Self { frames: frames.collect::<Result<_, _>>()? })
     }
 
+    /// Columns and rows of a frame, px.
     pub(super) fn size(&self) -> (usize, usize) {
-        self.size
+        self.frame(0).size()
     }
 
     pub(super) fn frame(&self, number: usize) -> &Image<[u8; 3]> {
@@ -98,7 +97,7 @@ impl Film {
 
     /// The sensor that the film shows.
     pub(super) fn profile(&self) -> Result<Profile> {
-        Ok(simulated_profile(&scene(self.size)?))
+        Ok(simulated_profile(&scene(self.size())?))
     }
 
     /// A frame as JPEG with chroma halved across, as USB cameras send it.
@@ -107,7 +106,8 @@ impl Film {
         let mut encoder = Encoder::new(&mut bytes, JPEG_QUALITY);
         encoder.set_sampling_factor(SamplingFactor::F_2_1);
         let values = self.frame(number).values().as_flattened();
-        encoder.encode(values, self.size.0 as u16, self.size.1 as u16, ColorType::Rgb)?;
+        let (width, height) = self.size();
+        encoder.encode(values, width as u16, height as u16, ColorType::Rgb)?;
         Ok(bytes)
     }
 }

@@ -158,7 +158,7 @@ fn unit(stage: Stage) -> &'static str {
 
 /// Mean error of a frame: of depth in contact, at rest everywhere; of the flow; of the decoded pixels.
 fn error(stage: Stage, output: Output, frame: &Image<[u8; 3]>, truth: &Truth) -> f64 {
-    let (width, height) = (frame.width(), frame.height());
+    let (width, height) = frame.size();
     match output {
         Output::Reading(Reading { depth: Some(depth), .. }) if unit(stage) == "mm" => {
             let touched = truth.contact.values();

@@ -87,7 +87,7 @@ impl Stage {
 /// One run of the counted program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Run {
-    /// Both modes in one run: what they share takes longer to prepare than all frames together.
+    /// Both modes in one run: what they share, more instructions than all frames together, is prepared once.
     Elastic,
     Flow,
     Density,
